@@ -1,0 +1,1 @@
+"""The `contin` command; outermost, imports everything lazily."""

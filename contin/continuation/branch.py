@@ -1,0 +1,104 @@
+"""What a continuation returns: a `Branch` of rows, its labelled points, and why each of its two ends is where it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
+
+
+@dataclass(frozen=True)
+class End:
+    """Why a branch ends: `reason` is one of FORMATS' codes, `text` the same in words, `data` what belongs to it."""
+
+    reason: str
+    text: str
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class SpecialPoint:
+    """A labelled, verified point of a branch.
+
+    `z` is the solution (unknowns, then the varying parameters), `tangent` the branch's unit tangent there in the
+    problem's metric, `vectors` the null vectors or eigenvectors of the defining system ('q', 'p', ...; complex for HB).
+    """
+
+    type: str
+    label: str
+    index: int  # row of the branch
+    z: Array
+    tangent: Array
+    values: Mapping[str, float]  # every column and every model parameter at the point
+    residual: float  # of the defining system
+    error: float  # estimated error of the (first) varying parameter
+    eigenvalues: NDArray[np.complex128]
+    normal_form: Mapping[str, Any]
+    vectors: Mapping[str, Any] = field(default_factory=dict)
+    also: tuple[str, ...] = ()  # degeneracies that coincide with it, e.g. ('ZH',)
+
+
+@dataclass(frozen=True, eq=False)
+class Parent:
+    """The point a branch was born at."""
+
+    branch: str
+    label: str
+
+
+@dataclass(frozen=True, eq=False)
+class ImageOf:
+    """A branch that a declared symmetry makes of another; it was not computed."""
+
+    branch: str
+    symmetry: str
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """One curve of solutions, from the end of its down arm through its start to the end of its up arm.
+
+    `columns` maps names (varying parameters, states, observables, `unstable`, `stable`, ...) to arrays with one entry a
+    row; `z` and `tangents` hold the unknowns and unit tangents of the rows; `problem` can continue it.
+    """
+
+    name: str
+    kind: str  # equilibrium | fixed-point | orbit | bvp | locus
+    parameters: tuple[str, ...]
+    columns: Mapping[str, NDArray[Any]]
+    points: tuple[SpecialPoint, ...]
+    ends: tuple[End, End]
+    z: Array
+    tangents: Array
+    eigenvalues: NDArray[np.complex128]  # (rows, k), multipliers for orbits and maps
+    start_row: int
+    steps: int
+    seconds: float
+    effort: Mapping[str, int]  # counted evaluations
+    problem: Any
+    locus: str | None = None
+    parent: Parent | None = None
+    image_of: ImageOf | None = None
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.z)
+
+    def __getitem__(self, label: str) -> SpecialPoint:
+        for point in self.points:
+            if point.label == label:
+                return point
+        known = ", ".join(p.label for p in self.points) or "none"
+        raise KeyError(f"branch {self.name!r} has no point {label!r}; its points: {known}")
+
+    @property
+    def multiplier_kind(self) -> bool:
+        """True where `eigenvalues` are multipliers (orbits and maps)."""
+        return self.kind in ("orbit", "fixed-point")

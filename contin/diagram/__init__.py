@@ -1,0 +1,1 @@
+"""The explorer: which branch to follow next, identity of branches, the graph, the report."""

@@ -1,0 +1,1 @@
+"""Compiled numerics (numba): dense algebra, eigenvalues, marching; a model reaches them as a pointer."""

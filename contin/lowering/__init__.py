@@ -1,0 +1,1 @@
+"""Expressions to machine code: graph -> LLVM IR -> function pointers."""

@@ -1,0 +1,1 @@
+"""What a system is: expressions, models, YAML loading, the registry of models."""

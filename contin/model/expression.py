@@ -1,0 +1,430 @@
+"""Formulas as a hash-consed graph: equal formulas are the same object, so common subexpressions cost nothing to find.
+
+Nodes are immutable and interned: `a is b` exactly when a and b are built alike. Numbers are exact rationals where the
+text was exact ("0.1" is 1/10), so passes can hand them to a computer algebra system and back without rounding. Building
+a node applies only rules that hold for all real arguments where both sides are defined (0*x = 0, x - x = 0, x*x = x^2,
+numbers folded); nothing is expanded, nothing sorted, so a printed formula stays close to what its author wrote.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Final, Union
+from weakref import WeakValueDictionary
+
+Number = Union[Fraction, float]
+ExpressionLike = Union["Expression", int, float, Fraction]
+
+UNARY_FUNCTIONS: Final = frozenset(
+    "sin cos tan asin acos atan sinh cosh tanh exp expm1 log log1p log10 sqrt abs sign heaviside".split()
+)
+BINARY_FUNCTIONS: Final = frozenset({"atan2"})
+VARIADIC_FUNCTIONS: Final = frozenset({"min", "max"})  # two or more arguments; stored with exactly two
+FUNCTIONS: Final = UNARY_FUNCTIONS | BINARY_FUNCTIONS | VARIADIC_FUNCTIONS
+COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
+LOGICAL: Final = frozenset({"and", "or", "not"})
+FOLD_LIMIT_BITS: Final = 400  # a folded rational larger than this becomes a float
+
+
+class Expression:
+    """One node. `op` is 'number', 'pi', 'symbol', 'add', 'mul', 'pow', 'if', a comparison, 'and', 'or', 'not' or a function.
+
+    `args` are the operands ('if' has condition, then, else); `value` is the number or the symbol's name, otherwise None;
+    `mask` has one bit per symbol that occurs below (see `symbol_bit`), so "does it depend on x" is one integer operation.
+    """
+
+    __slots__ = ("__weakref__", "args", "mask", "op", "value")
+    op: str
+    args: tuple[Expression, ...]
+    value: Number | str | None
+    mask: int
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError("expressions are immutable")
+
+    # No __eq__ and __hash__: interning makes identity the right equality.
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _make, (self.op, self.args, self.value)
+
+    def __copy__(self) -> Expression:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Expression:
+        return self
+
+    def __repr__(self) -> str:
+        from contin.model.printing import to_text
+
+        return f"Expression({to_text(self)!r})"
+
+    def __add__(self, other: ExpressionLike) -> Expression:
+        return add(self, other)
+
+    def __radd__(self, other: ExpressionLike) -> Expression:
+        return add(other, self)
+
+    def __sub__(self, other: ExpressionLike) -> Expression:
+        return add(self, neg(other))
+
+    def __rsub__(self, other: ExpressionLike) -> Expression:
+        return add(other, neg(self))
+
+    def __mul__(self, other: ExpressionLike) -> Expression:
+        return mul(self, other)
+
+    def __rmul__(self, other: ExpressionLike) -> Expression:
+        return mul(other, self)
+
+    def __truediv__(self, other: ExpressionLike) -> Expression:
+        return div(self, other)
+
+    def __rtruediv__(self, other: ExpressionLike) -> Expression:
+        return div(other, self)
+
+    def __pow__(self, other: ExpressionLike) -> Expression:
+        return power(self, other)
+
+    def __neg__(self) -> Expression:
+        return neg(self)
+
+    @property
+    def is_number(self) -> bool:
+        return self.op == "number"
+
+
+_interned: WeakValueDictionary[tuple[object, ...], Expression] = WeakValueDictionary()
+_bits: dict[str, int] = {}
+
+
+def symbol_bit(name: str) -> int:
+    """The bit that stands for the symbol `name` in every `mask` (assigned on first use, for the life of the process)."""
+    bit = _bits.get(name)
+    if bit is None:
+        bit = _bits[name] = 1 << len(_bits)
+    return bit
+
+
+def mask_of(names: Iterable[str]) -> int:
+    """Union of the bits of several symbols."""
+    mask = 0
+    for name in names:
+        mask |= symbol_bit(name)
+    return mask
+
+
+def depends_on(expression: Expression, names: Iterable[str]) -> bool:
+    """True where a symbol of `names` occurs in the expression."""
+    return bool(expression.mask & mask_of(names))
+
+
+def _make(op: str, args: tuple[Expression, ...], value: Number | str | None = None) -> Expression:
+    # type(value) keeps 1/2 (exact) and 0.5 (a rounded result) apart, although Python calls them equal
+    key = (op, args, value, type(value))
+    node = _interned.get(key)
+    if node is None:
+        node = object.__new__(Expression)
+        mask = symbol_bit(value) if op == "symbol" and isinstance(value, str) else 0
+        for argument in args:
+            mask |= argument.mask
+        put = object.__setattr__
+        put(node, "op", op)
+        put(node, "args", args)
+        put(node, "value", value)
+        put(node, "mask", mask)
+        _interned[key] = node
+    return node
+
+
+def number(value: int | float | Fraction) -> Expression:
+    """A constant. Integers and fractions stay exact; a float keeps its binary value and is marked as rounded."""
+    if isinstance(value, float):
+        if value.is_integer() and abs(value) < 2.0**53:
+            return _make("number", (), Fraction(int(value)))
+        return _make("number", (), value)
+    exact = Fraction(value)
+    if exact.numerator.bit_length() > FOLD_LIMIT_BITS or exact.denominator.bit_length() > FOLD_LIMIT_BITS:
+        try:
+            return _make("number", (), float(exact))
+        except OverflowError:
+            return _make("number", (), math.inf if exact > 0 else -math.inf)
+    return _make("number", (), exact)
+
+
+def symbol(name: str) -> Expression:
+    """A named quantity: state, parameter, direction component, ..."""
+    return _make("symbol", (), name)
+
+
+ZERO: Final = number(0)
+ONE: Final = number(1)
+MINUS_ONE: Final = number(-1)
+PI: Final = _make("pi", ())
+
+
+def as_expression(value: ExpressionLike) -> Expression:
+    """Numbers become constant nodes; expressions pass."""
+    return value if isinstance(value, Expression) else number(value)
+
+
+def numeric_value(node: Expression) -> Number:
+    """The value of a 'number' node."""
+    value = node.value
+    if node.op != "number" or value is None or isinstance(value, str):
+        raise TypeError(f"not a number node: {node.op}")
+    return value
+
+
+def add(*terms: ExpressionLike) -> Expression:
+    """Sum; like terms (equal up to a numeric factor) and numbers are collected, nested sums are left as they are."""
+    constant: Number = Fraction(0)
+    collected: dict[Expression, Number] = {}
+    for term in terms:
+        node = as_expression(term)
+        if node.op == "number":
+            constant = constant + numeric_value(node)
+            continue
+        coefficient, rest = split_coefficient(node)
+        collected[rest] = collected.get(rest, Fraction(0)) + coefficient
+    nodes = [_scaled(c, rest) for rest, c in collected.items() if c != 0]
+    if constant != 0 or not nodes:
+        folded = number(constant)
+        first = as_expression(terms[0]) if terms else folded
+        nodes = [folded, *nodes] if first.op == "number" else [*nodes, folded]
+    return nodes[0] if len(nodes) == 1 else _make("add", tuple(nodes))
+
+
+def split_coefficient(node: Expression) -> tuple[Number, Expression]:
+    """`node` as (numeric factor, the rest)."""
+    if node.op == "mul" and node.args[0].op == "number":
+        rest = node.args[1:]
+        return numeric_value(node.args[0]), rest[0] if len(rest) == 1 else _make("mul", rest)
+    return Fraction(1), node
+
+
+def _scaled(coefficient: Number, rest: Expression) -> Expression:
+    if coefficient == 1:
+        return rest
+    factors = rest.args if rest.op == "mul" else (rest,)
+    return _make("mul", (number(coefficient), *factors))
+
+
+def mul(*factors: ExpressionLike) -> Expression:
+    """Product; numbers go in front, equal bases with numeric exponents are collected, nested products are flattened."""
+    coefficient: Number = Fraction(1)
+    powers: dict[Expression, Number] = {}
+    stack = [as_expression(f) for f in reversed(factors)]
+    while stack:
+        node = stack.pop()
+        if node.op == "number":
+            coefficient = coefficient * numeric_value(node)
+        elif node.op == "mul":
+            stack.extend(reversed(node.args))
+        elif node.op == "pow" and node.args[1].op == "number":
+            base, exponent = node.args[0], numeric_value(node.args[1])
+            powers[base] = powers.get(base, Fraction(0)) + exponent
+        else:
+            powers[node] = powers.get(node, Fraction(0)) + Fraction(1)
+    if coefficient == 0:
+        return ZERO
+    nodes = [power(base, number(e)) if e != 1 else base for base, e in powers.items() if e != 0]
+    if any(node.op in ("number", "mul") for node in nodes):  # a collected power folded
+        return mul(number(coefficient), *nodes)
+    if coefficient != 1 or not nodes:
+        nodes.insert(0, number(coefficient))
+    return nodes[0] if len(nodes) == 1 else _make("mul", tuple(nodes))
+
+
+def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
+    """base^exponent; folds numbers, x^0 = 1, x^1 = x and (x^i)^j with integers i, j."""
+    b, e = as_expression(base), as_expression(exponent)
+    if e.op == "number":
+        value = numeric_value(e)
+        if value == 0:
+            return ONE
+        if value == 1:
+            return b
+        if isinstance(value, Fraction) and value.denominator == 1:
+            if b.op == "number":
+                folded = _fold_power(numeric_value(b), int(value))
+                if folded is not None:
+                    return folded
+            if b.op == "pow" and b.args[1].op == "number":
+                inner = numeric_value(b.args[1])
+                if isinstance(inner, Fraction) and inner.denominator == 1:
+                    return power(b.args[0], number(inner * value))
+    if b is ONE:
+        return ONE
+    return _make("pow", (b, e))
+
+
+def _fold_power(base: Number, exponent: int) -> Expression | None:
+    if base == 0 and exponent < 0:
+        return None  # stays visible as a division by zero
+    if isinstance(base, Fraction):
+        bits = max(base.numerator.bit_length(), base.denominator.bit_length())
+        if bits * abs(exponent) > FOLD_LIMIT_BITS:
+            return None
+        return number(base**exponent)
+    try:
+        return number(float(base**exponent))
+    except (OverflowError, ZeroDivisionError):
+        return None
+
+
+def neg(value: ExpressionLike) -> Expression:
+    """-value"""
+    return mul(MINUS_ONE, value)
+
+
+def sub(a: ExpressionLike, b: ExpressionLike) -> Expression:
+    """a - b"""
+    return add(a, neg(b))
+
+
+def div(a: ExpressionLike, b: ExpressionLike) -> Expression:
+    """a / b, kept as a product with a negative power; the lowering makes it one division again."""
+    return mul(a, power(b, MINUS_ONE))
+
+
+_AT_ZERO: Final = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "sinh": 0, "tanh": 0, "expm1": 0, "log1p": 0, "sqrt": 0}
+_ONE_AT_ZERO: Final = frozenset({"cos", "cosh", "exp"})
+
+
+def call(name: str, *args: ExpressionLike) -> Expression:
+    """A function of the grammar. min and max of several arguments nest to two at a time."""
+    nodes = tuple(as_expression(a) for a in args)
+    if name in VARIADIC_FUNCTIONS:
+        if len(nodes) < 2:
+            raise TypeError(f"{name} takes two or more arguments; got {len(nodes)}")
+        if len(nodes) > 2:
+            return call(name, call(name, *nodes[:-1]), nodes[-1])
+    elif len(nodes) != (2 if name in BINARY_FUNCTIONS else 1) or name not in FUNCTIONS:
+        raise TypeError(f"no function {name} with {len(nodes)} arguments")
+    if all(n.op == "number" for n in nodes):
+        folded = _fold_call(name, [numeric_value(n) for n in nodes])
+        if folded is not None:
+            return number(folded)
+    return _make(name, nodes)
+
+
+def _fold_call(name: str, values: list[Number]) -> Number | None:
+    """Exact results only: everything else is left for the machine code, so that all forms round alike."""
+    x = values[0]
+    if name in VARIADIC_FUNCTIONS:
+        return min(values) if name == "min" else max(values)
+    if name == "abs":
+        return abs(x)
+    if name == "sign":
+        return Fraction((x > 0) - (x < 0))
+    if name == "heaviside":
+        return Fraction(1, 2) if x == 0 else Fraction(int(x > 0))
+    if x == 0 and name in _AT_ZERO:
+        return Fraction(0)
+    if x == 0 and name in _ONE_AT_ZERO:
+        return Fraction(1)
+    if x == 1 and name in ("log", "log10", "sqrt"):
+        return Fraction(int(name == "sqrt"))
+    if name == "sqrt" and isinstance(x, Fraction) and x > 0:
+        top, bottom = math.isqrt(x.numerator), math.isqrt(x.denominator)
+        if top * top == x.numerator and bottom * bottom == x.denominator:
+            return Fraction(top, bottom)
+    return None
+
+
+_COMPARE: Final = {
+    "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b,
+    ">=": lambda a, b: a >= b, "==": lambda a, b: a == b, "!=": lambda a, b: a != b,
+}  # fmt: skip
+
+
+def compare(op: str, a: ExpressionLike, b: ExpressionLike) -> Expression:
+    """A condition a < b, a <= b, ...; of two numbers it folds to the number 1 (true) or 0 (false)."""
+    if op not in COMPARISONS:
+        raise TypeError(f"no comparison {op!r}")
+    left, right = as_expression(a), as_expression(b)
+    if left.op == "number" and right.op == "number":
+        return ONE if _COMPARE[op](numeric_value(left), numeric_value(right)) else ZERO
+    return _make(op, (left, right))
+
+
+def logical(op: str, *args: Expression) -> Expression:
+    """'and', 'or' (two operands or more) and 'not' of conditions; constant operands fold."""
+    if op == "not":
+        (inner,) = args
+        return (ZERO if inner is not ZERO else ONE) if inner.op == "number" else _make("not", args)
+    absorbing, neutral = (ZERO, ONE) if op == "and" else (ONE, ZERO)
+    if absorbing in args:
+        return absorbing
+    kept = tuple(a for a in args if a is not neutral)
+    if not kept:
+        return neutral
+    return kept[0] if len(kept) == 1 else _make(op, kept)
+
+
+def if_(condition: Expression, then: ExpressionLike, otherwise: ExpressionLike) -> Expression:
+    """`then if condition else otherwise`"""
+    a, b = as_expression(then), as_expression(otherwise)
+    if a is b:
+        return a
+    if condition.op == "number":
+        return b if condition is ZERO else a
+    return _make("if", (condition, a, b))
+
+
+def is_condition(node: Expression) -> bool:
+    """True for comparisons and logical nodes, whose value is a truth value and not a number."""
+    return node.op in COMPARISONS or node.op in LOGICAL
+
+
+def rebuild(node: Expression, args: tuple[Expression, ...]) -> Expression:
+    """The same operation on other operands, through the simplifying constructors."""
+    if args == node.args:
+        return node
+    op = node.op
+    if op == "add":
+        return add(*args)
+    if op == "mul":
+        return mul(*args)
+    if op == "pow":
+        return power(*args)
+    if op == "if":
+        return if_(*args)
+    if op in COMPARISONS:
+        return compare(op, *args)
+    if op in LOGICAL:
+        return logical(op, *args)
+    return call(op, *args)
+
+
+def postorder(roots: Iterable[Expression]) -> list[Expression]:
+    """Every node below `roots` once, operands before their users; no recursion, so depth is no limit."""
+    seen: set[Expression] = set()
+    order: list[Expression] = []
+    stack: list[tuple[Expression, bool]] = [(root, False) for root in reversed(list(roots))]
+    while stack:
+        node, done = stack.pop()
+        if done:
+            order.append(node)
+        elif node not in seen:
+            seen.add(node)
+            stack.append((node, True))
+            stack.extend((a, False) for a in reversed(node.args) if a not in seen)
+    return order
+
+
+def substitute(roots: Iterable[Expression], mapping: Mapping[Expression, Expression]) -> list[Expression]:
+    """Replace nodes (usually symbols) everywhere, all at once; one pass over the graph."""
+    roots = list(roots)
+    done: dict[Expression, Expression] = dict(mapping)
+    for node in postorder(roots):
+        if node not in done:
+            done[node] = rebuild(node, tuple(done[a] for a in node.args)) if node.args else node
+    return [done[root] for root in roots]
+
+
+def symbols_in(roots: Iterable[Expression]) -> list[str]:
+    """Names of the symbols that occur, in order of first occurrence."""
+    return [str(node.value) for node in postorder(roots) if node.op == "symbol"]

@@ -1,0 +1,1 @@
+"""Coefficients at special points and what they mean."""

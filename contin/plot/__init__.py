@@ -1,0 +1,1 @@
+"""Diagrams as data series, drawn by matplotlib or as interactive HTML."""

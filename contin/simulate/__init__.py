@@ -1,0 +1,1 @@
+"""Trajectories, hysteresis sweeps, brute-force scans."""

@@ -1,0 +1,1 @@
+"""Results as files: JSON, the SQLite store, exports."""

@@ -1,0 +1,1 @@
+"""Passes: pure functions Model -> Model, each in its own file."""
