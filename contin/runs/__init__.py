@@ -1,0 +1,1 @@
+"""Run files: what they may say, and carrying them out."""
