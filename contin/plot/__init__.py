@@ -1,1 +1,1 @@
-"""Diagrams as data series, drawn by matplotlib or as interactive HTML."""
+"""Pictures: series (pure data) drawn by matplotlib, or by a small viewer in a self-contained HTML file."""

@@ -1,0 +1,191 @@
+"""Bifurcation diagrams with matplotlib: figures without pyplot's global state, fit for a paper."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from contin.plot.labels import densify, place
+from contin.plot.series import Panel, Source
+from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+STYLE: Final[dict[str, Any]] = {
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "axes.labelsize": 10.0,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "legend.fontsize": 8.0,
+    "svg.fonttype": "none",  # text stays text
+    "pdf.fonttype": 42,
+}
+STABLE: Final = {"linestyle": "-", "linewidth": 1.9}
+UNSTABLE: Final = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
+PLAIN: Final = {"linestyle": "-", "linewidth": 1.5}  # loci
+MOST_NAMES: Final = 8  # with more branches than this the legend names kinds of branches instead
+
+
+def figure(
+    panels: Sequence[Panel],
+    *,
+    title: str | None = None,
+    images: Mapping[str, str] | None = None,
+    periods: Mapping[str, float] | None = None,
+) -> Figure:
+    """Draw panels side by side.
+
+    Stable parts are solid, unstable ones dashed; each type of special point has a shape of its own, so nothing is told
+    by colour alone. The figure belongs to no window: save it with `savefig`, or show it in a notebook.
+
+    Parameters
+    ----------
+    panels : sequence of Panel
+        From `contin.plot.series.panels`.
+    title : str, optional
+    images : mapping, optional
+        Branches that are mirror images, with the branch they share a colour with.
+    periods : mapping, optional
+        Periods of angles; those of 2 pi get ticks in multiples of pi.
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context(STYLE):
+        drawing = Figure(figsize=(max(4.8, 4.4 * len(panels)), 4.0), dpi=200, layout="constrained")
+        axes = drawing.subplots(1, len(panels), squeeze=False)[0]
+        colours = colour_of_branches(panels, images or {})
+        for ax, panel in zip(axes, panels, strict=True):
+            _draw_curves(ax, panel, colours)
+            _angle_ticks(ax, panel, periods or {})
+        if title:
+            drawing.suptitle(title, fontsize=11)
+        _legend(drawing, panels, colours, images or {})
+        drawing.draw_without_rendering()  # the layout decides where the axes are; only then can labels be placed
+        for ax, panel in zip(axes, panels, strict=True):
+            _draw_labels(ax, panel)
+        drawing.set_layout_engine("none")
+    return drawing
+
+
+def image_names(sources: Iterable[Source]) -> dict[str, str]:
+    """Each mirror image with the branch it is an image of."""
+    return {source.name: source.image_of for source in sources if source.image_of}
+
+
+def colour_of_branches(panels: Sequence[Panel], images: Mapping[str, str]) -> dict[str, str]:
+    """A colour for each branch, images like their originals."""
+    colours: dict[str, str] = {}
+    for curve in (curve for panel in panels for curve in panel.curves):
+        original = images.get(curve.name, curve.name)
+        if original not in colours:
+            colours[original] = PALETTE[len(colours) % len(PALETTE)]
+        colours[curve.name] = colours[original]
+    return colours
+
+
+def _draw_curves(ax: Axes, panel: Panel, colours: Mapping[str, str]) -> None:
+    for curve in panel.curves:
+        for piece in curve.pieces:
+            style = PLAIN if piece.stable is None else STABLE if piece.stable else UNSTABLE
+            ax.plot(piece.x, piece.y, color=colours[curve.name], solid_capstyle="round", zorder=2.0, **style)
+        for x, y, mark in curve.marks:
+            look = style_of(mark.type)
+            stroke = look.marker in "x12"  # shapes without a face
+            ax.plot(
+                [x],
+                [y],
+                look.marker,
+                markersize=5.5 if look.marker != "*" else 8.0,
+                markerfacecolor=colours[curve.name] if stroke else "white",
+                markeredgecolor="black",
+                markeredgewidth=1.3 if stroke else 0.9,
+                zorder=3.0,
+            )
+    ax.set_xlabel(panel.x_label)
+    ax.set_ylabel(panel.y_label)
+    ax.margins(0.04, 0.08)
+    ax.grid(True, color="0.92", linewidth=0.6, zorder=0)
+    ax.set_axisbelow(True)
+
+
+def _angle_ticks(ax: Axes, panel: Panel, periods: Mapping[str, float]) -> None:
+    names = ["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"]
+    for name, axis, limits in ((panel.x, ax.xaxis, ax.get_xlim()), (panel.y, ax.yaxis, ax.get_ylim())):
+        period = periods.get(name)
+        if period is not None and math.isclose(period, 2 * math.pi, rel_tol=1e-9) and limits[1] - limits[0] > math.pi / 2:
+            axis.set_ticks(list(np.linspace(-math.pi, math.pi, 5)), names)
+
+
+def _draw_labels(ax: Axes, panel: Panel) -> None:
+    marks = [(x, y, mark.label) for curve in panel.curves for x, y, mark in curve.marks]
+    marks = [entry for entry in marks if math.isfinite(entry[0] + entry[1])]
+    if not marks:
+        return
+    pixels = ax.figure.dpi / 72.0
+    size = 7.5 * pixels
+    anchors = ax.transData.transform([(x, y) for x, y, _ in marks])
+    sizes = np.array([(0.62 * size * len(label), size) for *_, label in marks])
+    strands = [ax.transData.transform(np.stack([p.x, p.y], axis=1)) for curve in panel.curves for p in curve.pieces]
+    frame = ax.get_window_extent()
+    centres = place(anchors, sizes, densify(strands, 2.5 * pixels), (frame.x0, frame.y0, frame.x1, frame.y1))
+    back = ax.transData.inverted()
+    for (x, y, label), anchor, centre, box in zip(marks, anchors, centres, sizes, strict=True):
+        far = np.hypot(*((centre - anchor) / (box / 2 + size))) > 1.6  # too far to see what it belongs to without a line
+        ax.annotate(
+            label,
+            (x, y),
+            xytext=tuple(back.transform(centre)),
+            fontsize=7.5,
+            ha="center",
+            va="center",
+            zorder=4.0,
+            annotation_clip=False,
+            bbox={"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+            arrowprops={"arrowstyle": "-", "color": "0.4", "linewidth": 0.5, "shrinkB": 3.0} if far else None,
+        )
+
+
+def _legend(
+    drawing: Figure, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]
+) -> None:
+    from matplotlib.lines import Line2D
+
+    curves = [curve for panel in panels for curve in panel.curves]
+    entries: dict[str, Line2D] = {}
+    if len(set(colours)) <= MOST_NAMES:
+        for curve in curves:
+            original = images.get(curve.name, curve.name)
+            what = locus_words(curve.locus) if curve.kind == "locus" else KINDS.get(curve.kind, curve.kind)
+            entries.setdefault(f"{original} ({what})", Line2D([], [], color=colours[curve.name], linewidth=1.9))
+    pieces = [piece for curve in curves for piece in curve.pieces]
+    if any(piece.stable for piece in pieces):
+        entries["stable"] = Line2D([], [], color="0.25", **STABLE)
+    if any(piece.stable is False for piece in pieces):
+        entries["unstable"] = Line2D([], [], color="0.25", **UNSTABLE)
+    for curve in curves:
+        for _, _, mark in curve.marks:
+            look = style_of(mark.type)
+            entries.setdefault(
+                f"{mark.type}  {look.words}",
+                Line2D([], [], linestyle="none", marker=look.marker, color="black", markerfacecolor="white", markersize=5.5),
+            )
+    if entries:
+        drawing.legend(
+            list(entries.values()),
+            list(entries),
+            loc="outside lower center",
+            ncols=min(len(entries), 3 * len(panels)),
+            frameon=False,
+            handlelength=2.6,
+            columnspacing=1.6,
+        )

@@ -1,0 +1,273 @@
+"""From branches (or a JSON document of them) to what a picture shows: pieces of curve by stability, and markers.
+
+Pure data, no drawing: matplotlib and the interactive viewer draw the same `Panel`s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.errors import InputError
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A labelled row of a branch."""
+
+    label: str
+    type: str
+    index: int
+    note: str = ""  # criticality or case, in words
+    values: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """What the plots need to know of a branch, whether it comes from memory or from a file."""
+
+    name: str
+    kind: str
+    locus: str | None
+    parameters: tuple[str, ...]
+    columns: Mapping[str, NDArray[Any]]
+    marks: tuple[Mark, ...]
+    image_of: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A run of one stability (None on loci, where stability is not drawn); `rows` are the branch's row numbers."""
+
+    x: Array
+    y: Array
+    stable: bool | None
+    rows: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One branch in one panel; orbits have two strands (maximum and minimum), everything else one."""
+
+    name: str
+    kind: str
+    locus: str | None
+    pieces: tuple[Piece, ...]
+    marks: tuple[tuple[float, float, Mark], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Curves that share their axes."""
+
+    x: str
+    y: str
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+
+
+def from_branches(branches: Iterable[Branch]) -> list[Source]:
+    """Sources of branches in memory."""
+    return [
+        Source(
+            branch.name,
+            branch.kind,
+            branch.locus,
+            tuple(branch.parameters),
+            branch.columns,
+            tuple(
+                Mark(point.label, point.type, int(point.index), _note(point.normal_form), point.values)
+                for point in branch.points
+            ),
+            branch.image_of.branch if branch.image_of else None,
+        )
+        for branch in branches
+    ]
+
+
+def from_document(document: Mapping[str, Any]) -> list[Source]:
+    """Sources of the branches of a JSON result.
+
+    Raises
+    ------
+    InputError
+        A branch lacks what a picture needs.
+    """
+    try:
+        return [_from_json(branch) for branch in document["branches"]]
+    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+        raise InputError(f"the document is not a contin result of format 1: {error!r} in a branch") from None
+
+
+def _from_json(branch: Mapping[str, Any]) -> Source:
+    columns = {
+        str(name): np.array(column, dtype=bool if name == "stable" else float)  # None becomes NaN
+        for name, column in branch["columns"].items()
+    }
+    rows = {len(column) for column in columns.values()}
+    if len(rows) > 1:
+        raise ValueError(f"branch {branch['name']!r} has columns of different lengths")
+    marks = tuple(
+        Mark(point["label"], point["type"], int(point["index"]), _note(point["normal_form"]), point["values"])
+        for point in branch["points"]
+    )
+    if any(not 0 <= mark.index < max(rows, default=0) for mark in marks):
+        raise IndexError(f"branch {branch['name']!r} has a point outside its rows")
+    image = branch.get("image_of")
+    parameters = tuple(branch["parameters"])
+    return Source(
+        branch["name"], branch["kind"], branch["locus"], parameters, columns, marks, image["branch"] if image else None
+    )
+
+
+def _note(normal_form: Mapping[str, Any]) -> str:
+    return " ".join(str(normal_form[key]) for key in ("criticality", "kind", "case") if normal_form.get(key))
+
+
+def panels(
+    sources: Sequence[Source],
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    periods: Mapping[str, float] | None = None,
+    units: Mapping[str, str] | None = None,
+) -> list[Panel]:
+    """Group the branches into panels of common axes.
+
+    Branches in one parameter are drawn over it (one panel for each parameter that was varied), loci in the plane of
+    their two parameters. `x` and `y` choose columns instead; then there is one panel with every branch that has both.
+
+    Parameters
+    ----------
+    sources : sequence of Source
+    x, y : str, optional
+        Columns; `y` may be a state or observable `s` where orbits have `s.min` and `s.max` (both strands are drawn).
+    periods : mapping, optional
+        Period of each angle: it is drawn in [-period/2, period/2), broken where it wraps.
+    units : mapping, optional
+        Units of parameters, states and observables, for the axes.
+
+    Raises
+    ------
+    InputError
+        No branch has the columns asked for.
+    """
+    periods, units = periods or {}, units or {}
+    groups: dict[tuple[str, str], list[Curve]] = {}
+    default_y = y or _default_ordinate(sources)
+    for source in sources:
+        two = len(source.parameters) > 1
+        abscissa = x or source.parameters[0]
+        ordinate = y or (source.parameters[1] if two and x in (None, source.parameters[0]) else default_y)
+        curve = _curve(source, abscissa, ordinate, periods)
+        if curve is not None:
+            groups.setdefault((abscissa, ordinate), []).append(curve)
+    if not groups:
+        known = sorted({name for source in sources for name in _ordinates(source)})
+        raise InputError(f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}; columns: {', '.join(known)}")
+    return [
+        Panel(a, b, axis_label(a, units), axis_label(b, units, _strands(curves)), tuple(curves))
+        for (a, b), curves in groups.items()
+    ]
+
+
+def axis_label(name: str, units: Mapping[str, str], suffix: str = "") -> str:
+    """The axis text: name, unit, and what the strands of orbits are."""
+    unit = f" ({units[name]})" if units.get(name) else ""
+    return f"{name}{suffix}{unit}"
+
+
+def _strands(curves: Sequence[Curve]) -> str:
+    return ", orbits: max and min" if any(curve.kind == "orbit" and len(curve.pieces) > 1 for curve in curves) else ""
+
+
+def _ordinates(source: Source) -> list[str]:
+    """Names that can stand on an axis: columns, with `s.min` and `s.max` counted as `s`."""
+    return list(dict.fromkeys(name.removesuffix(".min").removesuffix(".max") for name in source.columns))
+
+
+def _default_ordinate(sources: Sequence[Source]) -> str:
+    for source in sources:
+        for name in _ordinates(source):
+            if name not in source.parameters and name not in ("stable", "unstable"):
+                return name
+    raise InputError("there is nothing to plot: no branch has a state column")
+
+
+def _columns(source: Source, name: str) -> list[Array]:
+    """The strands of a name: its column, or the maximum and minimum over each orbit."""
+    if name in source.columns:
+        return [np.asarray(source.columns[name], float)]
+    if f"{name}.max" in source.columns and f"{name}.min" in source.columns:
+        return [np.asarray(source.columns[f"{name}.max"], float), np.asarray(source.columns[f"{name}.min"], float)]
+    return []
+
+
+def _curve(source: Source, x: str, y: str, periods: Mapping[str, float]) -> Curve | None:
+    xs, strands = _columns(source, x), _columns(source, y)
+    if not xs or not strands or not len(xs[0]):
+        return None
+    abscissa = _wrapped(xs[0], periods.get(x))
+    pieces: list[Piece] = []
+    for strand in strands:
+        ordinate = _wrapped(strand, periods.get(y))
+        jumps = _jumps(abscissa, periods.get(x)) | _jumps(ordinate, periods.get(y))
+        pieces += _pieces(source, abscissa, ordinate, jumps)
+    top = _wrapped(strands[0], periods.get(y))
+    marks = tuple((float(abscissa[mark.index]), float(top[mark.index]), mark) for mark in source.marks)
+    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks)
+
+
+def _wrapped(values: Array, period: float | None) -> Array:
+    """The angle in [-period/2, period/2); a constant half period stays on one side instead of flickering."""
+    if period is None:
+        return values
+    half = period / 2
+    wrapped = (values + half) % period - half
+    edge = np.abs(np.abs(wrapped) - half) < 1e-9 * period
+    return np.where(edge, half, wrapped)
+
+
+def _jumps(values: Array, period: float | None) -> NDArray[np.bool_]:
+    """True between rows i and i + 1 where the angle wraps."""
+    if period is None:
+        return np.zeros(max(len(values) - 1, 0), bool)
+    return np.abs(np.diff(values)) > period / 2
+
+
+def _pieces(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> list[Piece]:
+    """Cut the curve where stability changes, where an angle wraps, and at gaps (NaN)."""
+    if len(x) == 1:
+        return [Piece(x, y, None, np.zeros(1, np.int64))]
+    stable = _segment_stability(source)
+    gaps = jumps | ~np.isfinite(x[:-1] + y[:-1] + x[1:] + y[1:])
+    pieces = []
+    first = 0
+    for row in range(1, len(x)):
+        last_segment = row == len(x) - 1
+        cut = last_segment or gaps[row - 1] or gaps[row] or (stable is not None and stable[row] != stable[row - 1])
+        if cut:
+            if not gaps[row - 1]:
+                rows = np.arange(first, row + 1)
+                pieces.append(Piece(x[rows], y[rows], None if stable is None else bool(stable[row - 1]), rows))
+            first = row
+    return pieces
+
+
+def _segment_stability(source: Source) -> NDArray[np.bool_] | None:
+    """Stability between rows i and i + 1; at labelled rows critical eigenvalues are not counted, so neighbours decide."""
+    if source.kind == "locus" or "stable" not in source.columns:
+        return None
+    flags = np.asarray(source.columns["stable"], bool)
+    labelled = np.zeros(len(flags), bool)
+    labelled[[mark.index for mark in source.marks if mark.type != "UZ"]] = True
+    left, right = flags[:-1], flags[1:]
+    both = left & right
+    return np.where(labelled[:-1] & ~labelled[1:], right, np.where(labelled[1:] & ~labelled[:-1], left, both))

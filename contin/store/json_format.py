@@ -1,0 +1,175 @@
+"""JSON results, format version 1: a plain document of the results, ready for any language.
+
+The layout is a contract that outside scripts rely on; it is extended by new optional keys only.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from contin.continuation.branch import Branch, End, SpecialPoint
+from contin.errors import FormatVersionError, InputError
+from contin.store.atomic import write_text
+
+FORMAT_VERSION: Final = 1
+
+OrbitSampler = Callable[[Branch, SpecialPoint], Mapping[str, Any] | None]
+"""Gives the orbit at a point as {'t': .., state: ..}, or None where the point has none."""
+
+
+def result_document(
+    model: Mapping[str, Any],
+    branches: Iterable[Branch],
+    *,
+    timing: Mapping[str, float],
+    notes: Sequence[str] = (),
+    orbit: OrbitSampler | None = None,
+) -> dict[str, Any]:
+    """The results of a run as nested dicts, lists, numbers and strings only.
+
+    Parameters
+    ----------
+    model : mapping
+        `name`, `states` and `parameters` (the values the run started from), and optional keys such as `units`.
+    branches : iterable of Branch
+        In the order they were computed.
+    timing : mapping
+        Seconds spent in `import`, `lower`, `kernels` and `total`.
+    notes : sequence of str
+        What did not become a label or a branch, in words; the notes of the branches are appended by name.
+    orbit : callable, optional
+        Adds the orbit itself to every labelled point that has one.
+    """
+    branches = list(branches)
+    every_note = [*notes, *(f"{branch.name}: {note}" for branch in branches for note in branch.notes)]
+    return {
+        "contin": FORMAT_VERSION,
+        "model": plain(model),
+        "branches": [_branch(branch, orbit) for branch in branches],
+        "notes": every_note,
+        "timing": plain(timing),
+    }
+
+
+def _branch(branch: Branch, orbit: OrbitSampler | None) -> dict[str, Any]:
+    parent, image = branch.parent, branch.image_of
+    return {
+        "name": branch.name,
+        "kind": branch.kind,
+        "locus": branch.locus,
+        "parameters": list(branch.parameters),
+        "parent": None if parent is None else {"branch": parent.branch, "label": parent.label},
+        "image_of": None if image is None else {"branch": image.branch, "symmetry": image.symmetry},
+        "columns": {name: plain(column) for name, column in branch.columns.items()},
+        "points": [_point(branch, point, orbit) for point in branch.points],
+        "ends": [_end(end) for end in branch.ends],
+        "steps": int(branch.steps),
+        "seconds": float(branch.seconds),
+        "effort": plain(branch.effort),
+    }
+
+
+def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> dict[str, Any]:
+    document = {
+        "label": point.label,
+        "type": point.type,
+        "index": int(point.index),
+        "values": plain(point.values),
+        "residual": plain(point.residual),
+        "error": plain(point.error),
+        "multipliers" if branch.multiplier_kind else "eigenvalues": plain(np.asarray(point.eigenvalues, complex)),
+        "normal_form": plain(point.normal_form),
+    }
+    if point.also:
+        document["also"] = ", ".join(point.also)
+    if orbit is not None and (profile := orbit(branch, point)) is not None:
+        document["orbit"] = plain(profile)
+    return document
+
+
+def _end(end: End) -> dict[str, Any]:
+    return {"reason": end.reason, "text": end.text, **plain(end.data)}
+
+
+def plain(value: Any) -> Any:
+    """`value` in JSON's own types: arrays as lists, complex numbers as [re, im], NaN and infinity as None."""
+    if value is None or isinstance(value, str | bool):
+        return value
+    if isinstance(value, np.ndarray):
+        return _plain_array(value)
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, Iterable):
+        return [plain(entry) for entry in value]
+    raise TypeError(f"a result holds a {type(value).__name__}, which JSON has no form for")
+
+
+def _plain_array(array: np.ndarray[Any, Any]) -> Any:
+    if np.iscomplexobj(array):
+        return _plain_array(np.stack([array.real, array.imag], axis=-1))
+    if array.dtype.kind != "f" or np.isfinite(array).all():
+        return array.tolist()
+    return plain(array.tolist())
+
+
+def dumps(document: Mapping[str, Any]) -> str:
+    """The document as text: a line for each branch's column and point, numbers in the shortest form that reads back equal."""
+    return _lay_out(document, 0) + "\n"
+
+
+def _lay_out(value: Any, depth: int) -> str:
+    """Nested mappings and lists of mappings over several lines, anything else (long number lists) on one."""
+    inner = "  " * (depth + 1)
+    if isinstance(value, Mapping) and value and any(isinstance(entry, Mapping | list) for entry in value.values()):
+        lines = [f"{inner}{json.dumps(str(key))}: {_lay_out(entry, depth + 1)}" for key, entry in value.items()]
+        return "{\n" + ",\n".join(lines) + "\n" + "  " * depth + "}"
+    if isinstance(value, list) and value and isinstance(value[0], Mapping):
+        return "[\n" + ",\n".join(inner + _lay_out(entry, depth + 1) for entry in value) + "\n" + "  " * depth + "]"
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def write(document: Mapping[str, Any], path: Path) -> None:
+    """Write the document so that a reader sees the old file or the whole new one, never a part."""
+    write_text(path, dumps(document))
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Read a document that `write` wrote.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not JSON, or is not a contin result.
+    FormatVersionError
+        It was written in a newer format.
+    """
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8") from None
+    if not isinstance(document, dict) or not isinstance(document.get("branches"), list):
+        raise InputError(f"{path}: not a contin result: expected a mapping with `contin` and `branches`")
+    version = document.get("contin")
+    if not isinstance(version, int) or version > FORMAT_VERSION:
+        raise FormatVersionError(
+            f"{path}: written in format {version}; this contin reads formats up to {FORMAT_VERSION}. Install a newer contin."
+        )
+    return document
