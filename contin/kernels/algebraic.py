@@ -1,0 +1,344 @@
+"""Pseudo-arclength march along F(u, p) = 0 in one kernel call; the model is a pointer.
+
+All algebra is done in scaled unknowns y = z / D, z = (u, p), with rows scaled alike: M = [D_u^-1 F_z D ; t^T]. Then the
+metric is Euclidean, the u-block is similar to F_u (its eigenvalues are those of F_u), and rescaling a state by a power of
+two changes no bit of the result. One step costs about one evaluation of F and its Jacobian, one LU and one QR.
+
+Test functions of a point (the columns of `tests`):
+    0  dp/ds, zero at folds          1  det M / |det M at the chunk's first row|, zero at branch points
+    2  pairs, 3  flips               see `tests_of_stability`
+"""
+
+import math
+
+import numpy as np
+
+from contin.kernels.compile import call4, kernel
+from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.eigen import eigenvalues
+from contin.kernels.tests_of_stability import flow_tests, map_tests
+
+# why a march stopped
+LIMIT, EVENT, DIP, BOUND, CORRECTOR, NOT_FINITE, RESCALE, LOOP, CORNER = range(9)
+
+TESTS = 4
+NEWTON_LIMIT = 7
+STAGNATION = 1e-6  # a Newton correction below this that no longer falls is at the attainable accuracy
+DIP_FRACTION = 0.5  # a local minimum of |test| is looked at when its parabola falls below this part of it
+GUARD = 0.6  # a step is refined while a test function differs from its linear prediction by more than this part
+GUARD_FLOOR = 2e-3  # ... but not below this arclength
+GROWTH = 2.0  # largest growth of a step
+RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
+
+
+@kernel
+def linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix, block):
+    """Evaluate at z: matrix = [scaled F_z; tangent], block = scaled F_u (for eigenvalues), f = scaled F; False if not finite."""
+    n = f.size
+    p[active] = z[n]
+    call4(address, z, p, f, jacobian)
+    total = 0.0
+    for i in range(n):
+        inverse = 1.0 / scale[i]
+        if is_map:
+            f[i] -= z[i]
+        f[i] *= inverse
+        total += f[i]
+        for j in range(n):
+            value = jacobian[i, j] * scale[j] * inverse
+            block[i, j] = value
+            matrix[i, j] = value
+            total += value
+        if is_map:
+            matrix[i, i] -= 1.0
+        value = jacobian[i, n + active] * scale[n] * inverse
+        matrix[i, n] = value
+        total += value
+    for j in range(n + 1):
+        matrix[n, j] = tangent[j]
+    return math.isfinite(total)
+
+
+@kernel
+def log_determinant(matrix):
+    """log |det| from an LU factorisation; the sign of the diagonal's product is `diagonal_sign`."""
+    total = 0.0
+    for i in range(matrix.shape[0]):
+        total += math.log(abs(matrix[i, i]))
+    return total
+
+
+@kernel
+def diagonal_sign(matrix):
+    """Sign of the product of the diagonal."""
+    sign = 1.0
+    for i in range(matrix.shape[0]):
+        if matrix[i, i] < 0.0:
+            sign = -sign
+    return sign
+
+
+@kernel
+def correct(address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes):
+    """Newton on [F(z0 + D y); tangent . y - h] = 0 from the guess y (in place, with z = z0 + D y).
+
+    On success `matrix` holds LU factors at (nearly) the solution and the permutation's sign is returned (+1 or -1).
+    Otherwise 0 (no convergence) or 2 (not finite). sizes[0] is the first correction's length, sizes[1] the iterations.
+    """
+    n = f.size
+    before = math.inf
+    first = 0.0
+    for iteration in range(NEWTON_LIMIT):
+        sizes[1] = iteration + 1.0
+        if not linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix, block):
+            return 2
+        along = 0.0
+        for j in range(n + 1):
+            along += tangent[j] * y[j]
+        for i in range(n):
+            step[i] = -f[i]
+        step[n] = h - along
+        sign = lu_factor(matrix, pivots)
+        if sign == 0:
+            return 0
+        lu_solve(matrix, pivots, step)
+        size = 0.0
+        for j in range(n + 1):
+            size += step[j] * step[j]
+            y[j] += step[j]
+            z[j] = z0[j] + scale[j] * y[j]
+        size = math.sqrt(size)
+        if iteration == 0:
+            first = size
+            sizes[0] = size
+        if size <= tolerance:
+            return sign
+        if not size < 1e3:
+            return 0
+        if iteration > 0:
+            ratio = size / before
+            if size < 1e-4 and size * ratio * ratio < 0.01 * tolerance:
+                return sign  # the next correction, by quadratic convergence, is far below the tolerance
+            if ratio > 0.5:
+                return sign if size < STAGNATION and first > size else 0
+        before = size
+    return 0
+
+
+@kernel
+def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im):
+    """Unit tangent, test functions and eigenvalues from the factors in `matrix`; returns the number of unstable ones."""
+    n = block.shape[0]
+    for j in range(n):
+        tangent_out[j] = 0.0
+    tangent_out[n] = 1.0
+    lu_solve(matrix, pivots, tangent_out)
+    norm = 0.0
+    for j in range(n + 1):
+        norm += tangent_out[j] * tangent_out[j]
+    norm = math.sqrt(norm)
+    for j in range(n + 1):
+        tangent_out[j] /= norm
+    tests[0] = tangent_out[n]
+    # det [F_z; t_old] = det [F_z; t_new] / norm, so the determinant refers to the point's own tangent
+    exponent = log_determinant(matrix) + math.log(norm) - reference
+    tests[1] = sign * diagonal_sign(matrix) * math.exp(min(max(exponent, -700.0), 700.0))
+    eigenvalues(block, re, im)
+    return map_tests(re, im, tests) if is_map else flow_tests(re, im, tests)
+
+
+@kernel
+def probe(address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, reference, z, tangent_out, tests, re, im, sizes):
+    """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there; returns unstable count, -1 or -2 (not finite)."""
+    n = z0.size - 1
+    y = np.empty(n + 1)
+    f = np.empty(n)
+    jacobian = np.empty((n, n + p.size))
+    matrix = np.empty((n + 1, n + 1))
+    block = np.empty((n, n))
+    pivots = np.empty(n + 1, np.int64)
+    step = np.empty(n + 1)
+    for j in range(n + 1):
+        z[j] = guess[j]
+        y[j] = (guess[j] - z0[j]) / scale[j]
+    sign = correct(address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes)
+    if sign == 0:
+        return -1
+    if sign == 2:
+        return -2
+    return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im)
+
+
+@kernel
+def is_dip(before, here, after, h_before, h_after):
+    """True where |test| has a local minimum at `here` that may hide two zeros (parabola through three points)."""
+    if before * here <= 0.0 or here * after <= 0.0:
+        return False
+    a, b, c = abs(before), abs(here), abs(after)
+    if not (b < a and b <= c):
+        return False
+    left = (b - a) / h_before
+    right = (c - b) / h_after
+    second = (right - left) / (h_before + h_after)
+    if second <= 0.0:
+        return False
+    slope = (left * h_after + right * h_before) / (h_before + h_after)
+    return b - slope * slope / (4.0 * second) < DIP_FRACTION * b
+
+
+@kernel
+def march(
+    address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
+    loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,
+):  # fmt: skip
+    """Follow the curve from row 0 of out_z (with guide tangent out_t[0], scaled) for up to `limit` accepted points.
+
+    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, reference]
+        h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown.
+    bounds : [lo, hi] of the parameter.  loop_z : start of the branch, or empty when closing is not looked for.
+    out_* : one row a point; out_h[k] is the step that led to row k.
+    info : [rows beyond row 0, next h, evaluations, log-determinant reference, test that dipped, h that failed]
+    Returns the reason; rows 0 .. info[0] are filled. On EVENT, BOUND, LOOP, DIP and CORNER the last row is beyond the event.
+    """
+    n = scale.size - 1
+    h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
+    h_previous, target_angle = controls[5], controls[6]
+    y = np.empty(n + 1)
+    z = np.empty(n + 1)
+    tangent = np.empty(n + 1)
+    old = np.empty(n + 1)
+    f = np.empty(n)
+    jacobian = np.empty((n, n + p.size))
+    matrix = np.empty((n + 1, n + 1))
+    block = np.empty((n, n))
+    pivots = np.empty(n + 1, np.int64)
+    step = np.empty(n + 1)
+    sizes = np.zeros(2)
+    tests = np.empty(TESTS)
+    info[:] = 0.0
+    info[1] = h
+    for j in range(n + 1):
+        z[j] = out_z[0, j]
+    info[2] += 1
+    if not linearise(address, is_map, z, p, active, scale, out_t[0], f, jacobian, matrix, block):
+        return NOT_FINITE
+    sign = lu_factor(matrix, pivots)
+    if sign == 0:
+        return CORRECTOR
+    reference = log_determinant(matrix)
+    unstable = measure(is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0])
+    scale_of_det = abs(tests[1])  # |t| correction of row 0: make its determinant exactly +-1
+    if scale_of_det > 0.0:
+        reference += math.log(scale_of_det)
+        tests[1] /= scale_of_det
+    info[3] = reference
+    for j in range(n + 1):
+        out_t[0, j] = tangent[j]
+    for i in range(TESTS):
+        out_tests[0, i] = tests[i]
+    out_unstable[0] = unstable
+    guard_blocks = 0
+    for k in range(limit):
+        row = k + 1
+        for j in range(n + 1):
+            tangent[j] = out_t[k, j]
+            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
+        if k > 0:
+            h_previous = out_h[k]
+        corner = False
+        while True:
+            bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
+            for j in range(n + 1):
+                y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
+                z[j] = out_z[k, j] + scale[j] * y[j]
+            sign = correct(
+                address, is_map, out_z[k], tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block,
+                pivots, step, sizes,
+            )  # fmt: skip
+            info[2] += sizes[1]
+            if sign == 0 or sign == 2:
+                if h <= h_min:
+                    info[5] = h
+                    info[1] = h
+                    return NOT_FINITE if sign == 2 else CORRECTOR
+                h = max(0.5 * h, h_min)
+                continue
+            unstable = measure(is_map, matrix, sign, reference, pivots, block, out_t[row], tests, out_re[row], out_im[row])
+            cosine = 0.0
+            for j in range(n + 1):
+                cosine += tangent[j] * out_t[row, j]
+            if not cosine >= cos_max:
+                if h <= max(h_min, 1e-7):
+                    corner = True
+                    break
+                h = max(0.5 * h, h_min, 1e-7)
+                continue
+            if h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 8:
+                rough = False
+                for i in range(1, TESTS):
+                    a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
+                    b = out_tests[k, i]
+                    expected = b + (b - a) * h / h_previous
+                    if abs(tests[i] - expected) > GUARD * max(abs(a), abs(b), abs(tests[i])):
+                        rough = True
+                if rough:
+                    guard_blocks += 1
+                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                    continue
+            break
+        guard_blocks = 0
+        out_h[row] = h
+        out_unstable[row] = unstable
+        for j in range(n + 1):
+            out_z[row, j] = z[j]
+        for i in range(TESTS):
+            out_tests[row, i] = tests[i]
+        info[0] = row
+        angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
+        factor = GROWTH
+        if angle > 0.0:
+            factor = min(factor, target_angle / angle)
+        if sizes[0] > 0.0:
+            factor = min(factor, (0.02 / sizes[0]) ** (1.0 / 3.0))
+        if sizes[1] > 3.0:
+            factor = min(factor, 3.0 / sizes[1])
+        h_used = h
+        h = min(max(h * max(factor, 0.3), h_min), h_max)
+        info[1] = h
+        if corner:
+            return CORNER
+        if z[n] < bounds[0] or z[n] > bounds[1]:
+            return BOUND
+        changed = unstable != out_unstable[k]
+        for i in range(TESTS):
+            changed |= tests[i] * out_tests[k, i] <= 0.0
+        if changed:
+            return EVENT
+        if h_previous > 0.0:
+            for i in range(TESTS):
+                a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
+                if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
+                    info[4] = i
+                    return DIP
+        if loop_z.size > 0:
+            here = 0.0
+            last = 0.0
+            distance = 0.0
+            for j in range(n + 1):
+                d = z[j] - loop_z[j]
+                e = out_z[k, j] - loop_z[j]
+                if j < n and periods[j] > 0.0:
+                    shift = periods[j] * np.round(d / periods[j])
+                    d -= shift
+                    e -= shift
+                d /= scale[j]
+                e /= scale[j]
+                here += loop_tangent[j] * d
+                last += loop_tangent[j] * e
+                distance += d * d
+            if last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h_used:
+                return LOOP
+        for j in range(n):
+            if periods[j] == 0.0 and abs(z[j]) > RESCALE_AT * scale[j] / math.sqrt(n):
+                return RESCALE
+    return LIMIT

@@ -1,0 +1,113 @@
+"""How kernels are compiled: the `kernel` decorator, its cache folder, and calls through function pointers.
+
+numba's own cache looks only at the file of the decorated function: edit a callee in another file and the old machine
+code still runs. So the cache lives in a folder whose name is a hash of *all* kernel sources, the versions of numba,
+llvmlite and numpy, and the processor; an edit anywhere in the package starts a fresh folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from llvmlite import binding, ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+
+def user_cache_folder() -> Path:
+    """The platform's cache folder for contin; `CONTIN_CACHE_DIR` overrides it."""
+    chosen = os.environ.get("CONTIN_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    return base / "contin"
+
+
+def fingerprint(sources: Path) -> str:
+    """Hash of every kernel source below `sources`, the compiler's versions and the processor."""
+    digest = hashlib.sha256()
+    for path in sorted(sources.rglob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    features = sorted(name for name, present in binding.get_host_cpu_features().items() if present)
+    for text in (numba.__version__, llvmlite.__version__, np.__version__, sys.version, binding.get_host_cpu_name()):
+        digest.update(text.encode())
+    digest.update(",".join(features).encode())
+    return digest.hexdigest()[:20]
+
+
+@cache
+def kernel_cache_folder() -> str:
+    """Folder of this version's compiled kernels; a temporary one where the user's cache cannot be written."""
+    name = "kernels-" + fingerprint(Path(__file__).parent)
+    for base in (user_cache_folder(), Path(tempfile.gettempdir()) / f"contin-{os.getuid() if hasattr(os, 'getuid') else 0}"):
+        folder = base / name
+        try:
+            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            probe = folder / f".write-{os.getpid()}"
+            probe.touch()
+            probe.unlink()
+        except OSError:
+            continue
+        return str(folder)
+    return tempfile.mkdtemp(prefix="contin-kernels-")
+
+
+def kernels_are_cached() -> bool:
+    """False on the first run on a machine: the next kernel call compiles for some seconds."""
+    return any(Path(kernel_cache_folder()).rglob("*.nbc"))
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile on first call, without the interpreter lock, cached on disk. Every kernel has exactly one signature."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = kernel_cache_folder()
+    try:
+        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def _pointer_call(count: int) -> Any:
+    """Intrinsic that calls the machine code at an address with the data pointers of `count` float64 arrays."""
+    byte_pointer = ir.IntType(8).as_pointer()
+
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        function_type = ir.FunctionType(ir.VoidType(), [byte_pointer] * count)
+        function = builder.inttoptr(args[0], function_type.as_pointer())
+        pointers = []
+        for array_type, array in zip(signature.args[1:], args[1:], strict=True):
+            data = cgutils.create_struct_proxy(array_type)(context, builder, array).data
+            pointers.append(builder.bitcast(data, byte_pointer))
+        builder.call(function, pointers)
+        return context.get_dummy_value()
+
+    return codegen
+
+
+@intrinsic
+def call3(typing_context: Any, address: Any, a: Any, b: Any, c: Any) -> Any:
+    """Call `void f(double*, double*, double*)` at `address`."""
+    return types.void(types.intp, a, b, c), _pointer_call(3)
+
+
+@intrinsic
+def call4(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Call `void f(double*, double*, double*, double*)` at `address`."""
+    return types.void(types.intp, a, b, c, d), _pointer_call(4)

@@ -1,0 +1,56 @@
+"""Small dense linear algebra without LAPACK: for n below about 20 a plain loop is faster than the call."""
+
+from contin.kernels.compile import kernel
+
+
+@kernel
+def lu_factor(a, pivots):
+    """Factor `a` (n, n) in place, P a = L U with partial pivoting; returns the sign of P, 0 where a pivot vanishes."""
+    n = a.shape[0]
+    sign = 1
+    for k in range(n):
+        p = k
+        largest = abs(a[k, k])
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > largest:
+                largest = abs(a[i, k])
+                p = i
+        pivots[k] = p
+        if not largest > 0.0:  # zero or NaN
+            return 0
+        if p != k:
+            sign = -sign
+            for j in range(n):
+                swap = a[k, j]
+                a[k, j] = a[p, j]
+                a[p, j] = swap
+        inverse = 1.0 / a[k, k]
+        for i in range(k + 1, n):
+            factor = a[i, k] * inverse
+            a[i, k] = factor
+            if factor != 0.0:
+                for j in range(k + 1, n):
+                    a[i, j] -= factor * a[k, j]
+    return sign
+
+
+@kernel
+def lu_solve(a, pivots, b):
+    """Solve with the factors of `lu_factor`, `b` (n,) in place."""
+    n = a.shape[0]
+    for k in range(n):  # all exchanges first: the stored multipliers are in their final rows
+        p = pivots[k]
+        if p != k:
+            swap = b[k]
+            b[k] = b[p]
+            b[p] = swap
+    for i in range(1, n):
+        s = b[i]
+        for j in range(i):
+            s -= a[i, j] * b[j]
+        b[i] = s
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for j in range(i + 1, n):
+            s -= a[i, j] * b[j]
+        b[i] = s / a[i, i]

@@ -1,0 +1,70 @@
+"""Test functions of equilibria and fixed points, from eigenvalues: bounded, continuous, invariant under rescaling of states.
+
+Flows:  pairs      sign of prod (l_i + l_j), size min |l_i + l_j| / (|l_i| + |l_j|): zero at Hopf points and neutral saddles
+Maps:   pairs      sign of prod (m_i m_j - 1), size min |m_i m_j - 1| / (1 + |m_i m_j|): zero at Neimark-Sacker points
+        flips      sign of prod (m_i + 1), size min |m_i + 1| / (1 + |m_i|): zero at period doublings
+The size is the smallest factor, not the product: the product of n(n-1)/2 factors below 1 would vanish for large n.
+"""
+
+import math
+
+from contin.kernels.compile import kernel
+
+STABILITY_NOISE = 1e-13  # an eigenvalue this small beside the largest has no sign
+
+
+@kernel
+def flow_tests(re, im, tests):
+    """Fill tests[2] (pairs) and tests[3] (1: no flips in a flow); returns the number of eigenvalues with Re > 0."""
+    n = re.size
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(re[i]) + abs(im[i]))
+    unstable = 0
+    for i in range(n):
+        if re[i] > STABILITY_NOISE * largest:
+            unstable += 1
+    sign = 1.0
+    size = 1.0
+    for i in range(n):
+        for j in range(i + 1, n):
+            x = re[i] + re[j]
+            y = im[i] + im[j]
+            scale = math.hypot(re[i], im[i]) + math.hypot(re[j], im[j])
+            value = math.hypot(x, y) / scale if scale > 0.0 else 0.0
+            size = min(size, value)
+            if y == 0.0 and x < 0.0:  # other complex factors come in conjugate pairs
+                sign = -sign
+    if n % 4 == 2 or n % 4 == 3:  # n(n-1)/2 negative factors is the stable case: make it positive
+        sign = -sign
+    tests[2] = sign * size
+    tests[3] = 1.0
+    return unstable
+
+
+@kernel
+def map_tests(re, im, tests):
+    """Fill tests[2] (pairs) and tests[3] (flips); returns the number of multipliers outside the unit circle."""
+    n = re.size
+    unstable = 0
+    flip_sign = 1.0
+    flip_size = 1.0
+    sign = 1.0
+    size = 1.0
+    for i in range(n):
+        modulus = math.hypot(re[i], im[i])
+        if modulus > 1.0 + STABILITY_NOISE:
+            unstable += 1
+        flip_size = min(flip_size, math.hypot(re[i] + 1.0, im[i]) / (1.0 + modulus))
+        if im[i] == 0.0 and re[i] < -1.0:
+            flip_sign = -flip_sign
+        for j in range(i + 1, n):
+            x = re[i] * re[j] - im[i] * im[j] - 1.0
+            y = re[i] * im[j] + im[i] * re[j]
+            scale = 1.0 + modulus * math.hypot(re[j], im[j])
+            size = min(size, math.hypot(x, y) / scale)
+            if x > 0.0 and (y == 0.0 or (im[i] != 0.0 and re[i] == re[j] and im[i] == -im[j])):
+                sign = -sign
+    tests[2] = sign * size
+    tests[3] = flip_sign * flip_size
+    return unstable
