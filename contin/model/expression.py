@@ -26,13 +26,16 @@ FUNCTIONS: Final = UNARY_FUNCTIONS | BINARY_FUNCTIONS | VARIADIC_FUNCTIONS
 COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
 LOGICAL: Final = frozenset({"and", "or", "not"})
 FOLD_LIMIT_BITS: Final = 400  # a folded rational larger than this becomes a float
+SHORT_DIGITS: Final = 15  # every decimal this short survives the way to a double and back
 
 
 class Expression:
-    """One node. `op` is 'number', 'pi', 'symbol', 'add', 'mul', 'pow', 'if', a comparison, 'and', 'or', 'not' or a function.
+    """One node: `op` is 'number', 'pi', 'symbol', 'add', 'mul', 'pow', 'if', a comparison, 'and', 'or', 'not' or a
+    function of the grammar.
 
-    `args` are the operands ('if' has condition, then, else); `value` is the number or the symbol's name, otherwise None;
-    `mask` has one bit per symbol that occurs below (see `symbol_bit`), so "does it depend on x" is one integer operation.
+    `args` are the operands ('if' has condition, then, else); `value` is the number or the symbol's name, otherwise
+    None; `mask` has one bit per symbol that occurs below (see `symbol_bit`), so "does it depend on x" is one integer
+    operation.
     """
 
     __slots__ = ("__weakref__", "args", "mask", "op", "value")
@@ -100,7 +103,7 @@ _bits: dict[str, int] = {}
 
 
 def symbol_bit(name: str) -> int:
-    """The bit that stands for the symbol `name` in every `mask` (assigned on first use, for the life of the process)."""
+    """The bit that stands for the symbol `name` in every `mask`, assigned on first use for the life of the process."""
     bit = _bits.get(name)
     if bit is None:
         bit = _bits[name] = 1 << len(_bits)
@@ -139,11 +142,17 @@ def _make(op: str, args: tuple[Expression, ...], value: Number | str | None = No
 
 
 def number(value: int | float | Fraction) -> Expression:
-    """A constant. Integers and fractions stay exact; a float keeps its binary value and is marked as rounded."""
+    """A constant. Integers, fractions and short decimals (0.1 is 1/10) are exact; a float with more than
+    `SHORT_DIGITS` significant digits is a rounded result and keeps its binary value."""
     if isinstance(value, float):
+        if not math.isfinite(value):
+            return _make("number", (), math.nan if value != value else value)  # one NaN node, whatever its source
         if value.is_integer() and abs(value) < 2.0**53:
             return _make("number", (), Fraction(int(value)))
-        return _make("number", (), value)
+        shortest = float.__repr__(value)
+        if significant_digits(shortest) > SHORT_DIGITS:
+            return _make("number", (), float(value))
+        value = Fraction(shortest)
     exact = Fraction(value)
     if exact.numerator.bit_length() > FOLD_LIMIT_BITS or exact.denominator.bit_length() > FOLD_LIMIT_BITS:
         try:
@@ -151,6 +160,12 @@ def number(value: int | float | Fraction) -> Expression:
         except OverflowError:
             return _make("number", (), math.inf if exact > 0 else -math.inf)
     return _make("number", (), exact)
+
+
+def significant_digits(decimal: str) -> int:
+    """Significant digits of a decimal like 0.0120 (2) or 1.5e-3 (2)."""
+    mantissa = decimal.lower().partition("e")[0].lstrip("+-")
+    return len(mantissa.replace(".", "").strip("0"))
 
 
 def symbol(name: str) -> Expression:
@@ -229,12 +244,23 @@ def mul(*factors: ExpressionLike) -> Expression:
             powers[node] = powers.get(node, Fraction(0)) + Fraction(1)
     if coefficient == 0:
         return ZERO
-    nodes = [power(base, number(e)) if e != 1 else base for base, e in powers.items() if e != 0]
-    if any(node.op in ("number", "mul") for node in nodes):  # a collected power folded
+    nodes: list[Expression] = []
+    settled = True
+    for base, e in powers.items():
+        if e != 0:
+            node = power(base, number(e)) if e != 1 else base
+            settled = settled and node.op not in ("number", "mul") and _base(node) is base
+            nodes.append(node)
+    if not settled:  # a collected power folded, or became a power of something else
         return mul(number(coefficient), *nodes)
     if coefficient != 1 or not nodes:
         nodes.insert(0, number(coefficient))
     return nodes[0] if len(nodes) == 1 else _make("mul", tuple(nodes))
+
+
+def _base(node: Expression) -> Expression:
+    """What `mul` collects `node` under: the base of a numeric power, otherwise the node itself."""
+    return node.args[0] if node.op == "pow" and node.args[1].op == "number" else node
 
 
 def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
@@ -316,7 +342,7 @@ def _fold_call(name: str, values: list[Number]) -> Number | None:
     if name in VARIADIC_FUNCTIONS:
         return min(values) if name == "min" else max(values)
     if name == "abs":
-        return abs(x)
+        return -x if x < 0 else x
     if name == "sign":
         return Fraction((x > 0) - (x < 0))
     if name == "heaviside":

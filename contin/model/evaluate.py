@@ -1,0 +1,133 @@
+"""Values of expressions in double precision (math) or in many digits (mpmath), for checks and single points.
+
+Follows IEEE arithmetic like the machine code: nothing is raised, division by zero gives an infinity, a logarithm of a
+negative number gives NaN. Conditions have the values True and False.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any, Final
+
+from contin.model.expression import COMPARISONS, Expression, postorder
+
+Value = Any  # float, or mpmath's mpf
+
+_RENAMED: Final = {"abs": "fabs"}
+
+
+def evaluate(expression: Expression, env: Mapping[str, Any], lib: Any = math) -> Value:
+    """Value of one expression where the symbols have the values `env`; `lib` is `math` or `mpmath`."""
+    return evaluate_all([expression], env, lib)[0]
+
+
+def evaluate_all(expressions: Iterable[Expression], env: Mapping[str, Any], lib: Any = math) -> list[Value]:
+    """Values of several expressions; what they share is computed once. O(nodes)."""
+    roots = list(expressions)
+    values = node_values(roots, env, lib)
+    return [values[root] for root in roots]
+
+
+def node_values(roots: Iterable[Expression], env: Mapping[str, Any], lib: Any = math) -> dict[Expression, Value]:
+    """Value of every node below `roots`."""
+    arithmetic = _Arithmetic(lib)
+    values: dict[Expression, Value] = {}
+    for node in postorder(roots):
+        op = node.op
+        if op == "symbol":
+            values[node] = env[str(node.value)]
+        elif op == "number":
+            values[node] = arithmetic.constant(node.value)
+        elif op == "pi":
+            values[node] = +lib.pi
+        else:
+            values[node] = arithmetic.apply(op, [values[a] for a in node.args])
+    return values
+
+
+class _Arithmetic:
+    """The operations over one number type."""
+
+    def __init__(self, lib: Any) -> None:
+        self.lib = lib
+        self.real: Callable[[Any], Any] = float if lib is math else lib.mpf
+        self.nan = self.real("nan")
+        self.inf = self.real("inf")
+
+    def constant(self, value: Any) -> Value:
+        if isinstance(value, Fraction):
+            if self.real is float:
+                return float(value)
+            return self.real(value.numerator) / value.denominator
+        return self.real(value)
+
+    def apply(self, op: str, x: list[Value]) -> Value:
+        if op == "add":
+            return sum(x[1:], x[0])
+        if op == "mul":
+            product = x[0]
+            for factor in x[1:]:
+                product = product * factor
+            return product
+        if op == "if":
+            return x[1] if x[0] else x[2]
+        if op in COMPARISONS:
+            return _compare(op, x[0], x[1])
+        if op == "and":
+            return all(x)
+        if op == "or":
+            return any(x)
+        if op == "not":
+            return not x[0]
+        if any(v != v for v in x):
+            return self.nan
+        if op == "pow":
+            return self.power(x[0], x[1])
+        return self.function(op, x)
+
+    def power(self, base: Value, exponent: Value) -> Value:
+        if exponent == -1:
+            return 1 / base if base != 0 else self.inf
+        if base == 0 and exponent < 0:
+            return self.inf
+        try:
+            result = math.pow(base, exponent) if self.real is float else base**exponent
+        except OverflowError:
+            return -self.inf if base < 0 and exponent % 2 == 1 else self.inf
+        except ValueError:
+            return self.nan
+        return self.nan if isinstance(result, complex) or hasattr(result, "_mpc_") else result
+
+    def function(self, op: str, x: list[Value]) -> Value:
+        a = x[0]
+        if op == "min":
+            return min(x)
+        if op == "max":
+            return max(x)
+        if op == "sign":
+            return self.real((a > 0) - (a < 0))
+        if op == "heaviside":
+            return self.real(0.5 if a == 0 else float(a > 0))
+        if (op in ("log", "log10") and a == 0) or (op == "log1p" and a == -1):
+            return -self.inf
+        try:
+            result = getattr(self.lib, _RENAMED.get(op, op))(*x)
+        except OverflowError:
+            return -self.inf if a < 0 and op == "sinh" else self.inf
+        except ValueError:
+            return self.nan
+        return self.nan if hasattr(result, "_mpc_") else result
+
+
+def _compare(op: str, a: Value, b: Value) -> bool:
+    if op == "<":
+        return bool(a < b)
+    if op == "<=":
+        return bool(a <= b)
+    if op == ">":
+        return bool(a > b)
+    if op == ">=":
+        return bool(a >= b)
+    return bool(a == b) if op == "==" else bool(a != b)
