@@ -130,13 +130,11 @@ def _differentiate(
     """Enter the differential of `node` from those of its operands, where it is not zero."""
     op, args = node.op, node.args
     if op == "add":
-        terms = [differentials[a] for a in args if a in differentials]
-        result = add(*terms) if terms else ZERO
+        result = _sum([differentials[a] for a in args if a in differentials])
     elif op == "mul":
-        terms = [
-            mul(*args[:k], differentials[a], *args[k + 1 :]) for k, a in enumerate(args) if a in differentials
-        ]
-        result = add(*terms) if terms else ZERO
+        result = _sum(
+            [mul(*args[:k], differentials[a], *args[k + 1 :]) for k, a in enumerate(args) if a in differentials]
+        )
     elif op == "if":
         result = if_(args[0], differentials.get(args[1], ZERO), differentials.get(args[2], ZERO))
     elif op in ("min", "max"):
@@ -148,12 +146,17 @@ def _differentiate(
         slope = slopes.get(node)
         if slope is None:
             slope = slopes[node] = SLOPES[op](node)
-        terms = [mul(s, differentials[a]) for s, a in zip(slope, args, strict=True) if a in differentials]
-        result = add(*terms) if terms else ZERO
+        result = _sum([mul(s, differentials[a]) for s, a in zip(slope, args, strict=True) if a in differentials])
     else:
         return  # conditions
     if result is not ZERO:
         differentials[node] = result
+
+
+def _sum(terms: list[Expression]) -> Expression:
+    if len(terms) == 1:
+        return terms[0]
+    return add(*terms) if terms else ZERO
 
 
 def _power_rule(base: Expression, exponent: Expression, d_base: Expression, d_exponent: Expression) -> Expression:
@@ -209,4 +212,4 @@ SLOPES: Final[dict[str, Callable[[Expression], tuple[Expression, ...]]]] = {
     "sign": lambda n: (ZERO,),
     "heaviside": lambda n: (ZERO,),
 }
-"""Function -> partial derivatives with respect to its arguments, as formulas; min, max and if are in `_differentiate`."""
+"""Function -> its partial derivatives, as formulas; sums, products, powers, min, max and if are in `_differentiate`."""

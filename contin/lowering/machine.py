@@ -1,0 +1,124 @@
+"""LLVM assembly text to machine code in this process, through llvmlite's MCJIT."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Final
+
+from contin.abi import Address
+from contin.lowering.llvm_text import INTRINSICS, LIBRARY, UNSPLIT, Routine, declarations, routine_text
+
+HUGE: Final = 25_000  # statements; more are compiled without optimisation
+
+_lock = threading.Lock()
+_ready = False
+
+
+@dataclass(frozen=True)
+class MachineCode:
+    """Addresses of compiled routines, and the engine that owns the code: addresses die with this object."""
+
+    engine: Any
+    addresses: dict[str, Address]
+    statements: dict[str, int]
+    """Length of each routine, the measure of its cost."""
+
+
+def compile_routines(routines: Sequence[Routine]) -> MachineCode:
+    """Machine code of all routines, as one module. The longer it is, the less optimised (see `_level`)."""
+    import llvmlite.binding as llvm
+
+    text = declarations(llvm.llvm_version_info[0]) + "".join(routine_text(routine) for routine in routines)
+    with _lock:
+        _prepare(llvm)
+        engine = _engine(llvm, llvm.parse_assembly(text), _level(routines))
+        addresses = {r.name: int(engine.get_function_address(r.name)) for r in routines}
+    return MachineCode(engine, addresses, {r.name: len(r.statements) for r in routines})
+
+
+def _level(routines: Sequence[Routine]) -> int:
+    """2 for short bodies; 1 (no middle-end: the tape has no common subexpressions left) for long ones; 0 for huge ones.
+
+    At level 1 LLVM takes about 60 us a statement, at level 0 12 us for code half as fast.
+    """
+    longest = max((len(routine.statements) for routine in routines), default=0)
+    if longest <= UNSPLIT:
+        return 2
+    return 1 if longest <= HUGE else 0
+
+
+_LOOP = """
+define void @many(ptr %f, i64 %count, ptr %u, i64 %du, ptr %p, i64 %dp, ptr %out, i64 %dout) {
+entry:
+  br label %next
+next:
+  %i = phi i64 [ 0, %entry ], [ %j, %next ]
+  %iu = mul i64 %i, %du
+  %ip = mul i64 %i, %dp
+  %io = mul i64 %i, %dout
+  %pu = getelementptr double, ptr %u, i64 %iu
+  %pp = getelementptr double, ptr %p, i64 %ip
+  %po = getelementptr double, ptr %out, i64 %io
+  call void %f(ptr %pu, ptr %pp, ptr %po)
+  %j = add i64 %i, 1
+  %more = icmp slt i64 %j, %count
+  br i1 %more, label %next, label %done
+done:
+  ret void
+}
+"""
+
+
+@lru_cache(maxsize=1)
+def _loop_code() -> tuple[Any, Address]:
+    import llvmlite.binding as llvm
+
+    with _lock:
+        _prepare(llvm)
+        engine = _engine(llvm, llvm.parse_assembly(_LOOP), 2)
+        return engine, int(engine.get_function_address("many"))
+
+
+def loop_address() -> Address:
+    """(f, count, u, du, p, dp, out, dout): f(u + i du, p + i dp, out + i dout) for i < count; count >= 1."""
+    return _loop_code()[1]
+
+
+def _engine(llvm: Any, module: Any, level: int) -> Any:
+    machine = llvm.Target.from_default_triple().create_target_machine(opt=level)
+    if level == 2:
+        options = llvm.create_pipeline_tuning_options(speed_level=2)
+        builder = llvm.create_pass_builder(machine, options)
+        builder.getModulePassManager().run(module, builder)
+    engine = llvm.create_mcjit_compiler(module, machine)
+    engine.finalize_object()
+    return engine
+
+
+def _prepare(llvm: Any) -> None:
+    """Targets, and the mathematical functions by address where the process does not export them by name (Windows)."""
+    global _ready
+    if _ready:
+        return
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    library: ctypes.CDLL | None = None
+    for name in ("memset", "malloc", "free", "fmod", *INTRINSICS, *LIBRARY):
+        if name in ("abs", "min", "max") or llvm.address_of_symbol(name) is not None:
+            continue
+        if library is None:
+            library = _mathematical_library()
+        llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
+    _ready = True
+
+
+def _mathematical_library() -> ctypes.CDLL:
+    if sys.platform == "win32":
+        return ctypes.CDLL("ucrtbase")
+    return ctypes.CDLL(ctypes.util.find_library("m"))

@@ -1,0 +1,248 @@
+"""`CompiledSystem`: a model as machine code, for kernels (addresses) and for Python (arrays)."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contin.abi import NO_FUNCTION, Address, Array
+from contin.lowering.calls import Calls
+from contin.lowering.llvm_text import Routine
+from contin.lowering.machine import MachineCode, compile_routines
+from contin.lowering.routines import Layout, form_routine, jacobian_routine, vector_routine
+from contin.lowering.switching import switching_functions
+from contin.model.expression import Expression, postorder
+from contin.symbolic.derivatives import sparse_jacobian
+
+TIME: Final = "t"
+COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions in one module, cheaper than one by one
+BASIC: Final = ("value", "jacobian", "observe", "switches")
+
+
+class Equations(Protocol):
+    """What lowering needs of a model."""
+
+    @property
+    def kind(self) -> Any: ...
+    @property
+    def state_names(self) -> tuple[str, ...]: ...
+    @property
+    def parameter_names(self) -> tuple[str, ...]: ...
+    @property
+    def equations(self) -> tuple[Expression, ...]: ...
+    @property
+    def observables(self) -> Mapping[str, Expression]: ...
+    @property
+    def forcing(self) -> Any: ...
+
+
+def compile_system(model: Equations) -> CompiledSystem:
+    """Machine code of a model: values, Jacobians, observables, switching functions, derivatives of any order.
+
+    Each function is compiled when it is first asked for. Raises `InputError`
+    if an equation uses a symbol that is neither state nor parameter (nor `t` in a forced model).
+    """
+    return CompiledSystem(model)
+
+
+class CompiledSystem:
+    """Machine code of `model`, and the owner of its memory: an address is valid while this object lives.
+
+    Shapes: u (n,), p (m,), or (m + 1,) with the time appended for a forced model, whose Jacobian has a last column
+    df/dt; so p and z = (u, p) have `p_size` and `n + p_size` components. Methods and addresses may be used from several
+    threads at once. Copies and pickles carry the model and compile again.
+
+    Where an equation is not finite, so are the results; `explain` says why. Nothing is raised.
+    """
+
+    def __init__(self, model: Equations) -> None:
+        self.model = model
+        self.kind = model.kind
+        self.state_names = tuple(model.state_names)
+        self.parameter_names = tuple(model.parameter_names)
+        self.observable_names = tuple(model.observables)
+        self.is_forced = model.forcing is not None
+        self.n = len(self.state_names)
+        self.m = len(self.parameter_names)
+        self.layout = Layout(self.state_names, self.parameter_names + ((TIME,) if self.is_forced else ()))
+        self.p_size = len(self.layout.others)
+        self.layout.check(dict(zip(self.state_names, model.equations, strict=True)) | dict(model.observables))
+        formulas = [*model.equations, *model.observables.values()]
+        self._equations, self._observables = tuple(formulas[: self.n]), tuple(formulas[self.n :])
+        self.switching: tuple[Expression, ...] = tuple(switching_functions(model.equations, self.layout.names))
+        self.n_switches = len(self.switching)
+        self._lock = threading.RLock()
+        self._code: dict[str, MachineCode] = {}
+        self._is_small = len(postorder(formulas)) < COMPILED_AT_ONCE
+        self._pattern: tuple[NDArray[np.intp], NDArray[np.intp]] | None = None
+        self._calls = Calls(self.n, self.p_size)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return compile_system, (self.model,)
+
+    def __repr__(self) -> str:
+        return f"<CompiledSystem of {getattr(self.model, 'name', 'a model')!r}: n = {self.n}, m = {self.m}>"
+
+    # addresses for kernels (layouts in `contin.abi`)
+
+    @property
+    def value_address(self) -> Address:
+        """(u, p, F)"""
+        return self._address("value")
+
+    @property
+    def jacobian_address(self) -> Address:
+        """(u, p, F, J)"""
+        return self._address("jacobian")
+
+    @property
+    def observe_address(self) -> Address:
+        """(u, p, out), or `NO_FUNCTION` without observables."""
+        return self._address("observe")
+
+    @property
+    def switches_address(self) -> Address:
+        """(u, p, out), or `NO_FUNCTION` where the equations are smooth."""
+        return self._address("switches")
+
+    def form(self, order: int) -> Address:
+        """(u, p, v_1, ..., v_order, out): derivative of this order along as many directions of length n + p_size."""
+        if order < 1:
+            raise ValueError(f"order must be 1 or more; got {order}")
+        return self._address(f"form{order}")
+
+    @property
+    def second_address(self) -> Address:
+        """(u, p, v, w, out)"""
+        return self.form(2)
+
+    @property
+    def third_address(self) -> Address:
+        """(u, p, v, w, s, out)"""
+        return self.form(3)
+
+    def statements(self, name: str) -> int:
+        """Length of a compiled function ('value', 'jacobian', 'observe', 'switches', 'form2', ...): its cost a call."""
+        return self._code[name].statements[name] if self._address(name) else 0
+
+    # values for Python
+
+    def value(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """f(u, p), (n,)."""
+        return self._calls.vector(self.value_address, self.n, u, p)
+
+    def values(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """f at N points, (N, n): u (N, n), p (N, p_size) or one (p_size,) for all."""
+        return self._calls.vectors(self.value_address, self.n, u, p)
+
+    def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+        """f (n,) and df/dz (n, n + p_size), z = (u, p)."""
+        return self._calls.jacobian(self.jacobian_address, u, p)
+
+    def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Observables at N points, (N, k) in the order of `observable_names`; at one point u (n,), (k,)."""
+        return self._calls.vectors(self.observe_address, len(self.observable_names), u, p)
+
+    def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Switching functions, (n_switches,); the equations change formula where one of them changes sign."""
+        return self._calls.vector(self.switches_address, self.n_switches, u, p)
+
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
+        """D^k f(z)[v_1, ..., v_k], (n,): k = len(directions), each (n + p_size,), real or complex.
+
+        Complex directions are expanded by multilinearity; real parts that occur twice (q and its conjugate, symmetric
+        arguments) are evaluated once.
+        """
+        if not directions:
+            return self.value(u, p)
+        vectors = [self._direction(v) for v in directions]
+        address = self.form(len(vectors))
+        if not any(np.iscomplexobj(v) for v in vectors):
+            return self._calls.form(address, u, p, vectors)
+        distinct: list[Array] = []
+        parts = [_parts(v, distinct) for v in vectors]
+        known: dict[tuple[int, ...], Array] = {}
+        total = np.zeros(self.n, dtype=complex)
+        for choice in itertools.product(*parts):
+            key = tuple(sorted(index for index, _ in choice))
+            if key not in known:
+                known[key] = self._calls.form(address, u, p, [distinct[index] for index in key])
+            total += np.prod([factor for _, factor in choice]) * known[key]
+        return total
+
+    def _direction(self, v: ArrayLike) -> NDArray[Any]:
+        vector = np.asarray(v)
+        size = self.n + self.p_size
+        if vector.shape == (self.n + self.m,) and self.is_forced:
+            vector = np.append(vector, 0.0)  # along states and parameters at fixed time
+        if vector.shape != (size,):
+            raise ValueError(f"a direction must have shape ({size},) for (u, p); got {vector.shape}")
+        return vector
+
+    @property
+    def jacobian_pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """(rows, columns) of the entries of df/dz that are not identically zero, row by row."""
+        with self._lock:
+            if self._pattern is None:
+                entries = list(sparse_jacobian(self._equations, self.layout.names))
+                indices = np.array(entries, dtype=np.intp).reshape(-1, 2)
+                self._pattern = np.ascontiguousarray(indices[:, 0]), np.ascontiguousarray(indices[:, 1])
+            return self._pattern
+
+    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """Which equation is not finite at this point and why, or None where all are finite."""
+        from contin.model.explain import explain_not_finite
+
+        z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
+        if np.isfinite(self.value(u, p)).all() and np.isfinite(z).all():
+            return None
+        point = dict(zip(self.layout.names, z.tolist(), strict=True))
+        reason = explain_not_finite(dict(zip(self.state_names, self._equations, strict=True)), point)
+        return f"not finite at this point: {reason}" if reason else None
+
+    # compilation
+
+    def _address(self, name: str) -> Address:
+        code = self._code.get(name)
+        if code is None:
+            with self._lock:
+                code = self._code.get(name)
+                if code is None:
+                    names = BASIC if self._is_small and name in BASIC else (name,)
+                    code = compile_routines([r for n in names if (r := self._routine(n)) is not None])
+                    self._code.update(dict.fromkeys(names, code))
+        return code.addresses.get(name, NO_FUNCTION)
+
+    def _routine(self, name: str) -> Routine | None:
+        if name == "value":
+            return vector_routine(name, self._equations, self.layout)
+        if name == "jacobian":
+            return jacobian_routine(name, self._equations, self.layout)
+        if name in ("observe", "switches"):
+            expressions = self._observables if name == "observe" else self.switching
+            return vector_routine(name, expressions, self.layout) if expressions else None
+        return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
+
+
+def _parts(v: NDArray[Any], distinct: list[Array]) -> Sequence[tuple[int, complex]]:
+    """v = sum of factor * distinct[index] over real vectors, entered into `distinct` once up to sign."""
+    parts: list[tuple[int, complex]] = []
+    for vector, factor in ((np.real(v), 1.0 + 0.0j), (np.imag(v), 1.0j)):
+        if not vector.any():
+            continue
+        for index, known in enumerate(distinct):
+            if np.array_equal(known, vector):
+                parts.append((index, factor))
+                break
+            if np.array_equal(known, -vector):
+                parts.append((index, -factor))
+                break
+        else:
+            parts.append((len(distinct), factor))
+            distinct.append(np.ascontiguousarray(vector, dtype=float))
+    return parts
