@@ -78,7 +78,7 @@ class Tape:
         kept: list[Statement] = []
         for first in range(len(self.statements)):
             for index in (first, self._partner(first)):
-                if index is None or not needed[index] or index in renumbered:
+                if not needed[index] or index in renumbered:
                     continue
                 renumbered[index] = len(kept)
                 statement = self.statements[index]
@@ -86,12 +86,12 @@ class Tape:
                 kept.append((*statement[: len(statement) - len(read)], *(renumbered[o] for o in read)))
         return kept, [renumbered[o] for o in outputs]
 
-    def _partner(self, index: int) -> int | None:
+    def _partner(self, index: int) -> int:
         """The cosine of the angle whose sine this is, or the reverse: side by side, LLVM computes them in one call."""
         statement = self.statements[index]
         if statement[0] != "call" or statement[1] not in ("sin", "cos"):
-            return None
-        return self._numbers.get(("call", "cos" if statement[1] == "sin" else "sin", statement[2]))
+            return index
+        return self._numbers.get(("call", "cos" if statement[1] == "sin" else "sin", statement[2]), index)
 
     def _node(self, node: Expression) -> int:
         op, done = node.op, self._done
@@ -162,14 +162,15 @@ class Tape:
         if factors[0].op == "number":
             coefficient = numeric_value(factors.pop(0))
             negative = coefficient < 0
-            if abs(coefficient) != 1:
-                constants.append(self.constant(_rounded(abs(coefficient))))
+            if coefficient not in (1, -1):
+                constants.append(self.constant(_rounded(-coefficient if negative else coefficient)))
         value = self._product_of(constants, factors)
         return self._negated(value) if negative else value
 
     def _product_of(self, values: list[int], factors: Sequence[Expression]) -> int:
         """Product of `values` and `factors`, all negative powers gathered into one division."""
-        top, bottom = list(values), []
+        top: list[int] = list(values)
+        bottom: list[int] = []
         for factor in factors:
             if factor.op != "pow":
                 top.append(self._done[factor])
@@ -179,8 +180,10 @@ class Tape:
                 top.append(self.statement("call", "pow", base, self._done[exponent]))
                 continue
             size = numeric_value(exponent)
-            powers = bottom if size < 0 and _by_squaring(size) else top
-            powers.extend(self._power(base, abs(size) if powers is bottom else size))
+            if size < 0 and _by_squaring(size):
+                bottom.extend(self._power(base, -size))
+            else:
+                top.extend(self._power(base, size))
         numerator = self._chain(top)
         if not bottom:
             return self.constant(1.0) if numerator is None else numerator
@@ -257,7 +260,7 @@ def _rounded(value: Fraction | float) -> float:
 
 def _by_squaring(exponent: Fraction | float) -> bool:
     """Integers and half-integers of moderate size are powers by multiplication (and one square root)."""
-    return abs(exponent) <= LARGEST_SQUARED_POWER and (2 * exponent) % 1 == 0
+    return -LARGEST_SQUARED_POWER <= exponent <= LARGEST_SQUARED_POWER and (2 * exponent) % 1 == 0
 
 
 def operands(statement: Statement) -> tuple[int, ...]:
