@@ -76,7 +76,7 @@ class Calls:
         return out.copy()
 
     def vectors(self, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
-        """(u, p, out) at N points, in one call: u (N, n), p (N, p_size) or (p_size,). One point u (n,) gives (size,)."""
+        """(u, p, out) at N points, in one call; u (N, n), p (N, p_size) or (p_size,). One point gives (size,)."""
         states = np.ascontiguousarray(u, dtype=float)
         others = np.ascontiguousarray(p, dtype=float)
         if states.ndim == 1 and others.ndim == 1:
