@@ -43,6 +43,13 @@ class SpecialPoint:
     normal_form: Mapping[str, Any]
     vectors: Mapping[str, Any] = field(default_factory=dict)
     also: tuple[str, ...] = ()  # degeneracies that coincide with it, e.g. ('ZH',)
+    branch: str = ""
+    scale: Array = field(default_factory=lambda: np.empty(0))  # the metric in which it was found
+    problem: Any = None
+
+    def switch(self, parameter: str | None = None) -> Any:
+        """Where the branches that cross here start: hand it to `contin.continuation`."""
+        return self.problem.switch(self, parameter or self.problem.parameters[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +94,7 @@ class Branch:
     parent: Parent | None = None
     image_of: ImageOf | None = None
     notes: tuple[str, ...] = ()
+    symmetries: tuple[str, ...] = ()  # declared symmetries that map this branch to another, not computed, one
 
     def __len__(self) -> int:
         return len(self.z)

@@ -1,0 +1,127 @@
+"""The verbs of contin: equilibrium, continuation, walk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from contin.continuation.branch import Branch
+from contin.continuation.settings import Settings
+from contin.continuation.targets import Target
+from contin.continuation.trace import Seed, Watcher, trace
+from contin.errors import InputError
+from contin.problems.start import Equilibrium, converge
+
+Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
+_compiled: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
+
+
+def compiled(model: Any) -> Any:
+    """The machine code of a model, made once per model object."""
+    from contin.lowering import compile_system
+
+    try:
+        return _compiled[model]
+    except (KeyError, TypeError):
+        system = compile_system(model)
+        try:
+            _compiled[model] = system
+        except TypeError:  # an object that cannot be a weak key is compiled anew
+            pass
+        return system
+
+
+def equilibrium(
+    model: Any, start: str | Mapping[str, Any] | None = None, parameters: Mapping[str, Any] | None = None
+) -> Equilibrium:
+    """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
+
+    Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
+    """
+    u, p = model.start_point(start, dict(parameters or {}))
+    return converge(compiled(model), u, p, np.asarray(model.periods(), dtype=float))
+
+
+def continuation(
+    start: Any,
+    parameter: str,
+    range: Range | None = None,
+    *,
+    name: str = "branch",
+    direction: str = "both",
+    values: Mapping[str, Sequence[float]] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+    watch: Watcher | None = None,
+) -> Branch:
+    """Follow the branch through `start` while `parameter` varies in `range`, and label its special points.
+
+    start : an `Equilibrium`, or a seed from `point.switch()` (a list of seeds: its first is followed).
+    range : (lo, hi); default the range that the model gives for the parameter.
+    direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
+    values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
+    watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
+    """
+    seed = as_seed(start, parameter)
+    senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
+    if direction not in senses:
+        raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
+    if not seed.born:
+        seed = Seed(seed.problem, seed.z, arms=senses[direction])
+    bounds = bounds_of(seed.problem, parameter, range)
+    return trace(
+        seed, bounds, name=name, settings=Settings.of(settings), targets=targets_of(seed.problem, values), watch=watch
+    )
+
+
+def walk(start: Any, parameter: str, range: Range | None = None, **options: Any) -> Iterator[dict[str, Any]]:
+    """The points of `continuation(...)` one by one, as mappings of column values with `label` (None or e.g. 'LP1')."""
+    branch = continuation(start, parameter, range, **options)
+    labels = {point.index: point.label for point in branch.points}
+    for row in np.arange(len(branch)):
+        yield {
+            "label": labels.get(int(row)),
+            **{key: column[row].item() for key, column in branch.columns.items()},
+        }
+
+
+def as_seed(start: Any, parameter: str) -> Seed:
+    """What can start a continuation, as a seed with `parameter` free."""
+    if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
+        return as_seed(start[0], parameter)
+    if isinstance(start, Seed):
+        if start.problem.parameters[0] != parameter:
+            raise InputError(f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead")
+        return start
+    if isinstance(start, Equilibrium):
+        known = list(start.system.parameter_names)
+        if parameter not in known:
+            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
+        problem = start.problem(parameter)
+        return Seed(problem, np.append(start.u, start.p[problem.active]))
+    raise InputError(f"a continuation starts from an equilibrium or a switched point; got {type(start).__name__}")
+
+
+def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float, float]:
+    """(lo, hi) from a pair, a mapping {parameter: pair}, or the model's own range."""
+    if isinstance(given, Mapping):
+        given = given.get(parameter)
+    if given is None:
+        given = problem.default_range(parameter)
+    if given is None:
+        raise InputError(f"range: say how far {parameter} may vary, e.g. range: [0, 1]; the model gives none")
+    lo, hi = (float(x) for x in given)
+    return lo, hi
+
+
+def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
+    """User values as targets; every name must be a column of the branch."""
+    known = {problem.parameters[0], *problem.system.state_names, *problem.system.observable_names}
+    targets = []
+    for column, wanted in (values or {}).items():
+        if column not in known:
+            raise InputError(f"values: unknown column {column!r}; known: {', '.join(sorted(known))}")
+        targets += [Target(column, float(v)) for v in wanted]
+    return targets

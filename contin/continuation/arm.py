@@ -1,0 +1,246 @@
+"""One arm of a branch: march chunk by chunk, resolve what happened in the last step of each, say why it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.curve import Stretch
+from contin.continuation.isolate import Found, Note, isolate, resolve_dip
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.settings import Settings
+from contin.continuation.targets import Target
+
+CLOSED = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
+SAME_POINT = 1e-8  # two verified points of one type closer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A labelled point in the sequence of rows: it comes before row `before` of its chunk (row 0 is where that began)."""
+
+    before: int
+    length: float
+    point: Verified
+    tangent: Array  # scaled by the piece's scale
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Accepted rows of one chunk (the row it began at not included) and the labelled points among them."""
+
+    z: Array
+    tangents: Array  # scaled
+    unstable: NDArray[np.int64]
+    eigenvalues: NDArray[np.complex128]
+    scale: Array
+    found: tuple[Row, ...] = ()
+    notes: tuple[str, ...] = ()
+    evaluations: int = 0
+
+
+@dataclass(eq=False)
+class Arm:
+    """Follows a branch from `origin` along its tangent; iterate `pieces()`, then read `end`.
+
+    `loop` is the branch's start, for closing; `before` and `length` describe the row before origin, if any.
+    """
+
+    problem: Problem
+    origin: Sample
+    scale: Array
+    bounds: tuple[float, float]
+    settings: Settings
+    targets: Sequence[Target] = ()
+    loop: Sample | None = None
+    known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
+    end: End | None = None
+    accepted: int = 0
+
+    def pieces(self) -> Iterator[Piece]:
+        """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
+        origin, before, length = self.origin, None, 0.0
+        step = self.settings.first_step
+        while self.end is None:
+            limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
+            if limit <= 0:
+                self.end = End("steps", f"all {self.settings.steps} steps used at {self._position(origin)}")
+                return
+            frame = Frame(self.scale)
+            chunk = self.problem.march(
+                origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
+            )
+            piece = self._resolve(chunk, before)
+            self.accepted += len(piece.z)
+            yield piece
+            if self.end is not None:
+                return
+            step = chunk.next_step
+            if len(chunk) > 1:
+                origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
+                before = _renormalised(before, origin)
+            if chunk.stop is Stop.RESCALE:
+                origin, before = self._rescale(origin, before)
+
+    def _position(self, sample: Sample) -> str:
+        return f"{self.problem.parameters[0]} = {sample.z[-1]:.10g}"
+
+    def _rescale(self, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
+        """Renew the metric where a state has outgrown its scale."""
+        n = len(self.scale) - 1
+        grown = self.scale.copy()
+        fixed = self.problem.angle_periods > 0
+        grown[:-1] = np.where(fixed, grown[:-1], np.maximum(grown[:-1], np.sqrt(n) * np.abs(origin.z[:-1])))
+        ratio = self.scale / grown
+        self.scale = grown
+
+        def renewed(sample: Sample) -> Sample:
+            t = sample.tangent * ratio
+            return replace(sample, tangent=t / np.linalg.norm(t))
+
+        if self.loop is not None:
+            self.loop = renewed(self.loop)
+        return renewed(origin), None if before is None else renewed(before)
+
+    def _resolve(self, chunk: Chunk, before: Sample | None) -> Piece:
+        frame = Frame(self.scale, chunk.reference)
+        rows = len(chunk) - 1
+        found: list[Found] = []
+        notes: list[str] = []
+        last: Sample | None = chunk.sample(rows) if rows else None
+        replaced = False
+        if rows:
+            stretch = Stretch(self.problem, chunk.sample(rows - 1), frame, self.settings)
+            assert last is not None
+            if chunk.stop is Stop.BOUND:
+                last, replaced = self._at_bound(stretch, last), True
+            closing = self._closing(stretch, last, chunk.stop)
+            if closing is not None:
+                last, replaced = closing, True
+            items = list(isolate(stretch, stretch.base, last)) if chunk.stop is not Stop.LIMIT else []
+            earlier = chunk.sample(rows - 2) if rows >= 2 else before
+            if chunk.stop is Stop.DIP and earlier is not None:
+                items += list(resolve_dip(stretch, earlier, stretch.base, last, chunk.dipped))
+            for item in items:
+                if isinstance(item, Note):
+                    notes.append(item.text)
+                elif not self._is_known(item.point):
+                    found.append(item)
+            found.sort(key=lambda f: f.length)
+            outside = next((f for f in found if not self.bounds[0] <= f.point.z[-1] <= self.bounds[1]), None)
+            if outside is not None and self.end is None:  # the curve turns back, but beyond the bound
+                beyond = replace(outside.sample, z=outside.point.z)
+                last, replaced = self._at_bound(stretch, beyond), True
+                found = [f for f in found if f.length < stretch.length_of(last)]
+            self.known.extend(f.point for f in found)
+        z, tangents = chunk.z[1:].copy(), chunk.tangents[1:]
+        unstable, eigenvalues = chunk.unstable[1:], chunk.eigenvalues[1:]
+        if replaced and last is not None:
+            z[-1] = last.z
+            tangents, unstable, eigenvalues = tangents.copy(), unstable.copy(), eigenvalues.copy()
+            tangents[-1], unstable[-1], eigenvalues[-1] = last.tangent, last.unstable, last.eigenvalues
+        self._failures(chunk)
+        marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in found]
+        marked += self._hits(chunk, z, frame, marked)
+        marked.sort(key=lambda r: (r.before, r.length))
+        return Piece(
+            z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations
+        )
+
+    def _is_known(self, point: Verified) -> bool:
+        return any(
+            k.type == point.type and np.linalg.norm((k.z - point.z) / self.scale) < SAME_POINT for k in self.known
+        )
+
+    def _at_bound(self, stretch: Stretch, beyond: Sample) -> Sample:
+        """The point of the curve on the bound that was passed; ends the arm."""
+        value = self.bounds[0] if beyond.z[-1] < self.bounds[0] else self.bounds[1]
+        self.end = End("bound", f"{self.problem.parameters[0]} reached {value:.10g}", {"value": value})
+        return at_value(stretch, stretch.base, beyond, value)
+
+    def _closing(self, stretch: Stretch, last: Sample, stop: Stop) -> Sample | None:
+        """The start again, where the last step passed it."""
+        if self.loop is None or stop in (Stop.LIMIT, Stop.RESCALE) or self.end is not None:
+            return None
+        start = self.loop
+
+        def along(sample: Sample) -> float:
+            return float(start.tangent @ (self._wrapped(sample.z - start.z) / self.scale))
+
+        if not (along(stretch.base) < 0.0 <= along(last)):
+            return None
+        if np.linalg.norm(self._wrapped(last.z - start.z) / self.scale) > 4 * stretch.distance(stretch.base, last):
+            return None
+        low, high = stretch.zero(along, stretch.base, last, 1e-9)
+        gap = self._wrapped(high.z - start.z)
+        if np.linalg.norm(gap / self.scale) > CLOSED:
+            return None
+        self.end = End("closed", f"closed loop: back at the start, {self._position(start)}")
+        winding = (high.z - start.z) - gap
+        return replace(start, z=start.z + winding)
+
+    def _wrapped(self, difference: Array) -> Array:
+        periods = self.problem.angle_periods
+        angles = np.flatnonzero(periods)
+        if angles.size:
+            difference = difference.copy()
+            p = periods[angles]
+            difference[angles] -= p * np.round(difference[angles] / p)
+        return difference
+
+    def _hits(self, chunk: Chunk, z: Array, frame: Frame, marked: list[Row]) -> list[Row]:
+        """User values crossed between consecutive points of the piece, labelled points included."""
+        hits: list[Row] = []
+        if not self.targets or len(chunk) < 2:
+            return hits
+        rows = np.vstack([chunk.z[:1], z])
+        order: list[tuple[int, float, Array]] = [(k, -np.inf, row) for k, row in enumerate(rows)]
+        order += [(r.before, r.length, r.point.z) for r in marked]
+        order.sort(key=lambda item: (item[0] - (item[1] != -np.inf), item[1]))
+        points = np.array([item[2] for item in order])
+        owner = np.array([item[0] if item[1] == -np.inf else item[0] - 1 for item in order])
+        for target in self.targets:
+            values = target.values(self.problem, points) - target.value
+            for i in np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)):
+                k = int(owner[i])
+                stretch = Stretch(self.problem, chunk.sample(k), frame, self.settings)
+                found = target.locate(stretch, points[i], points[i + 1])
+                if found is not None and not self._is_known(found.point):
+                    self.known.append(found.point)
+                    hits.append(Row(k + 1, found.length, found.point, found.sample.tangent))
+        return hits
+
+    def _failures(self, chunk: Chunk) -> None:
+        if self.end is not None or chunk.stop not in (Stop.CORRECTOR, Stop.NOT_FINITE):
+            return
+        where = self._position(chunk.sample(-1))
+        advice = chunk.detail or self.problem.describe_failure(chunk.z[-1])
+        self.end = End("corrector", f"corrector failed at {where} at the smallest step ({self.settings.min_step:.0e}). {advice}")
+
+
+def _renormalised(before: Sample, origin: Sample) -> Sample:
+    """Tests of the row before, in the normalisation of a chunk that begins at origin (|determinant| = 1 there)."""
+    tests = before.tests.copy()
+    if origin.tests[1] != 0.0:
+        tests[1] /= abs(origin.tests[1])
+    return replace(before, tests=tests)
+
+
+def at_value(stretch: Stretch, a: Sample, b: Sample, value: float) -> Sample:
+    """The point between a and b where the varying parameter has exactly this value, solved to full precision."""
+    low, high = stretch.zero(lambda s: float(s.z[-1] - value), a, b, 1e-7 * stretch.distance(a, b))
+    near = low if abs(low.z[-1] - value) < abs(high.z[-1] - value) else high
+    solved = stretch.problem.at_parameter(near.z, value, stretch.frame.scale)
+    if solved is None or np.linalg.norm((solved - near.z) / stretch.frame.scale) > stretch.distance(a, b) + 1e-6:
+        low, high = stretch.zero(lambda s: float(s.z[-1] - value), a, b, 1e-13)
+        solved = high.z.copy()
+        solved[-1] = value
+    return replace(near, z=solved)
+
+
+ProgressCallback = Callable[[Mapping[str, object]], None]

@@ -1,0 +1,164 @@
+"""From "something changed between these two points" to verified special points: isolate, locate, verify.
+
+Between two samples the problem is asked which simple events explain *all* that changed: the signs of the test functions
+and the number of unstable eigenvalues, which are two independent counts. While they do not agree, the interval is halved;
+what is left when it cannot be halved further coincides, and is handed to the problem as one compound event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.continuation.curve import Stretch
+from contin.continuation.problem import Sample, Verified
+
+COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
+NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
+DIP_BUDGET = 30
+DEPTH = 60  # halvings of one step
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A verified point and where it lies on the stretch."""
+
+    length: float
+    point: Verified
+    sample: Sample  # the located sample next to it, for tangent and tests
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something seen that did not become a label."""
+
+    text: str
+
+
+def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
+    """All events between a and b, in order."""
+    types = stretch.problem.explain(a, b)
+    if types == ():
+        return
+    width = stretch.distance(a, b)
+    if types is not None and len(types) == 1 and width > COINCIDENT:
+        low, high, verified = _locate(stretch, types[0], a, b)
+        if isinstance(verified, Found):
+            yield verified
+        elif verified != "" and depth < DEPTH:  # "" is a change that is no event, such as a neutral saddle
+            yield from isolate(stretch, a, low, DEPTH)
+            yield from _compound(stretch, low, high, verified)
+            yield from isolate(stretch, high, b, DEPTH)
+        elif verified != "":
+            yield Note(_where(stretch, low, verified))
+        return
+    if width <= COINCIDENT or depth >= DEPTH:
+        yield from _compound(stretch, a, b, "changes that could not be told apart")
+        return
+    middle = None
+    for fraction in (0.5, 0.382, 0.618, 0.25, 0.75):
+        middle = stretch.between(a, b, fraction)
+        if middle is not None:
+            break
+    if middle is None:
+        yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
+        return
+    yield from isolate(stretch, a, middle, depth + 1)
+    yield from isolate(stretch, middle, b, depth + 1)
+
+
+def _where(stretch: Stretch, a: Sample, text: str) -> str:
+    return f"{text} near {stretch.problem.parameters[0]} = {a.z[-1]:.10g}"
+
+
+def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | str]:
+    """One simple event: bracket its test, then verify. Returns the bracket and the point, or why it is none."""
+    problem = stretch.problem
+    index = problem.watch(type_)
+
+    def value(sample: Sample) -> float:
+        if index is None:
+            return float(sample.unstable - a.unstable) - 0.5 * (b.unstable - a.unstable)
+        return float(sample.tests[index])
+
+    width = stretch.distance(a, b)
+    s_a, s_b = stretch.length_of(a), stretch.length_of(b)
+    slack = 0.02 * abs(s_b - s_a) + 1e-7
+    low, high, outcome = a, b, ""
+    for accuracy in (NARROW * width, COINCIDENT):
+        low, high = stretch.zero(value, low, high, accuracy)
+        near = low if abs(value(low)) < abs(value(high)) else high
+        verified = problem.verify(type_, near, stretch.frame)
+        if isinstance(verified, Verified):
+            moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
+            length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
+            if moved <= 0.2 * width + 1e-6 and s_a - slack <= length <= s_b + slack:
+                return low, high, Found(length, verified, near)
+            outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
+        else:
+            outcome = verified
+            if verified == "":
+                break
+    return low, high, outcome
+
+
+def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
+    """What coincides at one place: a corner of a piecewise equation, or several smooth events."""
+    corner = stretch.problem.verify_corner(a, b, stretch.frame)
+    items = [corner] if corner is not None else list(stretch.problem.verify_compound(a, b, stretch.frame))
+    if not items:
+        yield Note(_where(stretch, a, why))
+    for item in items:
+        if isinstance(item, Verified):
+            length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
+            yield Found(length, item, a)
+        elif item:
+            yield Note(_where(stretch, a, item))
+
+
+def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
+    """A test function came close to zero at `here` without changing sign: find its minimum; two zeros hide where it crosses.
+
+    Golden-section search with a parabola's step where that helps; ends when the sign changes or the minimum is resolved.
+    """
+
+    def size(sample: Sample) -> float:
+        return float(sample.tests[test] * np.sign(here.tests[test]))
+
+    low, middle, high = a, here, b
+    for _ in range(DIP_BUDGET):
+        s = [stretch.length_of(x) for x in (low, middle, high)]
+        f = [size(x) for x in (low, middle, high)]
+        if s[2] - s[0] <= 1e-9:
+            return
+        target = _parabola_minimum(s, f)
+        left_wider = s[1] - s[0] > s[2] - s[1]
+        margin = 0.02 * (s[2] - s[0])
+        if target is None or abs(target - s[1]) < 1e-3 * (s[2] - s[0]) or not s[0] + margin < target < s[2] - margin:
+            target = s[1] - 0.382 * (s[1] - s[0]) if left_wider else s[1] + 0.382 * (s[2] - s[1])
+        pair, span = ((low, middle), (s[0], s[1])) if target < s[1] else ((middle, high), (s[1], s[2]))
+        trial = stretch.between(*pair, (target - span[0]) / (span[1] - span[0]))
+        if trial is None:
+            return
+        f_trial = size(trial)
+        if f_trial < 0.0 or trial.unstable != here.unstable:
+            yield from isolate(stretch, pair[0], trial)
+            yield from isolate(stretch, trial, pair[1])
+            return
+        if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
+            return  # an ordinary minimum, resolved
+        if target < s[1]:
+            low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
+        else:
+            low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
+
+
+def _parabola_minimum(s: list[float], f: list[float]) -> float | None:
+    left = (f[1] - f[0]) / (s[1] - s[0])
+    right = (f[2] - f[1]) / (s[2] - s[1])
+    second = (right - left) / (s[2] - s[0])
+    if second <= 0.0:
+        return None
+    return 0.5 * (s[0] + s[1]) - 0.5 * left / second

@@ -1,0 +1,231 @@
+"""The march in plain Python, for problems without a kernel: user functions, sparse and matrix-free systems.
+
+The same steps, guards and reasons to stop as the compiled march (`contin.kernels.algebraic`); what costs time here is the
+problem's own linear algebra, which it offers as a `Linearisation` at a point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.settings import Settings
+
+NEWTON_LIMIT = 7
+STAGNATION = 1e-6
+DIP_FRACTION = 0.5
+GUARD = 0.6
+GUARD_FLOOR = 2e-3
+GROWTH = 2.0
+RESCALE_AT = 2.0
+CORNER_STEP = 1e-7
+
+
+class Linearisation(Protocol):
+    """The scaled equations at a point with the border row [tangent]: M = [J; t^T]."""
+
+    residual: Array  # (n,) scaled F
+    sign: float  # of det M, 0 where M is singular
+    log_determinant: float
+
+    def solve(self, right: Array) -> Array:
+        """M x = right, (n + 1,)."""
+
+
+class Marchable(Protocol):
+    """What the Python march needs of a problem."""
+
+    angle_periods: Array
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
+        """None where the equations are not finite."""
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Test functions from index 2 on, the number of unstable eigenvalues, and the eigenvalues."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corrected:
+    """Newton's result on the plane: the point, the last linearisation, and how hard it was."""
+
+    z: Array
+    y: Array
+    last: Linearisation
+    first_correction: float
+    iterations: int
+
+
+def correct(
+    problem: Marchable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float
+) -> Corrected | str:
+    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; a string says why it failed."""
+    before, first = np.inf, 0.0
+    for iteration in range(1, NEWTON_LIMIT + 1):
+        here = problem.linearisation(z0 + scale * y, tangent, scale)
+        if here is None:
+            return "not finite"
+        if here.sign == 0:
+            return "singular"
+        step = here.solve(np.append(-here.residual, length - float(tangent @ y)))
+        size = float(np.linalg.norm(step))
+        if not size < 1e3:
+            return "diverged"
+        y = y + step
+        first = size if iteration == 1 else first
+        ratio = size / before
+        done = size <= tolerance or (size < 1e-4 and size * ratio * ratio < 0.01 * tolerance)
+        if not done and iteration > 1 and ratio > 0.5:
+            if not (size < STAGNATION and first > size):
+                return "no contraction"
+            done = True
+        if done:
+            return Corrected(z0 + scale * y, y, here, first, iteration)
+        before = size
+    return "too many iterations"
+
+
+def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
+    """Tangent, tests and eigenvalues at a corrected point."""
+    n = len(found.z) - 1
+    t = found.last.solve(np.append(np.zeros(n), 1.0))
+    norm = float(np.linalg.norm(t))
+    t = t / norm
+    exponent = found.last.log_determinant + np.log(norm) - reference
+    determinant = found.last.sign * np.exp(min(max(exponent, -700.0), 700.0))
+    tests, unstable, eigenvalues = problem.stability(found.z)
+    return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
+
+
+def probe(problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+    """`Problem.probe` in terms of linearisations."""
+    y = (guess - base.z) / frame.scale
+    found = correct(problem, base.z, base.tangent, length, y, frame.scale, min(settings.tolerance, 1e-9))
+    return None if isinstance(found, str) else measure(problem, found, frame.reference)
+
+
+def march(
+    problem: Marchable, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+) -> Chunk:  # fmt: skip
+    """`Problem.march` in terms of linearisations."""
+    scale = frame.scale
+    n = len(scale) - 1
+    cos_max = np.cos(np.radians(settings.max_angle))
+    target_angle = np.radians(settings.max_angle) / 2.5
+    evaluations = 1
+    here = problem.linearisation(origin.z, origin.tangent, scale)
+    reference = 0.0 if here is None else here.log_determinant
+    rows: list[Sample] = [origin]
+    lengths = [0.0]
+
+    def chunk(stop: Stop, next_step: float, dipped: int = 0, detail: str = "") -> Chunk:
+        width = max(len(r.eigenvalues) for r in rows)
+        eigenvalues = np.full((len(rows), width), np.nan, complex)
+        for k, r in enumerate(rows):
+            eigenvalues[k, : len(r.eigenvalues)] = r.eigenvalues
+        return Chunk(
+            np.array([r.z for r in rows]), np.array([r.tangent for r in rows]), np.array([r.tests for r in rows]),
+            np.array([r.unstable for r in rows]), eigenvalues, np.array(lengths), stop, next_step, reference, dipped,
+            evaluations, detail,
+        )  # fmt: skip
+
+    if here is None:
+        return chunk(Stop.NOT_FINITE, step)
+    if here.sign == 0:
+        return chunk(Stop.CORRECTOR, step)
+    first = measure(problem, Corrected(origin.z, np.zeros(n + 1), here, 0.0, 1), reference)
+    if first.tests[1] != 0.0:
+        reference += float(np.log(abs(first.tests[1])))
+        first.tests[1] = np.sign(first.tests[1])
+    rows[0] = first
+    h, h_previous = step, length if before is not None else 0.0
+    old = before
+    while len(rows) <= limit:
+        last = rows[-1]
+        blocks = 0
+        while True:
+            bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
+            found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.tolerance)
+            if isinstance(found, str):
+                evaluations += 1
+                if h <= settings.min_step:
+                    return chunk(Stop.NOT_FINITE if found == "not finite" else Stop.CORRECTOR, h)
+                h = max(0.5 * h, settings.min_step)
+                continue
+            evaluations += found.iterations
+            sample = measure(problem, found, reference)
+            cosine = float(last.tangent @ sample.tangent)
+            corner = False
+            if not cosine >= cos_max:
+                if h <= max(settings.min_step, CORNER_STEP):
+                    corner = True
+                    break
+                h = max(0.5 * h, settings.min_step, CORNER_STEP)
+                continue
+            if h > GUARD_FLOOR and old is not None and h_previous > 0 and blocks < 8:
+                expected = last.tests + (last.tests - old.tests) * h / h_previous
+                size = np.maximum(np.maximum(np.abs(old.tests), np.abs(last.tests)), np.abs(sample.tests))
+                if np.any(np.abs(sample.tests - expected)[1:] > GUARD * size[1:]):
+                    blocks += 1
+                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                    continue
+            break
+        rows.append(sample)
+        lengths.append(h)
+        angle = target_angle if corner else float(np.arccos(min(cosine, 1.0)))
+        factor = min(GROWTH, target_angle / angle if angle > 0 else GROWTH)
+        if found.first_correction > 0:
+            factor = min(factor, (0.02 / found.first_correction) ** (1 / 3))
+        if found.iterations > 3:
+            factor = min(factor, 3.0 / found.iterations)
+        h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
+        stop, dipped = _what_happened(old, last, sample, h_previous, h_used, bounds, loop, scale, problem.angle_periods, corner)
+        if stop is not None:
+            return chunk(stop, h, dipped)
+        old, h_previous = last, h_used
+    return chunk(Stop.LIMIT, h)
+
+
+def _what_happened(
+    old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float, bounds: tuple[float, float],
+    loop: Sample | None, scale: Array, periods: Array, corner: bool,
+) -> tuple[Stop | None, int]:  # fmt: skip
+    if corner:
+        return Stop.CORNER, 0
+    if not bounds[0] <= sample.z[-1] <= bounds[1]:
+        return Stop.BOUND, 0
+    if sample.unstable != last.unstable or np.any(sample.tests * last.tests <= 0.0):
+        return Stop.EVENT, 0
+    if old is not None and h_previous > 0:
+        for i in range(len(sample.tests)):
+            if _is_dip(old.tests[i], last.tests[i], sample.tests[i], h_previous, h):
+                return Stop.DIP, i
+    if loop is not None:
+        difference = sample.z - loop.z
+        earlier = last.z - loop.z
+        angles = np.flatnonzero(periods)
+        shift = periods[angles] * np.round(difference[angles] / periods[angles])
+        difference[angles] -= shift
+        earlier[angles] -= shift
+        ahead = float(loop.tangent @ (difference / scale))
+        if float(loop.tangent @ (earlier / scale)) < 0 <= ahead and np.linalg.norm(difference / scale) <= 1.5 * h:
+            return Stop.LOOP, 0
+    n = len(scale) - 1
+    if np.any((np.abs(sample.z[:-1]) > RESCALE_AT * scale[:-1] / np.sqrt(n)) & (periods == 0)):
+        return Stop.RESCALE, 0
+    return None, 0
+
+
+def _is_dip(before: Any, here: Any, after: Any, h_before: float, h_after: float) -> bool:
+    a, b, c = abs(before), abs(here), abs(after)
+    if before * here <= 0 or here * after <= 0 or not (b < a and b <= c):
+        return False
+    left, right = (b - a) / h_before, (c - b) / h_after
+    second = (right - left) / (h_before + h_after)
+    slope = (left * h_after + right * h_before) / (h_before + h_after)
+    return bool(second > 0 and b - slope**2 / (4 * second) < DIP_FRACTION * b)

@@ -1,0 +1,143 @@
+"""The contract between the engine and what it follows.
+
+A problem is a system F(z) = 0 with one more unknown than equations, z = (state unknowns, varying parameter). The engine
+never looks inside: it asks for chunks of the curve, for single points near it, and for the meaning of what changed
+between two of them. Lengths and angles are measured in scaled unknowns z / scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.settings import Settings
+
+
+class Stop(Enum):
+    """Why a march returned. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was seen."""
+
+    LIMIT = "limit"
+    EVENT = "event"
+    DIP = "dip"
+    BOUND = "bound"
+    CORRECTOR = "corrector"
+    NOT_FINITE = "not finite"
+    RESCALE = "rescale"
+    LOOP = "loop"
+    CORNER = "corner"
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A point of the curve with all that is measured there."""
+
+    z: Array  # (N,) unknowns, the varying parameter last
+    tangent: Array  # (N,) unit tangent in scaled unknowns
+    tests: Array  # (k,) test functions; a sign change is an event
+    unstable: int  # eigenvalues or multipliers on the unstable side
+    eigenvalues: NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Rows 0 .. m of a march (row 0 repeats where it began) and why it stopped."""
+
+    z: Array
+    tangents: Array
+    tests: Array
+    unstable: NDArray[np.int64]
+    eigenvalues: NDArray[np.complex128]
+    lengths: Array  # lengths[k]: the step that led to row k
+    stop: Stop
+    next_step: float
+    reference: float  # normalises the determinant-like test; belongs to this chunk's frame
+    dipped: int  # which test dipped, where stop is DIP
+    evaluations: int
+    detail: str = ""  # in words, where the march failed
+
+    def __len__(self) -> int:
+        return len(self.z)
+
+    def sample(self, row: int) -> Sample:
+        return Sample(self.z[row], self.tangents[row], self.tests[row], int(self.unstable[row]), self.eigenvalues[row])
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A metric (`scale`) with the normalisation of the tests that goes with it."""
+
+    scale: Array
+    reference: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """A special point whose defining system was solved to full precision."""
+
+    type: str
+    z: Array
+    residual: float
+    error: float
+    eigenvalues: NDArray[np.complex128]
+    unstable: int  # critical ones not counted
+    normal_form: Mapping[str, Any] = field(default_factory=dict)
+    vectors: Mapping[str, Any] = field(default_factory=dict)
+    also: tuple[str, ...] = ()
+
+
+class Problem(Protocol):
+    """What a problem offers to the engine; `Any` users should read `contin.problems.equilibrium` as the model answer."""
+
+    kind: str
+    locus: str | None  # for curves in two parameters: the type of the points on it
+    parameters: tuple[str, ...]  # the varying one(s), the last unknown first
+    angle_periods: Array  # (N - 1,), 0 for unknowns that are not angles
+    maximum_chunk: int
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        """Scale of every unknown at the start of a run."""
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        """Unit tangents (scaled) of the branches through z: one at a regular point, more at a branch point."""
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        """Follow the curve along origin.tangent; `before` is the row before origin, `length` away (None at a start)."""
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        """The point with <base.tangent, (z - base.z)/scale> = length, from a guess; None where Newton fails."""
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        """Solve with the varying parameter fixed at `value`, to full precision."""
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        """Types of the simple events that explain all changes between a and b, or None where one of each does not."""
+
+    def watch(self, type_: str) -> int | None:
+        """Index of the test function whose zero locates this type; None: by the change of the unstable count."""
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        """Solve the defining system of `type_` from a nearby sample; a string says why it is no such point."""
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        """Events that coincide: a and b are indistinguishably close, on either side."""
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        """A point where the equations change formula; None where nothing turns or changes stability there."""
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Named columns of rows of unknowns: varying parameter(s), states, observables."""
+
+    def constants(self) -> dict[str, float]:
+        """Every model parameter's value (a varying one's is that of the start)."""
+
+    def describe_failure(self, z: Array) -> str:
+        """Why Newton may fail at z, in words, with what to try."""

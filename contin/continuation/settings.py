@@ -1,0 +1,58 @@
+"""Settings of a continuation run; every default stands here once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from contin.errors import InputError
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a branch is followed. Lengths are arclengths in the problem's metric, in which the parameter's range is 1.
+
+    step, min_step, max_step : first, smallest and largest step. A straight branch across the range takes 1/max_step steps.
+    steps : most accepted points in each direction.
+    max_angle : degrees; a step whose tangent turns by more is repeated with half the length.
+    tolerance : length of the last Newton correction of a point (labelled points do not depend on it: they are
+        verified to full precision).
+    """
+
+    step: float = 0.01
+    min_step: float = 1e-9
+    max_step: float = 0.05
+    steps: int = 20_000
+    max_angle: float = 15.0
+    tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        for name in ("step", "min_step", "max_step", "max_angle", "tolerance"):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
+                raise InputError(f"settings.{name} must be a positive number; got {value!r}")
+        if self.min_step > self.max_step:
+            raise InputError(f"settings.min_step must be in (0, max_step = {self.max_step}]; got {self.min_step}")
+        if isinstance(self.steps, bool) or not isinstance(self.steps, int) or self.steps < 0:
+            raise InputError(f"settings.steps must be a whole number >= 0; got {self.steps!r}")
+        if self.max_angle >= 90:
+            raise InputError(f"settings.max_angle must be below 90 degrees; got {self.max_angle}")
+
+    @property
+    def first_step(self) -> float:
+        return min(max(self.step, self.min_step), self.max_step)
+
+    @classmethod
+    def of(cls, given: Settings | Mapping[str, Any] | None) -> Settings:
+        """Settings from a mapping (a run file's `settings:`), None (the defaults) or Settings."""
+        if given is None:
+            return cls()
+        if isinstance(given, Settings):
+            return given
+        known = {f.name for f in fields(cls)}
+        unknown = sorted(set(given) - known)
+        if unknown:
+            raise InputError(f"settings: unknown {', '.join(unknown)}; known: {', '.join(sorted(known))}")
+        return cls(**given)

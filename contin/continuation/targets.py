@@ -1,0 +1,55 @@
+"""User values (UZ): a parameter or a column at a wanted value, hit exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.curve import Stretch
+from contin.continuation.isolate import Found
+from contin.continuation.problem import Problem, Sample, Verified
+
+
+@dataclass(frozen=True)
+class Target:
+    """`column` (the varying parameter, a state or an observable) takes `value`."""
+
+    column: str
+    value: float
+
+    def values(self, problem: Problem, z: Array) -> Array:
+        if self.column == problem.parameters[0]:
+            return np.asarray(z[:, -1])
+        return np.asarray(problem.columns(z)[self.column], dtype=float)
+
+    def locate(self, stretch: Stretch, z_a: Array, z_b: Array) -> Found | None:
+        """The point between two points of the stretch where the column has the value."""
+        problem, frame = stretch.problem, stretch.frame
+
+        def value(sample: Sample) -> float:
+            return float(self.values(problem, sample.z[None, :])[0] - self.value)
+
+        ends = []
+        for z in (z_a, z_b):
+            length = float(stretch.base.tangent @ ((z - stretch.base.z) / frame.scale))
+            sample = problem.probe(stretch.base, length, z, frame, stretch.settings)
+            if sample is None:
+                return None
+            ends.append(replace(sample, z=z))
+        a, b = ends
+        if value(b) != 0.0:
+            a, b = stretch.zero(value, a, b, 1e-14)
+        near = b if abs(value(b)) <= abs(value(a)) else a
+        z = near.z
+        if self.column == problem.parameters[0]:
+            solved = problem.at_parameter(near.z, self.value, frame.scale)
+            if solved is not None and np.linalg.norm((solved - near.z) / frame.scale) < 1e-4:
+                z = solved
+            else:
+                z = near.z.copy()
+                z[-1] = self.value
+        error = 0.0 if self.column == problem.parameters[0] else stretch.distance(a, b) * float(frame.scale[-1])
+        point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
+        return Found(stretch.length_of(near), point, near)

@@ -1,0 +1,83 @@
+"""Corners: points where a piecewise equation changes formula and the branch turns or changes stability."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+
+BUDGET = 30
+STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
+
+
+def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    """A fold at a corner between a and b: f = 0 on the switching surface, with the parameter turning there.
+
+    a and b are so close that only a switching function can separate them. None where no switching function changes sign
+    (the point is smooth); a string where the stability jumps without the parameter turning.
+    """
+    system = problem.system
+    if not system.n_switches:
+        return None
+    n = problem.n
+    h_a = system.switches(a.z[:n], problem.full_parameters(a.z))
+    h_b = system.switches(b.z[:n], problem.full_parameters(b.z))
+    for k in np.flatnonzero((h_a * h_b <= 0.0) & (h_a != h_b)):
+        solved = _on_surface(problem, int(k), 0.5 * (a.z + b.z), a, frame)
+        if solved is None:
+            continue
+        z, residual, error = solved
+        if a.tests[0] * b.tests[0] < 0.0:
+            stable = min(a.unstable, b.unstable)
+            return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
+        if a.unstable != b.unstable:
+            return "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+        return ""
+    return None
+
+
+def _on_surface(problem: Any, k: int, z: Array, side: Sample, frame: Frame) -> tuple[Array, float, float] | None:
+    """Newton on F = 0, h_k = 0 with the Jacobian of one side."""
+    n, scale = problem.n, frame.scale
+    system = problem.system
+
+    def surface(point: Array) -> float:
+        return float(system.switches(point[:n], problem.full_parameters(point))[k])
+
+    f, matrix = problem.linearise(side.z)
+    jacobian = matrix * scale / scale[:-1, None]
+    gradient = np.empty(n + 1)
+    for j in range(n + 1):
+        shift = np.zeros(n + 1)
+        shift[j] = STEP * scale[j]
+        gradient[j] = (surface(z + shift) - surface(z - shift)) / (2.0 * STEP)
+    size = float(np.abs(gradient).max())
+    if size == 0.0:
+        return None
+    bordered = np.vstack([jacobian, gradient / size])
+    start = z
+    before = np.inf
+    for _ in range(BUDGET):
+        f, _ = problem.linearise(z)
+        right = np.append(f / scale[:-1], surface(z) / size)
+        try:
+            step = np.linalg.solve(bordered, -right)
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.linalg.norm(step))
+        if not np.isfinite(length) or float(np.linalg.norm((z - start) / scale)) > 1e-4:
+            return None
+        if length >= 0.5 * before and length < 1e-12:
+            break
+        z = z + scale * step
+        before = length
+        if length < 1e-15:
+            break
+    else:
+        if before > 1e-10:
+            return None
+    error = float(scale[-1] * max(before, 1e-15) * 4.0)
+    return z, float(np.max(np.abs(right))), error

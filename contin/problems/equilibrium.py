@@ -1,0 +1,245 @@
+"""Equilibria of flows and fixed points of maps of a compiled model, as a continuation problem in one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.settings import Settings
+from contin.continuation.trace import Seed
+from contin.problems import corners, special
+from contin.problems.scales import state_scales
+from contin.problems.scaled import ScaledSystem
+
+POLISH_BUDGET = 12
+_NO_TANGENT = np.empty(0)
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumProblem:
+    """F(u, p) = f(u, p) = 0 (flow) or f(u, p) - u = 0 (map), one parameter free.
+
+    `base` holds all parameter values (m,); entry `active` varies. The compiled system is held here: the addresses that
+    kernels get must not outlive it.
+    """
+
+    system: Any  # contin.lowering.CompiledSystem
+    base: Array
+    active: int
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))
+
+    locus = None
+    maximum_chunk = 2000
+
+    def __post_init__(self) -> None:
+        if self.angle_periods.size == 0:
+            object.__setattr__(self, "angle_periods", np.zeros(self.system.n))
+
+    @cached_property
+    def kind(self) -> str:
+        return "fixed-point" if self.is_map else "equilibrium"
+
+    @property
+    def is_map(self) -> bool:
+        return bool(self.system.kind == "map")
+
+    @property
+    def n(self) -> int:
+        return int(self.system.n)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.system.parameter_names[self.active],)
+
+    def with_active(self, name: str, z: Array | None = None) -> EquilibriumProblem:
+        """The same system with another parameter free; the present one is frozen at its value in z."""
+        base = self.base.copy()
+        if z is not None:
+            base[self.active] = z[-1]
+        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameter values at z."""
+        p = self.base.copy()
+        p[self.active] = z[-1]
+        return p
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        """The model's own range of a parameter, at the present parameter values."""
+        found = self.system.model.parameter_range(parameter, dict(zip(self.system.parameter_names, self.base, strict=True)))
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    # -- evaluation ---------------------------------------------------------------------------------------------------
+
+    def linearise(self, z: Array) -> tuple[Array, Array]:
+        """F (n,) and [F_u F_p] (n, n + 1), unscaled."""
+        f, jacobian = self.system.jacobian(z[:-1], self.full_parameters(z))
+        matrix = np.column_stack([jacobian[:, : self.n], jacobian[:, self.n + self.active]])
+        if self.is_map:
+            f = f - z[:-1]
+            matrix[:, : self.n] -= np.eye(self.n)
+        return f, matrix
+
+    def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+        """D^kF(z)[d1, .., dk], k >= 2, directions (n + 1,) = (state, active parameter), real or complex."""
+        n, width = self.n, self.n + len(self.base)
+        wide = []
+        for d in directions:
+            v = np.zeros(width, d.dtype)
+            v[:n] = d[:n]
+            v[n + self.active] = d[n]
+            wide.append(v)
+        return np.asarray(self.system.derivative(z[:n], self.full_parameters(z), *wide))
+
+    def linear_part(self, z: Array) -> Array:
+        """The matrix whose eigenvalues decide stability: f_u."""
+        f, matrix = self.linearise(z)
+        return matrix[:, : self.n] + (np.eye(self.n) if self.is_map else 0.0)
+
+    def scaled(self, scale: Array) -> ScaledSystem:
+        """The same equations in unknowns z / scale."""
+        return ScaledSystem(self, scale)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = bounds[1] - bounds[0]
+        if not np.isfinite(width):
+            width = max(1.0, abs(float(z[-1])))
+        states = state_scales(z[:-1], self.linearise(z)[1], width, self.angle_periods)
+        return np.append(np.sqrt(self.n) * states, width)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return special.branch_tangents(self.scaled(scale), z / scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        from contin.kernels import algebraic as kernel
+
+        n = self.n
+        rows = limit + 1
+        z, t, tests = np.empty((rows, n + 1)), np.empty((rows, n + 1)), np.empty((rows, kernel.TESTS))
+        unstable = np.zeros(rows, np.int64)
+        re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
+        z[0], t[0] = origin.z, origin.tangent
+        controls = np.array([
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.tolerance,
+            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
+        ])  # fmt: skip
+        reason = kernel.march(
+            self.system.jacobian_address, self.is_map, self.base.copy(), self.active, frame.scale,
+            np.array(bounds, dtype=float), controls, limit,
+            origin.tangent if before is None else before.tangent,
+            np.zeros(kernel.TESTS) if before is None else before.tests,
+            _NO_TANGENT if loop is None else loop.z, _NO_TANGENT if loop is None else loop.tangent,
+            self.angle_periods, z, t, tests, unstable, re, im, lengths, info,
+        )  # fmt: skip
+        stop = _STOPS[reason]
+        m = int(info[0]) + 1
+        detail = ""
+        if stop is Stop.NOT_FINITE:
+            nearby = z[m - 1] + frame.scale * info[1] * t[m - 1]
+            detail = self.system.explain(nearby[:n], self.full_parameters(nearby)) or ""
+        return Chunk(
+            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
+            float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
+        )  # fmt: skip
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        from contin.kernels import algebraic as kernel
+
+        n = self.n
+        z, t, tests = np.empty(n + 1), np.empty(n + 1), np.empty(kernel.TESTS)
+        re, im = np.empty(n), np.empty(n)
+        count = kernel.probe(
+            self.system.jacobian_address, self.is_map, base.z, base.tangent, length, guess, self.base.copy(),
+            self.active, frame.scale, min(settings.tolerance, 1e-9), frame.reference, z, t, tests, re, im, np.zeros(2),
+        )  # fmt: skip
+        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        z = guess.copy()
+        z[-1] = value
+        n = self.n
+        before = np.inf
+        for _ in range(POLISH_BUDGET):
+            f, matrix = self.linearise(z)
+            d = scale[:-1]
+            try:
+                step = np.linalg.solve(matrix[:, :n] * d / d[:, None], -f / d)
+            except np.linalg.LinAlgError:
+                return None
+            size = float(np.linalg.norm(step))
+            if not np.isfinite(size) or size > 1.0:
+                return None
+            if size >= 0.5 * before and before < 1e-8:
+                return z
+            z[:-1] += d * step
+            if size < 1e-15:
+                return z
+            before = size
+        return z if before < 1e-8 else None
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return special.explain(self.is_map, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return special.TEST_OF[type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return special.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        return special.verify_compound(self, a, b, frame)
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return corners.verify_corner(self, a, b, frame)
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        n, names = self.n, self.system.parameter_names
+        columns: dict[str, Array] = {names[self.active]: z[:, -1].copy()}
+        for k, name in enumerate(self.system.state_names):
+            columns[name] = z[:, k].copy()
+        if self.system.observable_names:
+            p = np.tile(self.base, (len(z), 1))
+            p[:, self.active] = z[:, -1]
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            for k, name in enumerate(self.system.observable_names):
+                columns[name] = recorded[:, k].copy()
+        return columns
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        from contin.problems.switch import switch
+
+        return switch(self, point, parameter)
+
+    def describe_failure(self, z: Array) -> str:
+        text = self.system.explain(z[:-1], self.full_parameters(z))
+        if text:
+            return str(text)
+        f, matrix = self.linearise(z)
+        values = np.linalg.svd(matrix, compute_uv=False)
+        if values[-1] < 1e-9 * values[0]:
+            return (
+                "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations are "
+                "dependent (a conserved quantity; fix it by an equation or a parameter)."
+            )
+        return "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are smooth here."
+
+
+_STOPS = (
+    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
+)  # fmt: skip

@@ -1,0 +1,58 @@
+"""The metric at the start of a run: one scale per unknown, covariant under a change of units.
+
+If a state is measured in other units, its scale changes by the same factor and the run is the same. A state's scale is
+its size at the start, or how far the branch moves it while the parameter crosses its range; where both vanish, the size
+that the Jacobian's coupling to the others suggests (Osborne's balancing), and 1 where nothing is coupled.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contin.abi import Array
+
+SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
+NEGLIGIBLE = 1e-9  # a state this small beside its balanced scale is a zero with rounding errors
+TINY = 1e-14
+
+
+def state_scales(u: Array, jacobian: Array, parameter_scale: float, angle_periods: Array) -> Array:
+    """Typical sizes of the states, (n,), all positive.
+
+    u : (n,) start.  jacobian : (n, n + 1) = [F_u | F_p] there.  parameter_scale : length of the parameter's range.
+    """
+    n = u.size
+    size = np.abs(u)
+    size[size < TINY] = 0.0
+    motion = np.zeros(n)
+    if np.all(np.isfinite(jacobian)):
+        try:
+            motion = np.abs(np.linalg.solve(jacobian[:, :n], jacobian[:, n])) * parameter_scale
+        except np.linalg.LinAlgError:
+            motion = np.zeros(n)
+        motion[~np.isfinite(motion)] = 0.0
+        motion[motion < TINY] = 0.0
+    scale = np.where(size > 0.0, np.maximum(size, np.minimum(motion, SENSITIVITY_CAP * size)), motion)
+    angles = angle_periods > 0.0
+    scale[angles] = angle_periods[angles] / (2.0 * np.pi)
+    coupling = np.abs(jacobian[:, :n]) if np.all(np.isfinite(jacobian)) else np.zeros((n, n))
+    balanced = _balanced(scale, coupling)
+    small = ~angles & (scale < NEGLIGIBLE * balanced)
+    return np.where(small, balanced, np.where(scale > 0.0, scale, balanced))
+
+
+def _balanced(scale: Array, coupling: Array) -> Array:
+    """Fill unknown (zero) scales so that coupling to and from the others is alike; 1 where there is none."""
+    n = scale.size
+    known = scale > 0.0
+    result = np.where(known, scale, 1.0)
+    if not known.any():
+        return result
+    for _ in range(10):
+        for i in np.flatnonzero(~known):
+            others = np.arange(n) != i
+            incoming = float(coupling[i, others] @ result[others])
+            outgoing = float(coupling[others, i] @ (1.0 / result[others]))
+            if incoming > 0.0 and outgoing > 0.0:
+                result[i] = np.sqrt(incoming / outgoing)
+    return result

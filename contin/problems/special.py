@@ -1,0 +1,233 @@
+"""Special points of equilibria and fixed points: what a change between two samples means, and its verification."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems import defining
+from contin.problems.defining import Solved
+from contin.problems.scaled import ScaledSystem
+
+TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
+RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
+CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
+SINGULAR = 1e-7  # a singular value this small beside the largest counts for the dimension of a kernel
+
+
+def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Event types that account for every sign change of a test and for the change of the unstable count.
+
+    The two are independent: a fold or branch point moves one real eigenvalue through the critical value, a Hopf or
+    Neimark-Sacker point two. A branch point where the parameter turns (a pitchfork seen from its side branch) moves none
+    or one. None means that one simple event does not account for it all.
+    """
+    folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    moved = abs(b.unstable - a.unstable)
+    seen = (folds, branches, pairs, flips)
+    if seen == (False, False, False, False):
+        return () if moved == 0 else None
+    if seen == (True, False, False, False):
+        return ("LP",) if moved == 1 else None
+    if seen == (False, True, False, False):
+        return ("BP",) if moved == 1 else None
+    if seen == (True, True, False, False):
+        return ("BP",) if moved <= 1 else None
+    if seen == (False, False, True, False):
+        if moved == 0:
+            return ("neutral",)
+        return ("NS" if is_map else "HB",) if moved == 2 else None
+    if seen == (False, False, False, True):
+        return ("PD",) if moved == 1 else None
+    return None
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
+    local = problem.scaled(frame.scale)
+    y = near.z / frame.scale
+    if type_ == "LP":
+        return _accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0))
+    if type_ == "BP":
+        return _branch_point(problem, local, y, frame, 1)
+    if type_ == "PD":
+        return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
+    pair = _critical_pair(near.eigenvalues, problem.is_map)
+    if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
+        return "" if type_ == "neutral" else f"{type_}: the two eigenvalues that cross are real"
+    if type_ == "neutral":
+        return "a pair of eigenvalues touches the stability boundary without a change of the unstable count"
+    return _oscillatory(problem, local, y, frame, pair)
+
+
+def _critical_pair(values: Any, is_map: bool) -> complex | None:
+    """The eigenvalue (Im >= 0) of the pair nearest to the stability boundary; None where there is no pair."""
+    best, chosen = np.inf, None
+    for i in range(len(values)):
+        for j in range(i + 1, len(values)):
+            a, b = values[i], values[j]
+            gap = abs(a * b - 1) / (1 + abs(a * b)) if is_map else abs(a + b) / max(abs(a) + abs(b), 1e-300)
+            if gap < best:
+                best, chosen = gap, (a if a.imag >= 0 else b)
+    return None if chosen is None else complex(chosen)
+
+
+def _oscillatory(problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex) -> Verified | str:
+    """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w))."""
+    if problem.is_map:
+        angle = float(np.angle(pair))
+        solved = defining.critical_pair(local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle)
+    else:
+        angle = abs(pair.imag)
+        solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, angle)
+    type_ = "NS" if problem.is_map else "HB"
+    if solved is None:
+        return f"{type_} not verified: Newton on its defining system did not converge"
+    frequency = abs(float(solved.extra[0]))
+    if abs(frequency - angle) > 0.3 * angle:
+        return f"{type_} not verified: the frequency moved from {angle:.3g} to {frequency:.3g}"
+    target = np.exp(1j * frequency) if problem.is_map else 1j * frequency
+    accepted = _accept(problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target))))
+    if isinstance(accepted, Verified):
+        return _with(accepted, vectors={"omega": frequency})
+    return accepted
+
+
+def _with(point: Verified, **changes: Any) -> Verified:
+    from dataclasses import replace
+
+    return replace(point, **changes)
+
+
+def _branch_point(problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int) -> Verified | str:
+    solved = defining.branch_point(local, y, corank)
+
+    def critical(values: Any) -> list[int]:
+        target = 1.0 if problem.is_map else 0.0
+        return list(np.argsort(np.abs(values - target))[:corank])
+
+    accepted = _accept(problem, "BP", frame, solved, critical)
+    if isinstance(accepted, Verified):
+        return _with(accepted, vectors={"kernel": corank})
+    return accepted
+
+
+def _real_critical(problem: Any, flow_value: float) -> Any:
+    target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
+    return lambda values: [int(np.argmin(np.abs(values - target)))]
+
+
+def _nearest(values: Any, targets: Sequence[complex]) -> list[int]:
+    chosen: list[int] = []
+    for t in targets:
+        order = [int(i) for i in np.argsort(np.abs(values - t)) if int(i) not in chosen]
+        chosen.append(order[0])
+    return chosen
+
+
+def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, critical: Any) -> Verified | str:
+    """Turn a solution of a defining system into a point in the user's units."""
+    if solved is None:
+        return f"{type_} not verified: Newton on its defining system did not converge"
+    if not solved.residual <= RESIDUAL_LIMIT:
+        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+    z = solved.y * frame.scale
+    values = eigenvalues_of(problem, z)
+    chosen = critical(values)
+    others = np.delete(values, chosen)
+    bound = np.abs(others) > 1.0 if problem.is_map else others.real > 0.0
+    rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
+    error = solved.error * float(frame.scale[-1]) + rounding
+    return Verified(type_, z, solved.residual, error, values, int(np.sum(bound)))
+
+
+def eigenvalues_of(problem: Any, z: Array) -> Any:
+    """Eigenvalues of f_u at z (balanced), by falling real part."""
+    values = np.linalg.eigvals(_balanced(problem.linear_part(z)))
+    return values[np.lexsort((-values.imag, -values.real))].astype(complex)
+
+
+def _balanced(matrix: Array) -> Array:
+    from scipy.linalg import matrix_balance
+
+    return np.asarray(matrix_balance(matrix, permute=False)[0])
+
+
+def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+    """Everything that happens at one place: folds, branch points of any corank, several pairs."""
+    local = problem.scaled(frame.scale)
+    y = 0.5 * (a.z + b.z) / frame.scale
+    found: list[Verified | str] = []
+    _, jacobian = local.linearise(y)
+    if not np.all(np.isfinite(jacobian)):
+        return ["the equations are not finite here"]
+    singular = np.linalg.svd(jacobian, compute_uv=False)
+    corank = int(np.sum(singular < SINGULAR * singular[0]))
+    values = eigenvalues_of(problem, y * frame.scale)
+    largest = max(float(np.abs(values).max()), 1e-300)
+    folds = bool(a.tests[0] * b.tests[0] < 0.0)
+    if corank >= 1:
+        found.append(_branch_point(problem, local, y, frame, corank))
+    elif folds:
+        found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
+    flip = bool(a.tests[3] * b.tests[3] < 0.0)
+    if flip:
+        found.append(_accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0)))
+    for value in values:
+        distance = abs(abs(value) - 1.0) if problem.is_map else abs(value.real)
+        if value.imag > CRITICAL * largest and distance < CRITICAL * largest:
+            pair = _oscillatory(problem, local, y, frame, complex(value))
+            found.append(pair)
+    return _merge(found, frame)
+
+
+def _merge(found: list[Verified | str], frame: Frame) -> list[Verified | str]:
+    """A fold with a Hopf point on it is one label: LP, also ZH (the degenerate line of symmetric averaged pairs)."""
+    points = [f for f in found if isinstance(f, Verified)]
+    real = next((p for p in points if p.type in ("LP", "BP")), None)
+    if real is None:
+        return found
+    merged: list[Verified | str] = []
+    also: list[str] = []
+    for item in found:
+        if isinstance(item, Verified) and item.type == "HB":
+            if np.linalg.norm((item.z - real.z) / frame.scale) < 1e-6:
+                also.append("ZH")
+                continue
+        merged.append(item)
+    return [_with(m, also=tuple(also)) if m is real else m for m in merged]
+
+
+def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
+    """Unit tangents of the branches through y: the null vector of J, or at a branch point those of the reduced equation."""
+    f, jacobian = local.linearise(y)
+    _, singular, right = np.linalg.svd(jacobian)
+    if singular[-1] > 1e-9 * max(singular[0], 1e-300):
+        return [right[-1]]
+    return crossing_tangents(local, y) or [right[-1]]
+
+
+def crossing_tangents(local: ScaledSystem, y: Array) -> list[Array]:
+    """Tangents of the two branches that cross at a simple branch point.
+
+    With N (n + 1, 2) spanning ker J and psi the left null vector, tangents N (a, b) solve the algebraic branching
+    equation sum_ij psi . D^2F[N_i, N_j] a_i a_j = 0 (Keller 1977). Empty where it has no two real solutions.
+    """
+    _, jacobian = local.linearise(y)
+    left, kernel = defining.singular_basis(jacobian, 1)
+    c = np.array([[float(left[:, 0] @ local.form(y, kernel[:, i], kernel[:, j])) for j in range(2)] for i in range(2)])
+    angles, sizes = np.linalg.eigh(c)
+    # c = Q diag(l1, l2) Q^T: a^T c a = 0 along sqrt(-l2 / l1)
+    if angles[0] * angles[1] >= 0.0:
+        return []
+    ratio = np.sqrt(-angles[0] / angles[1])
+    tangents = []
+    for sign in (1.0, -1.0):
+        a = sizes[:, 0] + sign * ratio * sizes[:, 1]
+        t = kernel @ a
+        tangents.append(t / np.linalg.norm(t))
+    return tangents

@@ -1,0 +1,109 @@
+"""From a guess to an equilibrium: damped Newton at fixed parameters, and what to say when it fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import NoSolutionError, NotFiniteError
+from contin.problems.equilibrium import EquilibriumProblem
+
+BUDGET = 60
+ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
+ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A solution of f(u, p) = 0 (or f(u, p) = u for a map) at fixed parameters: the start of a continuation."""
+
+    system: Any
+    u: Array
+    p: Array
+    angle_periods: Array
+
+    def problem(self, parameter: str) -> EquilibriumProblem:
+        """The continuation problem with this parameter free."""
+        index = list(self.system.parameter_names).index(parameter)
+        return EquilibriumProblem(self.system, self.p, index, self.angle_periods)
+
+    def __str__(self) -> str:
+        states = ", ".join(f"{n} = {v:.10g}" for n, v in zip(self.system.state_names, self.u, strict=True))
+        return f"{'fixed point' if self.system.kind == 'map' else 'equilibrium'} {states}"
+
+
+def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
+    """Newton from u at fixed p, with the step halved while the (scaled) residual does not fall.
+
+    Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the residual
+    history and the nearest point found where Newton does not converge.
+    """
+    u = np.array(u, dtype=float)
+    problem = EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods)
+    n = problem.n
+
+    def evaluate(state: Array) -> tuple[Array, Array]:
+        f, matrix = problem.linearise(np.append(state, problem.base[0]))
+        return f, matrix[:, :n]
+
+    f, a = evaluate(u)
+    if not np.all(np.isfinite(f)):
+        raise NotFiniteError(system.explain(u, problem.base) or "the equations are not finite at the start")
+    history = [float(np.max(np.abs(f)))]
+    scale = np.maximum(np.abs(u), 1e-3 * max(1e-12, float(np.abs(u).max(initial=0.0))))
+    scale[scale == 0.0] = 1.0
+    best_u, best = u, history[0]
+    before = np.inf
+    for _ in range(BUDGET):
+        if history[-1] == 0.0:
+            return Equilibrium(system, u, problem.base, angle_periods)
+        step = _newton_step(a, f, scale)
+        if step is None:
+            break
+        size = float(np.max(np.abs(step) / np.maximum(scale, np.abs(u))))
+        if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
+            if size < before:
+                u = u + step
+            return Equilibrium(system, u, problem.base, angle_periods)
+        damping = 1.0
+        accepted = False
+        while damping > 1e-4:
+            trial = u + damping * step
+            f_trial, a_trial = evaluate(trial)
+            if np.all(np.isfinite(f_trial)) and np.all(np.isfinite(a_trial)):
+                trial_step = _newton_step(a, f_trial, scale)  # natural monotonicity: measured by the old Jacobian
+                if trial_step is not None:
+                    trial_size = float(np.max(np.abs(trial_step) / np.maximum(scale, np.abs(u))))
+                    if trial_size <= (1.0 - 0.25 * damping) * size or trial_size < ACCEPTABLE:
+                        accepted = True
+                        break
+            damping *= 0.5
+        if not accepted:
+            break
+        before = size if damping == 1.0 else np.inf
+        u, f, a = trial, f_trial, a_trial
+        history.append(float(np.max(np.abs(f))))
+        if history[-1] < best:
+            best_u, best = u, history[-1]
+    raise NoSolutionError(_failure(system, history, best_u, best))
+
+
+def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:
+    matrix = a * scale / scale[:, None]
+    try:
+        step = np.linalg.solve(matrix, -f / scale)
+    except np.linalg.LinAlgError:
+        step = np.linalg.lstsq(matrix, -f / scale, rcond=1e-12)[0]
+    return scale * step if np.all(np.isfinite(step)) else None
+
+
+def _failure(system: Any, history: list[float], u: Array, residual: float) -> str:
+    shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
+    nearest = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, u, strict=True))
+    return (
+        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. "
+        f"Nearest point: {nearest} (residual {residual:.1e}). Start closer, or give other parameters."
+    )

@@ -1,0 +1,108 @@
+"""Branch switching at branch points of equilibria and fixed points: directions, curvature and metric of the new branch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.trace import Seed
+from contin.errors import InputError
+from contin.problems import defining, special
+from contin.problems.scaled import ScaledSystem
+from contin.problems.symmetry import reversing_symmetries
+
+PARALLEL = 0.999  # cosine between tangents from which two branches are the same
+
+
+def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
+    if point.type != "BP":
+        raise InputError(f"{point.branch}.{point.label}: only a branch point has another branch of equilibria; this is {point.type}")
+    parent = Parent(point.branch, point.label)
+    own = point.tangent / point.scale
+    own = own / np.linalg.norm(own)
+    local = problem.scaled(point.scale)
+    y = point.z / point.scale
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+        local, own = problem.scaled(point.scale), np.zeros_like(own)
+    seeds = []
+    for direction, curvature in crossing_branches(local, y, own, int(point.vectors.get("kernel", 1))):
+        scale, d, k = _renewed_metric(local, point.z, direction, curvature)
+        symmetries = reversing_symmetries(problem, point.z, d * scale)
+        arms = (1,) if symmetries else (-1, 1)
+        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries))
+    if not seeds:
+        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    return seeds
+
+
+def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:
+    """Unit tangents and second derivatives z''(0) (scaled) of the branches other than the one with tangent `own`."""
+    if corank == 1:
+        tangents = special.crossing_tangents(local, y)
+        others = [t for t in tangents if abs(float(t @ own)) < PARALLEL]
+        if len(others) > 1:  # neither is exactly the branch's own: drop the nearer one
+            others = [min(others, key=lambda t: abs(float(t @ own)))] if np.any(own) else others
+        return [(_oriented(t), simple_curvature(local, y, _oriented(t))) for t in others]
+    from contin.problems.multiple import reduced_branches
+
+    return reduced_branches(local, y, own, corank)
+
+
+def _oriented(tangent: Array) -> Array:
+    """With the parameter, or where that does not move with the first unknown that does."""
+    leading = tangent[-1] if abs(tangent[-1]) > 1e-6 else tangent[np.flatnonzero(np.abs(tangent) > 1e-6)[0]]
+    return tangent if leading > 0 else -tangent
+
+
+def simple_curvature(local: ScaledSystem, y: Array, d: Array) -> Array:
+    """z''(0) of the branch with tangent d at a simple branch point, normal to d.
+
+    J z'' = -D^2F[d, d] leaves the component along the rest of ker J open; it follows from the third order,
+    psi . (3 D^2F[d, z''] + D^3F[d, d, d]) = 0.
+    """
+    _, jacobian = local.linearise(y)
+    left, kernel = defining.singular_basis(jacobian, 1)
+    psi = left[:, 0]
+    rest = kernel @ np.array([-(kernel[:, 1] @ d), kernel[:, 0] @ d])  # in the kernel, normal to d
+    particular = np.linalg.lstsq(jacobian, -local.form(y, d, d), rcond=1e-10)[0]
+    particular = particular - (particular @ d) * d
+    slope = 3.0 * float(psi @ local.form(y, d, rest))
+    if slope == 0.0:
+        return np.asarray(particular)
+    known = 3.0 * float(psi @ local.form(y, d, particular)) + float(psi @ local.form(y, d, d, d))
+    return np.asarray(particular - known / slope * rest)
+
+
+def _renewed_metric(local: ScaledSystem, z: Array, d: Array, k: Array) -> tuple[Array, Array, Array]:
+    """Metric for the new branch: states that begin to move get the size they reach when the parameter crosses its range."""
+    old = local.scale
+    n = local.n
+    reach = _reach(float(d[-1]), float(k[-1]))
+    scale = old.copy()
+    if np.isfinite(reach):
+        periods = local.problem.angle_periods
+        amplitude = old[:-1] * np.abs(reach * d[:-1])
+        size = np.maximum(np.sqrt(n) * np.abs(z[:-1]), amplitude)
+        moves = (np.abs(d[:-1]) > 1e-9) & (periods == 0.0) & (size > 0.0)
+        scale[:-1] = np.where(moves, size, old[:-1])
+    ratio = old / scale
+    direction, curvature = d * ratio, k * ratio
+    norm = float(np.linalg.norm(direction))
+    direction = direction / norm
+    curvature = curvature / norm**2
+    return scale, direction, curvature - float(curvature @ direction) * direction
+
+
+def _reach(slope: float, bend: float) -> float:
+    """Smallest s > 0 at which |slope s + bend s^2 / 2| = 1."""
+    roots = []
+    for target in (1.0, -1.0):
+        for root in np.roots([0.5 * bend, slope, -target]) if bend != 0.0 else ([target / slope] if slope != 0.0 else []):
+            if abs(np.imag(root)) < 1e-12 and np.real(root) > 0.0:
+                roots.append(float(np.real(root)))
+    return min(roots) if roots else np.inf

@@ -1,0 +1,59 @@
+"""Declared symmetries of a model, applied to points and tangents of its equilibria."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+
+STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
+AGREES = 1e-5
+
+
+def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
+    """Images of rows z (k, n + 1): the state part is mapped, the parameter stays."""
+    z = np.atleast_2d(z)
+    mapped = z.copy()
+    p = np.tile(problem.base, (len(z), 1))
+    p[:, problem.active] = z[:, -1]
+    mapped[:, :-1] = problem.system.symmetry(name, np.ascontiguousarray(z[:, :-1]), p)
+    return mapped
+
+
+def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str, ...]:
+    """Symmetries that keep z (modulo angle periods) and turn `direction` (unscaled, (n + 1,)) round.
+
+    At a branch point they map one half of the new branch onto the other: the point breaks them.
+    """
+    names = tuple(s.name for s in problem.system.model.symmetries)
+    found = []
+    size = float(np.max(np.abs(direction[:-1]), initial=0.0))
+    if size == 0.0:
+        return ()
+    for name in names:
+        image = apply_symmetry(problem, name, np.stack([z, z + STEP * direction, z - STEP * direction]))
+        fixed = _wrapped(image[0] - z, problem.angle_periods)
+        reference = np.maximum(np.abs(z), size)
+        if np.any(np.abs(fixed) > AGREES * reference):
+            continue
+        moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * STEP)
+        if np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size) and abs(direction[-1]) <= AGREES * abs(
+            direction
+        ).max():
+            found.append(name)
+    return tuple(found)
+
+
+def is_fixed_by(problem: Any, name: str, z: Array) -> bool:
+    """True where the symmetry maps the state to itself (modulo angle periods)."""
+    difference = _wrapped(apply_symmetry(problem, name, z)[0] - z, problem.angle_periods)
+    return bool(np.all(np.abs(difference) <= AGREES * np.maximum(np.abs(z), 1e-6 * max(float(np.abs(z).max()), 1e-300))))
+
+
+def _wrapped(difference: Array, periods: Array) -> Array:
+    wrapped = difference.copy()
+    angles = np.flatnonzero(periods)
+    wrapped[angles] -= periods[angles] * np.round(difference[angles] / periods[angles])
+    return wrapped
