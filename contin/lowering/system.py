@@ -16,7 +16,7 @@ from contin.lowering.llvm_text import Routine
 from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.routines import Layout, form_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
-from contin.model.expression import Expression, postorder
+from contin.model.expression import Expression, postorder, symbol
 from contin.symbolic.derivatives import sparse_jacobian
 
 TIME: Final = "t"
@@ -39,6 +39,8 @@ class Equations(Protocol):
     def observables(self) -> Mapping[str, Expression]: ...
     @property
     def forcing(self) -> Any: ...
+    @property
+    def symmetries(self) -> Sequence[Any]: ...
 
 
 def compile_system(model: Equations) -> CompiledSystem:
@@ -148,6 +150,11 @@ class CompiledSystem:
         """Observables at N points, (N, k) in the order of `observable_names`; at one point u (n,), (k,)."""
         return self._calls.vectors(self.observe_address, len(self.observable_names), u, p)
 
+    def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
+        """Images of N states, (N, n), under a declared symmetry of the model: u (N, n), p (N, p_size) or (p_size,)."""
+        index = [s.name for s in self.model.symmetries].index(name)
+        return self._calls.vectors(self._address(f"image{index}"), self.n, u, p)
+
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Switching functions, (n_switches,); the equations change formula where one of them changes sign."""
         return self._calls.vector(self.switches_address, self.n_switches, u, p)
@@ -223,6 +230,9 @@ class CompiledSystem:
             return vector_routine(name, self._equations, self.layout)
         if name == "jacobian":
             return jacobian_routine(name, self._equations, self.layout)
+        if name.startswith("image"):
+            images = self.model.symmetries[int(name.removeprefix("image"))].map
+            return vector_routine(name, [images.get(s, symbol(s)) for s in self.state_names], self.layout)
         if name in ("observe", "switches"):
             expressions = self._observables if name == "observe" else self.switching
             return vector_routine(name, expressions, self.layout) if expressions else None
