@@ -12,12 +12,12 @@ from contin.model.printing import is_division, to_text
 _SHOWN = 120  # characters of a formula in a message
 
 
-def explain_not_finite(equations: Mapping[str, Expression], env: Mapping[str, float]) -> str:
+def explain_not_finite(equations: Mapping[str, Expression], env: Mapping[str, float], what: str = "equation") -> str:
     """Sentence that names the first equation that is NaN or infinite at `env` and says why; empty if all are finite."""
     values = node_values(equations.values(), env)
     for name, equation in equations.items():
         if not math.isfinite(values[equation]):
-            return f"equation {name}: {_reason(equation, values)}{_where(equation, env)}"
+            return f"{what} {name}: {_reason(equation, values)}{_where(equation, env)}"
     return ""
 
 

@@ -1,0 +1,276 @@
+"""Plain data in the shape of a model file -> the parts of a `Model`, or one error with everything that is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from contin.errors import InputError
+from contin.model import schema
+from contin.model.advice import closest
+from contin.model.evaluate import evaluate, evaluate_all
+from contin.model.expression import Expression
+from contin.model.inline import Formulas
+from contin.model.lexer import canonical_name
+from contin.model.naming import check_label, check_names
+from contin.model.parts import (
+    TIME,
+    Averaging,
+    Expectation,
+    Forcing,
+    Oscillator,
+    Parameter,
+    Start,
+    State,
+    Symmetry,
+)
+from contin.model.scope import Scope
+from contin.model.shape import check_version, plain, validate
+from contin.model.source import CallSource, Path, Problems, Source
+from contin.model.symmetry import check_symmetries
+from contin.model.values import parameter_values
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+
+def parts_from_mapping(
+    mapping: Mapping[str, Any], source: Source, *, version_required: bool = False, check: bool = True
+) -> dict[str, Any]:
+    """Fields of a `Model`; `check` compares the symmetries with the equations."""
+    problems = Problems(source)
+    data = plain(mapping)
+    check_version(data, problems, version_required)
+    entry = validate(data, problems)
+    builder = _Builder(entry, problems)
+    parts = builder.parts()
+    problems.raise_if_any()
+    if check and parts["symmetries"]:
+        check_symmetries(parts, problems)
+        problems.raise_if_any()
+    return parts
+
+
+def start_from_mapping(model: Model, mapping: Mapping[str, Any]) -> Start:
+    """A start written as a mapping of states, and `parameters`, to values."""
+    problems = Problems(CallSource(f"start of model {model.name}"))
+    data = plain(mapping)
+    for name, value in list(data.items()):
+        if (name != "parameters" and isinstance(value, (bool, dict, list))) or value is None:
+            problems.add((name,), f"expected a number or a formula, got {schema.shown(value)}")
+    if not isinstance(data.get("parameters", {}), dict):
+        problems.add(("parameters",), "expected a mapping {name: value}")
+    problems.raise_if_any()
+    formulas = Formulas(problems, [*model.state_names, *model.parameter_names], {})
+    formulas.functions = dict(model.functions)
+    formulas.definitions = dict(model.definitions)
+    reader = _StartReader(formulas, list(model.state_names), list(model.parameter_names), problems)
+    start = reader.read("", data, ())
+    problems.raise_if_any()
+    return start
+
+
+class _StartReader:
+    """Reads starts: the states' values may use the parameters."""
+
+    def __init__(self, formulas: Formulas, states: list[str], parameters: list[str], problems: Problems) -> None:
+        self.formulas, self.states, self.parameters, self.problems = formulas, states, parameters, problems
+        hidden = {s: f"{s} is a state; values here are formulas in the parameters" for s in states}
+        self.scope: Scope = formulas.scope_of(parameters, hidden)
+
+    def read(self, name: str, data: Mapping[str, Any], path: Path) -> Start:
+        values = dict(data)
+        overrides = values.pop("parameters", None) or {}
+        states = self.known(values, self.states, "state", path)
+        parameters = self.known(overrides, self.parameters, "parameter", (*path, "parameters"))
+        return Start(name, states, parameters)
+
+    def known(self, data: Mapping[str, Any], names: list[str], what: str, path: Path) -> dict[str, Expression]:
+        found = {}
+        for key, value in data.items():
+            name = canonical_name(key)
+            if name not in names:
+                advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
+                self.problems.add((*path, key), f"not a {what}: {advice}", key=True)
+                continue
+            found[name] = self.formulas.read(value, (*path, key), self.scope)
+        return found
+
+
+class _Builder:
+    def __init__(self, entry: schema.ModelEntry, problems: Problems) -> None:
+        self.entry, self.problems = entry, problems
+        self.states = [canonical_name(n) for n in entry.states]
+        self.parameters = [canonical_name(n) for n in entry.parameters]
+        symbols = [*self.states, *self.parameters, *([TIME] if entry.forcing is not None else [])]
+        observed = {
+            canonical_name(n): f"{n} is an observable; put it under definitions to use it in formulas"
+            for n in entry.observables
+        }
+        self.formulas = Formulas(problems, symbols, observed)
+
+    def parts(self) -> dict[str, Any]:
+        entry = self.entry
+        check_names(entry, self.problems)
+        self.formulas.declare(entry.functions, entry.definitions)
+        reader = _StartReader(self.formulas, self.states, self.parameters, self.problems)
+        self.constants = reader.scope
+        parts: dict[str, Any] = {
+            "name": entry.name,
+            "kind": entry.kind,
+            "title": entry.title,
+            "source": entry.source,
+            "description": entry.description,
+            "states": tuple(self.state(n) for n in entry.states),
+            "parameters": tuple(self.parameter(n) for n in entry.parameters),
+            "functions": self.formulas.functions,
+            "definitions": self.formulas.definitions,
+            "equations": self.equations(),
+            "observables": {
+                canonical_name(n): self.formulas.read(v, ("observables", n), self.formulas.scope)
+                for n, v in entry.observables.items()
+            },
+            "symmetries": tuple(self.symmetry(n) for n in entry.symmetries),
+            "starts": tuple(
+                reader.read(n, {**(s.model_extra or {}), "parameters": s.parameters}, ("starts", n))
+                for n, s in entry.starts.items()
+            ),
+            "averaging": self.averaging(),
+            "forcing": self.forcing(),
+            "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
+        }
+        for section in ("starts", "symmetries"):
+            for name in getattr(entry, section):
+                check_label(name, (section, name), self.problems)
+        if not self.problems:
+            self.check_numbers(parts)
+        return parts
+
+    def state(self, key: str) -> State:
+        item, path = self.entry.states[key], ("states", key)
+        name = canonical_name(key)
+        if not isinstance(item, schema.StateEntry):
+            return State(name, self.formulas.read(item, path, self.constants))
+        period = item.period
+        return State(
+            name,
+            self.formulas.read(item.value, (*path, "value"), self.constants),
+            item.unit,
+            item.description,
+            None if period is None else self.formulas.read(period, (*path, "period"), self.constants),
+        )
+
+    def parameter(self, key: str) -> Parameter:
+        item, path = self.entry.parameters[key], ("parameters", key)
+        name = canonical_name(key)
+        if not isinstance(item, schema.ParameterEntry):
+            return Parameter(name, self.formulas.read(item, path, self.constants))
+        bounds = None
+        if item.range is not None:
+            low, high = (self.formulas.read(v, (*path, "range", i), self.constants) for i, v in enumerate(item.range))
+            bounds = (low, high)
+        value = self.formulas.read(item.value, (*path, "value"), self.constants)
+        return Parameter(name, value, bounds, item.unit, item.description)
+
+    def equations(self) -> tuple[Expression, ...]:
+        written = {canonical_name(n): n for n in self.entry.equations}
+        for name, key in written.items():
+            if name not in self.states:
+                advice = closest(name, self.states) or f"states are {', '.join(self.states)}"
+                self.problems.add(("equations", key), f"{name} is not a state: {advice}", key=True)
+        missing = [s for s in self.states if s not in written]
+        if missing:
+            what = ", ".join(missing)
+            self.problems.add(("equations",), f"no equation for {what}; add `{missing[0]}: ...`", key=True)
+        scope = self.formulas.scope
+        return tuple(
+            self.formulas.read(self.entry.equations[written[s]], ("equations", written[s]), scope)
+            for s in self.states
+            if s in written
+        )
+
+    def symmetry(self, name: str) -> Symmetry:
+        images: dict[str, Expression] = {}
+        for key, value in self.entry.symmetries[name].items():
+            state, path = canonical_name(key), ("symmetries", name, key)
+            if state not in self.states:
+                advice = closest(state, self.states) or f"states are {', '.join(self.states)}"
+                reason = "a parameter; a symmetry maps states" if state in self.parameters else f"not a state: {advice}"
+                self.problems.add(path, f"{state} is {reason}", key=True)
+                continue
+            images[state] = self.formulas.read(value, path, self.formulas.scope)
+        return Symmetry(name, images)
+
+    def averaging(self) -> Averaging | None:
+        item = self.entry.averaging
+        if item is None:
+            return None
+        self.one_of(item.small, self.parameters, "parameter", ("averaging", "small"))
+        used: list[str] = []
+        for i, oscillator in enumerate(item.oscillators):
+            for role, state in (("position", oscillator.position), ("velocity", oscillator.velocity)):
+                path = ("averaging", "oscillators", i, role)
+                self.one_of(state, self.states, "state", path)
+                if state in used:
+                    self.problems.add(path, f"{state} already belongs to an oscillator")
+                used.append(state)
+        if self.entry.kind == "map":
+            self.problems.add(("averaging",), "a map cannot be averaged; use kind: flow", key=True)
+        oscillators = tuple(
+            Oscillator(canonical_name(o.position), canonical_name(o.velocity)) for o in item.oscillators
+        )
+        return Averaging(canonical_name(item.small), oscillators)
+
+    def one_of(self, name: str, names: list[str], what: str, path: Path) -> None:
+        if canonical_name(name) not in names:
+            advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
+            self.problems.add(path, f"{name!r} is not a {what}: {advice}")
+
+    def forcing(self) -> Forcing | None:
+        item = self.entry.forcing
+        if item is None:
+            return None
+        if self.entry.kind == "map":
+            self.problems.add(("forcing",), "a map has no time; use kind: flow", key=True)
+        return Forcing(self.formulas.read(item.period, ("forcing", "period"), self.constants))
+
+    def expectation(self, i: int) -> Expectation:
+        item = self.entry.expect[i]
+        points = item.at if isinstance(item.at, list) else [item.at]
+        at = []
+        for k, point in enumerate(points):
+            path: Path = ("expect", i, "at", k) if isinstance(item.at, list) else ("expect", i, "at")
+            at.append({n: self.formulas.read(v, (*path, n), self.constants) for n, v in point.items()})
+        runs = [] if item.run is None else item.run if isinstance(item.run, list) else [item.run]
+        for k, run in enumerate(runs):
+            path = ("expect", i, "run", k) if isinstance(item.run, list) else ("expect", i, "run")
+            free = run.get("parameter")
+            for name in free if isinstance(free, list) else [free] if free is not None else []:
+                if not item.transform:  # a pass may add parameters
+                    self.one_of(str(name), self.parameters, "parameter", (*path, "parameter"))
+        return Expectation(item.label, tuple(at), item.tolerance, tuple(runs), tuple(item.transform or ()))
+
+    def check_numbers(self, parts: Mapping[str, Any]) -> None:
+        """What can be said only in numbers: values are finite, ranges ordered, periods positive."""
+        try:
+            values = parameter_values(parts["parameters"], [])
+        except (InputError, ArithmeticError) as error:
+            self.problems.add(("parameters",), str(error), key=True)
+            return
+        keys = {canonical_name(k): k for k in (*self.entry.parameters, *self.entry.states)}
+        for parameter in parts["parameters"]:
+            if parameter.range is not None:
+                low, high = evaluate_all(parameter.range, values)
+                if not low < high or abs(low) == float("inf") or abs(high) == float("inf"):
+                    path: Path = ("parameters", keys[parameter.name], "range")
+                    self.problems.add(path, f"expected [low, high] with low < high, got [{low:.6g}, {high:.6g}]")
+        for state in parts["states"]:
+            if state.period is not None:
+                self.positive(state.period, values, ("states", keys[state.name], "period"))
+        if parts["forcing"] is not None:
+            self.positive(parts["forcing"].period, values, ("forcing", "period"))
+
+    def positive(self, period: Expression, values: Mapping[str, float], path: Path) -> None:
+        value = evaluate(period, values)
+        if not 0 < value < float("inf"):
+            self.problems.add(path, f"a period must be positive and finite, got {value:.6g}")

@@ -1,0 +1,172 @@
+"""Functions and definitions: worked out in the order of their dependencies, inserted where they are used."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from contin.errors import ExpressionError
+from contin.model.expression import Expression, is_condition, number, substitute, symbol, symbols_in
+from contin.model.lexer import canonical_name, is_name, tokenize
+from contin.model.order import CircleError, dependency_order
+from contin.model.parser import Operand, parse_operand
+from contin.model.scope import Budget, Function, Scope, placeholders
+from contin.model.source import Path, Problems, Span
+
+HEADING = re.compile(r"\s*([^\W\d]\w*)\s*\(([^()]*)\)\s*")
+
+
+class Formulas:
+    """Reads formulas of one model: remembers the functions and definitions, and notes mistakes in `problems`."""
+
+    def __init__(self, problems: Problems, symbols: list[str], unavailable: Mapping[str, str]) -> None:
+        self.problems = problems
+        self.functions: dict[str, Function] = {}
+        self.definitions: dict[str, Expression] = {}
+        self.conditions: set[str] = set()
+        self.budget = Budget()
+        self.symbols = {name: symbol(name) for name in symbols}
+        self.unavailable = unavailable
+
+    @property
+    def scope(self) -> Scope:
+        """What equations and observables may use."""
+        names = {**self.symbols, **self.definitions}
+        return Scope(names, self.functions, frozenset(self.conditions), self.unavailable, self.budget)
+
+    def scope_of(self, names: list[str], hidden: Mapping[str, str]) -> Scope:
+        """The scope in which only `names`, and definitions made of them alone, mean something."""
+        allowed = {name: symbol(name) for name in names}
+        known = set(names)
+        usable = {n: e for n, e in self.definitions.items() if known.issuperset(symbols_in([e]))}
+        reasons = {n: f"{n} depends on states, which have no value here" for n in self.definitions if n not in usable}
+        table = {**usable, **allowed}
+        return Scope(table, self.functions, frozenset(self.conditions), {**reasons, **hidden}, self.budget)
+
+    def read(self, value: Any, path: Path, scope: Scope) -> Expression:
+        """One formula whose value is a number; after a mistake, the number 1."""
+        operand = self.read_operand(value, path, scope)
+        if operand.condition:
+            self._note(path, value, "a condition is not a number; write, for example, 1 if x > 0 else 0", 0)
+            return number(1)
+        return operand.node
+
+    def read_operand(self, value: Any, path: Path, scope: Scope) -> Operand:
+        """One formula, a number or a condition."""
+        if isinstance(value, Expression):
+            return self._expression(value, path, scope)
+        if not isinstance(value, str):
+            return Operand(number(value), False, 0)
+        try:
+            return parse_operand(value, scope)
+        except ExpressionError as error:
+            self._note(path, value, str(error), error.position)
+            return Operand(number(1), False, 0)
+
+    def _note(self, path: Path, value: Any, message: str, position: int) -> None:
+        text = value if isinstance(value, str) else None
+        end = position + 1
+        if text is not None:
+            word = re.compile(r"\w+").match(text, position)
+            end = word.end() if word else end
+        self.problems.add(path, message, value=text, span=Span(position, end))
+
+    def _expression(self, value: Expression, path: Path, scope: Scope) -> Operand:
+        from contin.model.operators import as_written
+
+        names = scope.names or {}
+        used = {s: names.get(s) for s in symbols_in([value])}
+        for name, node in used.items():
+            if node is None:
+                self.problems.add(path, scope.unavailable.get(name, f"unknown name {name!r} in an expression"))
+                return Operand(number(1), False, 0)
+        nodes = {symbol(name): node for name, node in used.items() if node is not None}
+        return Operand(substitute([as_written(value)], nodes)[0], is_condition(value), 0)
+
+    def declare(self, functions: Mapping[str, Any], definitions: Mapping[str, Any]) -> None:
+        """Read all functions and definitions, whatever their order."""
+        headings = {}
+        for heading, body in functions.items():
+            parsed = self._heading(heading)
+            if parsed is not None:
+                name, parameters = parsed
+                if name in headings:
+                    self.problems.add(("functions", heading), f"the function {name} is already declared", key=True)
+                headings[name] = (heading, parameters, body)
+        named = {canonical_name(name): (name, body) for name, body in definitions.items()}
+        needs = {name: _references(body, parameters) for name, (_, parameters, body) in headings.items()}
+        needs |= {name: _references(body, ()) for name, (_, body) in named.items()}
+        try:
+            order = dependency_order({n: [x for x in used if x in needs] for n, used in needs.items()})
+        except CircleError as error:
+            first = error.circle[0]
+            path: Path = ("functions", headings[first][0]) if first in headings else ("definitions", named[first][0])
+            what = "the function uses itself" if len(error.circle) == 2 and first in headings else "defined in a circle"
+            self.problems.add(path, f"{what}: {error}; functions and definitions are inserted, so this never ends")
+            self.problems.raise_if_any()
+            raise
+        for name in order:
+            if name in headings:
+                self._function(name, *headings[name])
+            else:
+                self._definition(name, *named[name])
+        self.functions = {n: self.functions[n] for n in headings if n in self.functions}  # in the order of the file
+        self.definitions = {n: self.definitions[n] for n in named}
+
+    def _heading(self, heading: str) -> tuple[str, tuple[str, ...]] | None:
+        path = ("functions", heading)
+        match = HEADING.fullmatch(heading)
+        if match is None:
+            self.problems.add(path, "expected a heading such as g(u, v)", key=True)
+            return None
+        name = canonical_name(match.group(1))
+        parameters = tuple(canonical_name(p.strip()) for p in match.group(2).split(","))
+        if parameters == ("",):
+            self.problems.add(path, "a function needs an argument; without one, put it under definitions", key=True)
+            return None
+        wrong = next((p for p in parameters if not is_name(p)), None)
+        if wrong is not None:
+            self.problems.add(path, f"{wrong!r} cannot name an argument", key=True)
+            return None
+        if len(set(parameters)) < len(parameters):
+            self.problems.add(path, "two arguments have the same name", key=True)
+            return None
+        return name, parameters
+
+    def _function(self, name: str, heading: str, parameters: tuple[str, ...], body: Any) -> None:
+        slots = placeholders(name, parameters)
+        outer = self.scope
+        arguments = dict(zip(parameters, slots, strict=True))
+        inner = Scope(
+            {**(outer.names or {}), **arguments},
+            self.functions,
+            outer.conditions - set(parameters),
+            self.unavailable,
+            self.budget,
+        )
+        operand = self.read_operand(body, ("functions", heading), inner)
+        text = " ".join(body.split()) if isinstance(body, str) else str(body)
+        self.functions[name] = Function.make(name, parameters, text, operand.node, operand.condition)
+
+    def _definition(self, name: str, key: str, body: Any) -> None:
+        operand = self.read_operand(body, ("definitions", key), self.scope)
+        self.definitions[name] = operand.node
+        if operand.condition:
+            self.conditions.add(name)
+
+
+def _references(body: Any, parameters: tuple[str, ...]) -> list[str]:
+    """Names that a body mentions; mistakes in it are found when it is parsed."""
+    if isinstance(body, Expression):
+        return symbols_in([body])
+    if not isinstance(body, str):
+        return []
+    try:
+        tokens = tokenize(body)
+    except ExpressionError:
+        return []
+    calls = {t.text for t, after in pairwise(tokens) if t.kind == "name" and after.text == "("}
+    names = [t.text for t in tokens if t.kind == "name" and (t.text not in parameters or t.text in calls)]
+    return list(dict.fromkeys(names))

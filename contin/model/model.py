@@ -1,0 +1,208 @@
+"""`Model`: a system of ordinary differential equations or a map, with everything that is known about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.errors import InputError, NotFiniteError
+from contin.model.advice import closest
+from contin.model.evaluate import evaluate_all
+from contin.model.explain import explain_not_finite
+from contin.model.expression import Expression, number, symbol
+from contin.model.parser import parse
+from contin.model.parts import TIME, Averaging, Expectation, Forcing, Parameter, Start, State, Symmetry
+from contin.model.scope import Function
+from contin.model.values import Override, parameter_values
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Model:
+    """A system d(state)/dt = equations(state, parameters) (kind 'flow') or next state = equations (kind 'map').
+
+    `Model(name=..., states={...}, parameters={...}, equations={...}, ...)` takes the keys and values of a model file,
+    as texts, numbers or expressions, checks them alike and gives a model equal to the loaded file. Passes, which hold
+    finished parts, use `Model.from_parts` and `replace`.
+
+    `equations` are in the order of `states` and contain states and parameters only (and `t` where `forcing` is set):
+    functions and definitions are inserted. `functions` and `definitions` are kept for printing.
+    """
+
+    name: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    equations: tuple[Expression, ...]
+    kind: Literal["flow", "map"] = "flow"
+    title: str | None = None
+    source: str | None = None
+    description: str | None = None
+    functions: Mapping[str, Function] = field(default_factory=dict)
+    definitions: Mapping[str, Expression] = field(default_factory=dict)
+    observables: Mapping[str, Expression] = field(default_factory=dict)
+    symmetries: tuple[Symmetry, ...] = ()
+    starts: tuple[Start, ...] = ()
+    averaging: Averaging | None = None
+    forcing: Forcing | None = None
+    expect: tuple[Expectation, ...] = ()
+
+    def __init__(self, name: str, **entries: Any) -> None:
+        from contin.model.build import parts_from_mapping
+        from contin.model.source import CallSource
+
+        parts = parts_from_mapping({"name": name, **entries}, CallSource(f"Model({name!r})"))
+        self._set(parts)
+
+    @classmethod
+    def build(cls, name: str, **entries: Any) -> Model:
+        """The same as `Model(name, ...)`."""
+        return cls(name, **entries)
+
+    @classmethod
+    def from_parts(cls, **parts: Any) -> Model:
+        """A model of finished parts (the fields of this class); nothing is parsed or checked."""
+        model = object.__new__(cls)
+        model._set(parts)
+        return model
+
+    def replace(self, **parts: Any) -> Model:
+        """A copy with some fields exchanged for other finished parts."""
+        return Model.from_parts(**{f.name: getattr(self, f.name) for f in fields(self)} | parts)
+
+    def _set(self, parts: Mapping[str, Any]) -> None:
+        known = {f.name for f in fields(self)}
+        if not known.issuperset(parts):
+            raise TypeError(f"a model has no part {', '.join(sorted(set(parts) - known))}")
+        for f in fields(self):
+            if f.name in parts:
+                value = parts[f.name]
+            elif callable(f.default_factory):
+                value = f.default_factory()
+            else:
+                value = f.default
+            object.__setattr__(self, f.name, value)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.kind, self.states, self.parameters, self.equations))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        from contin.model.yaml_loader import load_model_text
+
+        return load_model_text, (self.text(), self.name)
+
+    # What it holds ----------------------------------------------------------------------------------------------------
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states in the order of the vector u."""
+        return tuple(s.name for s in self.states)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters in the order of the vector p."""
+        return tuple(p.name for p in self.parameters)
+
+    @property
+    def equation_map(self) -> dict[str, Expression]:
+        """State name -> right-hand side."""
+        return dict(zip(self.state_names, self.equations, strict=True))
+
+    def symmetry(self, name: str) -> Symmetry:
+        """The declared symmetry of this name."""
+        found = next((s for s in self.symmetries if s.name == name), None)
+        if found is None:
+            raise InputError(_no_such("symmetry", name, [s.name for s in self.symmetries], self.name))
+        return found
+
+    def start(self, name: str) -> Start:
+        """The named start."""
+        found = next((s for s in self.starts if s.name == name), None)
+        if found is None:
+            raise InputError(_no_such("start", name, [s.name for s in self.starts], self.name))
+        return found
+
+    def expression(self, text: str) -> Expression:
+        """A formula in states, parameters, definitions, functions and observables of this model."""
+        names = {n: symbol(n) for n in (*self.state_names, *self.parameter_names)}
+        if self.forcing is not None:
+            names[TIME] = symbol(TIME)
+        return parse(text, {**self.observables, **self.definitions, **names}, self.functions)
+
+    # Numbers ----------------------------------------------------------------------------------------------------------
+
+    def default_parameters(self, overrides: Mapping[str, Override] | None = None) -> dict[str, float]:
+        """Values of all parameters, in order.
+
+        `overrides` (numbers, texts or expressions in the parameters) replace defaults; parameters that are declared as
+        expressions in others follow. Raises `InputError` for an unknown name or a circle, `NotFiniteError` if a value
+        is not finite.
+        """
+        return parameter_values(self.parameters, [overrides or {}], self.functions)
+
+    def parameter_range(self, name: str, overrides: Mapping[str, Override] | None = None) -> tuple[float, float] | None:
+        """Declared range of a parameter, in numbers."""
+        found = next((p for p in self.parameters if p.name == name), None)
+        if found is None:
+            raise InputError(_no_such("parameter", name, list(self.parameter_names), self.name))
+        if found.range is None:
+            return None
+        low, high = evaluate_all(found.range, self.default_parameters(overrides))
+        return low, high
+
+    def start_point(
+        self,
+        start: str | Mapping[str, Any] | None = None,
+        parameters: Mapping[str, Override] | None = None,
+    ) -> tuple[Array, Array]:
+        """Vectors u (n,) and p (m,) of a starting point.
+
+        `start` is the name of a declared start, or a mapping of states (and `parameters`) to numbers or formulas in the
+        parameters; states it does not mention have their default. Parameter values: model < start < `parameters`.
+        """
+        found = self._start(start)
+        values = parameter_values(self.parameters, [found.parameters, parameters or {}], self.functions)
+        formulas = {s.name: found.states.get(s.name, s.value) for s in self.states}
+        u = np.array([float(v) for v in evaluate_all(formulas.values(), values)])
+        if not np.all(np.isfinite(u)):
+            raise NotFiniteError(f"model {self.name}, start: " + explain_not_finite(formulas, values, "state"))
+        return u, np.array(list(values.values()), dtype=float)
+
+    def _start(self, start: str | Mapping[str, Any] | None) -> Start:
+        if start is None:
+            return Start("", {})
+        if isinstance(start, str):
+            return self.start(start)
+        from contin.model.build import start_from_mapping
+
+        return start_from_mapping(self, start)
+
+    def periods(self, overrides: Mapping[str, Override] | None = None) -> Array:
+        """Period of each state (n,), 0 where it is not an angle."""
+        values = self.default_parameters(overrides)
+        return np.array([float(v) for v in evaluate_all([s.period or number(0) for s in self.states], values)])
+
+    # Text -------------------------------------------------------------------------------------------------------------
+
+    def text(self) -> str:
+        """The model as a model file; loading it gives an equal model."""
+        from contin.model.writer import model_text
+
+        return model_text(self)
+
+    def __str__(self) -> str:
+        from contin.model.writer import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        return f"Model({self.name!r}, states={self.state_names}, parameters={self.parameter_names})"
+
+
+def _no_such(what: str, name: str, known: list[str], model: str) -> str:
+    advice = closest(name, known) or (f"there are {', '.join(known)}" if known else f"it declares no {what}")
+    return f"model {model} has no {what} {name!r}: {advice}"

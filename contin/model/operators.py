@@ -1,0 +1,34 @@
+"""Expressions built with Python's operators, in the shape the parser gives the same formula."""
+
+from __future__ import annotations
+
+from contin.model.expression import Expression, add, rebuild
+
+
+def as_written(root: Expression) -> Expression:
+    """`a + b + c` is (a + b) + c to Python; here it becomes one sum of three terms, as in a text. O(nodes)."""
+    done: dict[Expression, Expression] = {}
+    stack = [root]
+    while stack:
+        node = stack[-1]
+        if node in done:
+            stack.pop()
+            continue
+        operands = _operands(node)
+        waiting = [a for a in operands if a not in done]
+        if waiting:
+            stack.extend(waiting)
+            continue
+        stack.pop()
+        args = tuple(done[a] for a in operands)
+        done[node] = add(*args) if node.op == "add" else rebuild(node, args) if args else node
+    return done[root]
+
+
+def _operands(node: Expression) -> tuple[Expression, ...]:
+    """The operands; of a sum whose first term is a sum, all terms from the left."""
+    later: list[tuple[Expression, ...]] = []
+    while node.op == "add" and node.args[0].op == "add":
+        later.append(node.args[1:])
+        node = node.args[0]
+    return (*node.args, *(term for terms in reversed(later) for term in terms))

@@ -1,0 +1,89 @@
+"""The parts a model is made of. All are immutable; formulas are expressions in states and parameters only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from contin.model.expression import Expression
+
+TIME: Final = "t"  # the name of time in a forced flow
+TAKEN_NAMES: Final = frozenset({TIME, "period", "stable", "unstable", "parameters"})  # columns and keys of results
+
+
+@dataclass(frozen=True)
+class State:
+    """A state variable: `value` is the default guess, in the parameters; `period` makes it an angle."""
+
+    name: str
+    value: Expression
+    unit: str | None = None
+    description: str | None = None
+    period: Expression | None = None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter: `value` may use other parameters; `range` is the default range of runs, never a constraint."""
+
+    name: str
+    value: Expression
+    range: tuple[Expression, Expression] | None = None
+    unit: str | None = None
+    description: str | None = None
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A substitution u -> g(u) that maps solutions to solutions; states that `map` does not mention stay."""
+
+    name: str
+    map: Mapping[str, Expression]
+
+
+@dataclass(frozen=True)
+class Start:
+    """A named starting point: values of some states and of some parameters, in the parameters."""
+
+    name: str
+    states: Mapping[str, Expression]
+    parameters: Mapping[str, Expression] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """The two states of one weakly nonlinear oscillator."""
+
+    position: str
+    velocity: str
+
+
+@dataclass(frozen=True)
+class Averaging:
+    """What the averaging pass needs to know: the small parameter and the oscillators."""
+
+    small: str
+    oscillators: tuple[Oscillator, ...]
+
+
+@dataclass(frozen=True)
+class Forcing:
+    """The equations depend on time `t` with this period, an expression in the parameters."""
+
+    period: Expression
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """In the last of `runs` (entries like those of a run file; empty: the first parameter over its range), after the
+    passes `transform`, the points of type `label` are exactly those `at`, to relative `tolerance`.
+
+    Each point maps names of columns to values, which are expressions in the parameters.
+    """
+
+    label: str
+    at: tuple[Mapping[str, Expression], ...]
+    tolerance: float = 1e-8
+    runs: tuple[Mapping[str, Any], ...] = ()
+    transform: tuple[Any, ...] = ()

@@ -1,0 +1,188 @@
+"""The shape of a model file (FORMATS, section 1) as pydantic models: its keys, and what kind of value each has.
+
+What the values mean (names, formulas, dependencies) is decided in `build`; here a formula is any text or number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, PlainValidator, Tag, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from contin.model.expression import Expression
+
+FORMAT_VERSION: Final = 1
+TAGS: Final = frozenset({"(short)", "(long)", "(one)", "(several)"})  # parts of pydantic's paths that are not keys
+
+
+def _fail(message: str) -> PydanticCustomError:
+    # braces in the text would be read as fields of a template
+    return PydanticCustomError("contin", "{text}", {"text": message})
+
+
+def shown(value: object) -> str:
+    """A value as it stands in YAML, for messages."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:56] + " ..."
+
+
+def _formula(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float, str, Expression)):
+        raise _fail(f"expected a number or a formula, got {shown(value)}")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise _fail(f"expected a finite number, got {value}")
+    return value
+
+
+def _text(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+        raise _fail(f"expected a text, got {shown(value)}")
+    return value if isinstance(value, str) else str(value)
+
+
+def _name(value: object) -> object:
+    if not isinstance(value, str):
+        raise _fail(f"expected a name, got {shown(value)}")
+    return value
+
+
+def _tolerance(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
+        raise _fail(f"expected a positive number, got {shown(value)}")
+    return float(value)
+
+
+def _version(value: object) -> object:
+    if value != FORMAT_VERSION or isinstance(value, bool):
+        raise _fail(f"expected the format version {FORMAT_VERSION}, got {shown(value)}")
+    return value
+
+
+def _pair(value: object) -> object:
+    if not isinstance(value, list) or len(value) != 2:
+        raise _fail(f"expected two values [low, high], got {shown(value)}")
+    return value
+
+
+def _long_or_short(value: object) -> str:
+    return "(long)" if isinstance(value, (Mapping, BaseModel)) else "(short)"
+
+
+def _one_or_several(value: object) -> str:
+    return "(several)" if isinstance(value, list) else "(one)"
+
+
+Formula = Annotated[Any, PlainValidator(_formula), WithJsonSchema({"type": ["number", "string"]})]
+Text = Annotated[str, PlainValidator(_text), WithJsonSchema({"type": ["string", "number"]})]
+Name = Annotated[str, PlainValidator(_name), WithJsonSchema({"type": "string", "pattern": r"^[^\W\d]\w*$"})]
+Tolerance = Annotated[float, PlainValidator(_tolerance), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
+Range = Annotated[list[Formula], BeforeValidator(_pair), Field(min_length=2, max_length=2)]
+
+
+class _Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, strict=True)
+
+
+class StateEntry(_Entry):
+    """A state: its default guess, and the period if it is an angle."""
+
+    value: Formula
+    unit: Text | None = None
+    description: Text | None = None
+    period: Formula | None = None
+
+
+class ParameterEntry(_Entry):
+    """A parameter: its default value and the default range of runs."""
+
+    value: Formula
+    range: Range | None = None
+    unit: Text | None = None
+    description: Text | None = None
+
+
+State = Annotated[
+    Annotated[Formula, Tag("(short)")] | Annotated[StateEntry, Tag("(long)")], Discriminator(_long_or_short)
+]
+Parameter = Annotated[
+    Annotated[Formula, Tag("(short)")] | Annotated[ParameterEntry, Tag("(long)")], Discriminator(_long_or_short)
+]
+
+
+class OscillatorEntry(_Entry):
+    """One weakly nonlinear oscillator: the names of its two states."""
+
+    position: Name
+    velocity: Name
+
+
+class AveragingEntry(_Entry):
+    """The small parameter and the oscillators for the averaging pass."""
+
+    small: Name
+    oscillators: Annotated[list[OscillatorEntry], Field(min_length=1)]
+
+
+class ForcingEntry(_Entry):
+    """Period in the time t of a forced flow."""
+
+    period: Formula
+
+
+Run = dict[str, Any]
+Points = Annotated[
+    Annotated[dict[str, Formula], Tag("(one)")] | Annotated[list[dict[str, Formula]], Tag("(several)")],
+    Discriminator(_one_or_several),
+]
+Runs = Annotated[Annotated[Run, Tag("(one)")] | Annotated[list[Run], Tag("(several)")], Discriminator(_one_or_several)]
+
+
+class StartEntry(BaseModel):
+    """A starting point: values of some states, and `parameters` that belong to it."""
+
+    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True)
+    __pydantic_extra__: dict[str, Formula]
+    parameters: dict[str, Formula] = {}
+
+
+class ExpectEntry(_Entry):
+    """The exact set of points of one type in one run, or in the last of several that start from each other."""
+
+    label: Name
+    at: Points
+    tolerance: Tolerance = 1e-8
+    run: Runs | None = None
+    transform: list[Any] | None = None
+
+
+class ModelEntry(_Entry):
+    """A whole model file."""
+
+    contin: Annotated[int, PlainValidator(_version), WithJsonSchema({"const": FORMAT_VERSION})] = FORMAT_VERSION
+    name: Text
+    title: Text | None = None
+    source: Text | None = None
+    description: Text | None = None
+    kind: Literal["flow", "map"] = "flow"
+    states: Annotated[dict[str, State], Field(min_length=1)]
+    parameters: dict[str, Parameter] = {}
+    functions: dict[str, Formula] = {}
+    definitions: dict[str, Formula] = {}
+    equations: dict[str, Formula]
+    observables: dict[str, Formula] = {}
+    symmetries: dict[str, dict[str, Formula]] = {}
+    starts: dict[str, StartEntry] = {}
+    averaging: AveragingEntry | None = None
+    forcing: ForcingEntry | None = None
+    expect: list[ExpectEntry] = []

@@ -1,0 +1,156 @@
+"""Plain data -> `ModelEntry`: every mistake of shape is noted at its place and mended, so that checking goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from pydantic import BaseModel, ValidationError
+
+from contin.errors import FormatVersionError, InputError
+from contin.model.advice import closest
+from contin.model.expression import Expression
+from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
+from contin.model.source import Path, Problems
+
+MAX_DEPTH: Final = 40
+_NAMED_FORMULAS: Final = frozenset({"states", "parameters", "equations", "definitions", "functions", "observables"})
+_EXAMPLES: Final = {
+    "name": "add `name: my-model`",
+    "states": "add `states: {x: 0}`",
+    "equations": "add `equations: {x: ...}`",
+    "value": "add `value: 0`",
+    "position": "name the state that is the position",
+    "velocity": "name the state that is the velocity",
+    "small": "name the small parameter",
+    "oscillators": "add `oscillators: [{position: x, velocity: y}]`",
+    "period": "add `period: 2*pi`",
+    "label": "add `label: HB`, say",
+    "at": "add `at: {parameter: value}`, or `at: []` where none is expected",
+}
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Mappings, sequences and numpy scalars as dict, list, int and float; everything else as it is."""
+    if depth > MAX_DEPTH:
+        raise InputError(f"a model nested deeper than {MAX_DEPTH} levels")
+    if isinstance(value, (bool, str, int, float, Expression)) or value is None:
+        return float(value) if isinstance(value, float) else value
+    if isinstance(value, Mapping):
+        return {str(k): plain(v, depth + 1) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v, depth + 1) for v in value]
+    item = getattr(value, "item", None)  # numpy scalars and 0-d arrays
+    if callable(item) and getattr(value, "ndim", None) == 0:
+        return plain(item(), depth + 1)
+    numerator = getattr(value, "numerator", None)
+    if isinstance(numerator, int):
+        return f"{numerator}/{value.denominator}"
+    return value
+
+
+def check_version(data: Any, problems: Problems, required: bool) -> None:
+    """Refuse files of a newer format before anything else is read."""
+    if not isinstance(data, Mapping):
+        return
+    if "contin" not in data:
+        if required:
+            problems.add((), f"the format version is missing; add `contin: {FORMAT_VERSION}` as the first line")
+        return
+    version = data["contin"]
+    if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT_VERSION:
+        _, heading, snippet = problems.source.locate(("contin",), False, None, None)
+        message = (
+            f"{heading}: contin: format version {version} is newer than this program reads "
+            f"({FORMAT_VERSION}); upgrade contin, or write `contin: {FORMAT_VERSION}`"
+        )
+        raise FormatVersionError(message + (f"\n{snippet}" if snippet else ""))
+
+
+def validate(data: Any, problems: Problems) -> ModelEntry:
+    """The typed entries; raises if what is left after mending cannot be used."""
+    if not isinstance(data, dict):
+        problems.add((), f"expected a model (a mapping with name, states, equations), got {shown(data)}")
+        problems.raise_if_any()
+    for section, value in list(data.items()):
+        if value is None and section in ModelEntry.model_fields:
+            del data[section]  # an empty section is no section
+    for _ in range(2):
+        try:
+            return ModelEntry.model_validate(data)
+        except ValidationError as error:
+            for item in error.errors(include_url=False, include_context=False):
+                _note(item, data, problems)
+            for item in error.errors(include_url=False, include_context=False):
+                _mend(data, _real_path(item["loc"]), item["type"])
+    problems.raise_if_any()
+    raise InputError("the model cannot be read")
+
+
+def _real_path(loc: tuple[int | str, ...]) -> Path:
+    return tuple(part for part in loc if part not in TAGS)
+
+
+def _note(item: Any, data: Any, problems: Problems) -> None:
+    path, kind = _real_path(item["loc"]), item["type"]
+    value = item.get("input")
+    if kind == "extra_forbidden":
+        allowed = _allowed_keys(item["loc"])
+        advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
+        problems.add(path, f"unknown key: {advice}", key=True)
+    elif kind == "missing":
+        example = _EXAMPLES.get(str(path[-1]), "")
+        problems.add(path[:-1], f"{path[-1]!r} is missing" + (f"; {example}" if example else ""))
+    elif kind in ("dict_type", "model_type", "model_attributes_type"):
+        problems.add(path, f"expected a mapping {{name: value}}, got {shown(value)}")
+    elif kind == "list_type":
+        problems.add(path, f"expected a list [ ... ], got {shown(value)}")
+    elif kind == "literal_error":
+        problems.add(path, f"expected flow or map, got {shown(value)}")
+    elif kind == "too_short":
+        problems.add(path, "is empty; at least one entry is needed")
+    else:
+        problems.add(path, item["msg"])
+
+
+def _allowed_keys(loc: tuple[int | str, ...]) -> list[str]:
+    from contin.model import schema
+
+    entries: dict[tuple[int, str], type[BaseModel]] = {
+        (1, ""): schema.ModelEntry,
+        (3, "states"): schema.StateEntry,
+        (3, "parameters"): schema.ParameterEntry,
+        (2, "averaging"): schema.AveragingEntry,
+        (4, "averaging"): schema.OscillatorEntry,
+        (2, "forcing"): schema.ForcingEntry,
+        (3, "expect"): schema.ExpectEntry,
+    }
+    real = _real_path(loc)
+    section = "" if len(real) == 1 else str(real[0])
+    entry = entries.get((len(real), section))
+    return list(entry.model_fields) if entry is not None else []
+
+
+def _mend(data: dict[str, Any], path: Path, kind: str) -> None:
+    """Take a wrong value out, or put a harmless one in its place, so that the rest can be checked."""
+    if not path or (kind == "missing" and len(path) == 1):
+        return
+    if kind == "extra_forbidden" and _delete(data, path):
+        return
+    section = path[0]
+    if len(path) >= 2 and section in _NAMED_FORMULAS and isinstance(data.get(str(section)), dict):
+        data[str(section)][path[1]] = 1
+    elif section not in ("name", "states", "equations"):
+        data.pop(str(section), None)
+
+
+def _delete(data: Any, path: Path) -> bool:
+    for part in path[:-1]:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            return False
+    if isinstance(data, dict) and path[-1] in data:
+        del data[path[-1]]
+        return True
+    return False

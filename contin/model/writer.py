@@ -1,0 +1,171 @@
+"""A model as text: the model file that loads to an equal model, and a summary for people."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from contin.model.expression import Expression
+from contin.model.printing import to_text
+from contin.model.schema import FORMAT_VERSION
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+_PLAIN = re.compile(r"[^\W\d_][\w .,;()/^*+=<>!-]*|-[\w.(][\w .,;()/^*+=<>!-]*|[(0-9.][\w .,;()/^*+=<>!-]*")
+_WORDS = frozenset({"null", "true", "false", "~"})  # plain scalars that YAML would not read as texts
+
+
+def definition_names(definitions: Mapping[str, Expression]) -> dict[Expression, str]:
+    """Nodes that stand for a definition, so that a formula can be written as its author did."""
+    return {node: name for name, node in definitions.items() if node.args}
+
+
+def model_text(model: Model) -> str:
+    """The model file (YAML). Formulas use the definitions' names wherever the same part occurs."""
+    return "\n".join(_lines(model)) + "\n"
+
+
+def _lines(model: Model) -> Iterator[str]:
+    names = definition_names(model.definitions)
+
+    def formula(node: Expression) -> str:
+        return _scalar(to_text(node, names))
+
+    yield f"contin: {FORMAT_VERSION}"
+    for key in ("name", "title", "source", "description"):
+        value = getattr(model, key)
+        if value is not None:
+            yield f"{key}: {_text(value)}"
+    if model.kind != "flow":
+        yield f"kind: {model.kind}"
+    yield "states:"
+    for s in model.states:
+        more = {} if s.period is None else {"period": formula(s.period)}
+        yield f"  {_key(s.name)}: {_entry(formula(s.value), more, s.unit, s.description)}"
+    if model.parameters:
+        yield "parameters:"
+        for p in model.parameters:
+            more = {} if p.range is None else {"range": f"[{_flow(formula(p.range[0]))}, {_flow(formula(p.range[1]))}]"}
+            yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
+    if model.functions:
+        yield "functions:"
+        for f in model.functions.values():
+            yield f"  {f.heading}: {_scalar(f.text)}"
+    if model.definitions:
+        yield "definitions:"
+        for name, node in model.definitions.items():
+            others = {n: other for n, other in names.items() if n is not node}
+            yield f"  {_key(name)}: {_scalar(to_text(node, others))}"
+    yield "equations:"
+    for name, node in model.equation_map.items():
+        yield f"  {_key(name)}: {formula(node)}"
+    if model.observables:
+        yield "observables:"
+        for name, node in model.observables.items():
+            yield f"  {_key(name)}: {formula(node)}"
+    if model.symmetries:
+        yield "symmetries:"
+        for symmetry in model.symmetries:
+            yield f"  {_key(symmetry.name)}: {_mapping({k: formula(v) for k, v in symmetry.map.items()})}"
+    if model.starts:
+        yield "starts:"
+        for start in model.starts:
+            values = {k: formula(v) for k, v in start.states.items()}
+            if start.parameters:
+                inner = _mapping({k: formula(v) for k, v in start.parameters.items()})
+                values["parameters"] = inner
+            yield f"  {_key(start.name)}: {_mapping(values)}"
+    if model.averaging is not None:
+        yield "averaging:"
+        yield f"  small: {_key(model.averaging.small)}"
+        pairs = (f"{{position: {o.position}, velocity: {o.velocity}}}" for o in model.averaging.oscillators)
+        yield f"  oscillators: [{', '.join(pairs)}]"
+    if model.forcing is not None:
+        yield f"forcing: {{period: {_flow(formula(model.forcing.period))}}}"
+    if model.expect:
+        yield "expect:"
+        for item in model.expect:
+            points = [_mapping({k: formula(v) for k, v in point.items()}) for point in item.at]
+            at = points[0] if len(points) == 1 else f"[{', '.join(points)}]"
+            values = {"label": _text(item.label), "at": at, "tolerance": repr(item.tolerance)}
+            if item.runs:
+                values["run"] = _data(item.runs[0] if len(item.runs) == 1 else list(item.runs))
+            if item.transform:
+                values["transform"] = _data(list(item.transform))
+            yield f"  - {_mapping(values)}"
+
+
+def _entry(value: str, more: dict[str, str], unit: str | None, description: str | None) -> str:
+    if unit is not None:
+        more["unit"] = _text(unit)
+    if description is not None:
+        more["description"] = _text(description)
+    return _mapping({"value": value, **more}) if more else value
+
+
+def _mapping(values: Mapping[str, str]) -> str:
+    return "{" + ", ".join(f"{_key(k)}: {_flow(v)}" for k, v in values.items()) + "}"
+
+
+def _flow(value: str) -> str:
+    """A value inside { } or [ ], where a comma ends a plain scalar."""
+    if value[:1] in '"{[' or "," not in value:
+        return value
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _scalar(formula: str) -> str:
+    if formula in _WORDS or not _PLAIN.fullmatch(formula):
+        return json.dumps(formula, ensure_ascii=False)
+    return formula
+
+
+def _text(value: str) -> str:
+    plain = re.fullmatch(r"[^\W\d_][\w .()/-]*", value) and not value.endswith((" ", ":")) and "  " not in value
+    return value if plain and value.lower() not in _WORDS else json.dumps(value, ensure_ascii=False)
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[^\W\d]\w*(-\w+)*", name) else json.dumps(name, ensure_ascii=False)
+
+
+def _data(value: Any) -> str:
+    """Plain data of a run: JSON is YAML."""
+    return json.dumps(value, ensure_ascii=False)
+
+
+def summary(model: Model) -> str:
+    """A few lines for people: equations, parameters, and what else is declared."""
+    names = definition_names(model.definitions)
+    lines = [f"{model.name}: {model.title}" if model.title else model.name]
+    if model.source:
+        lines.append(f"  source: {model.source}")
+    mark = "'" if model.kind == "flow" else " ->"
+    width = max(len(s.name) + len(mark) for s in model.states)
+    sign = "=" if model.kind == "flow" else ""
+    for name, node in model.equation_map.items():
+        lines.append(f"  {name + mark:<{width}} {sign} {to_text(node, names)}".replace("->  ", "-> "))
+    for name, node in model.definitions.items():
+        others = {n: other for n, other in names.items() if n is not node}
+        lines.append(f"  with {name} = {to_text(node, others)}")
+    if model.parameters:
+        listed = ", ".join(
+            f"{p.name} = {to_text(p.value)}" + (f" {p.unit}" if p.unit else "") for p in model.parameters
+        )
+        lines.append(f"  parameters: {listed}")
+    angles = [f"{s.name} (period {to_text(s.period)})" for s in model.states if s.period is not None]
+    if angles:
+        lines.append(f"  angles: {', '.join(angles)}")
+    if model.forcing is not None:
+        lines.append(f"  forced with period {to_text(model.forcing.period)} in t")
+    for title, found in (
+        ("observables", list(model.observables)),
+        ("symmetries", [s.name for s in model.symmetries]),
+        ("starts", [s.name for s in model.starts]),
+    ):
+        if found:
+            lines.append(f"  {title}: {', '.join(found)}")
+    return "\n".join(lines)

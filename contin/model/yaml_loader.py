@@ -1,0 +1,44 @@
+"""Model files, texts and mappings -> `Model`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path as FilePath
+from typing import Any
+
+from contin.model.build import parts_from_mapping
+from contin.model.model import Model
+from contin.model.source import CallSource, Source
+from contin.model.yaml_reader import Document, read_file, read_text
+
+
+def load_model(path: str | FilePath) -> Model:
+    """The model in a YAML file.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with it, each with `file:line:column: path: what, and what to write instead`.
+    FormatVersionError
+        The file is written for a newer format.
+    """
+    return _model(read_file(path))
+
+
+def load_model_text(text: str, filename: str = "model") -> Model:
+    """The model in a YAML text; `filename` is for messages."""
+    return _model(read_text(text, filename))
+
+
+def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model", *, check: bool = True) -> Model:
+    """The model in plain data of the shape of a model file.
+
+    `where` is for messages: a name, or the `Source` of the data, so that they name file, line and column. `check`
+    compares the declared symmetries with the equations.
+    """
+    source = CallSource(where) if isinstance(where, str) else where
+    return Model.from_parts(**parts_from_mapping(mapping, source, check=check))
+
+
+def _model(document: Document) -> Model:
+    return Model.from_parts(**parts_from_mapping(document.data, document.source, version_required=True))
