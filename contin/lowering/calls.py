@@ -10,7 +10,7 @@ import ctypes
 import threading
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,27 +18,39 @@ from numpy.typing import ArrayLike
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.lowering.machine import loop_address
 
-_prototypes = {count: ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * count) for count in range(3, 16)}
+BUFFERED: Final = 1024  # Jacobians with more elements are written where they are returned
+
+Call = Any
+"""A compiled function, called with the addresses of its arrays; None where the system has no such function."""
 
 
-@lru_cache(maxsize=256)
-def _function(address: Address, pointers: int) -> Any:
-    prototype = _prototypes.get(pointers) or ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * pointers)
-    return prototype(address)
+@lru_cache(maxsize=64)
+def _prototype(pointers: int) -> Any:
+    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * pointers)
+
+
+def make_call(address: Address, pointers: int) -> Call:
+    """The function at `address`, which takes so many pointers."""
+    return None if address == NO_FUNCTION else _prototype(pointers)(address)
 
 
 class _Buffers(threading.local):
-    """This thread's u, p and output."""
+    """This thread's u, p, a small Jacobian, and one output of each size that was asked for."""
 
     def __init__(self, n: int, p_size: int) -> None:
-        self.u, self.p, self.out = np.zeros(n), np.zeros(p_size), np.zeros(0)
-        self.u_at, self.p_at, self.out_at = self.u.ctypes.data, self.p.ctypes.data, 0
+        self.u, self.p = np.zeros(n), np.zeros(p_size)
+        self.u_at, self.p_at = self.u.ctypes.data, self.p.ctypes.data
+        self.outputs: dict[int, tuple[Array, int]] = {}
+        self.matrix = np.zeros((n, n + p_size)) if n * (n + p_size) <= BUFFERED else None
+        self.matrix_at = self.matrix.ctypes.data if self.matrix is not None else 0
 
-    def output(self, size: int) -> Array:
-        if self.out.size < size:
-            self.out = np.zeros(size)
-            self.out_at = self.out.ctypes.data
-        return self.out[:size]
+    def output(self, size: int) -> tuple[Array, int]:
+        """An array and its address."""
+        known = self.outputs.get(size)
+        if known is None:
+            array = np.zeros(size)
+            known = self.outputs[size] = array, array.ctypes.data
+        return known
 
 
 class Calls:
@@ -49,38 +61,47 @@ class Calls:
         self._u_shape, self._p_shape = (n,), (p_size,)
         self._buffers = _Buffers(n, p_size)
 
-    def vector(self, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
+    def vector(self, call: Call, size: int, u: ArrayLike, p: ArrayLike) -> Array:
         """(u, p, out) with an output of `size`."""
-        if address == NO_FUNCTION:
-            return np.zeros(size)
         buffers = self._load(u, p)
-        out = buffers.output(size)
-        _function(address, 3)(buffers.u_at, buffers.p_at, buffers.out_at)
+        out, out_at = buffers.output(size)
+        if call is not None:
+            call(buffers.u_at, buffers.p_at, out_at)
         return out.copy()
 
-    def jacobian(self, address: Address, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+    def jacobian(self, call: Call, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """(u, p, F, J)."""
         buffers = self._load(u, p)
-        values = buffers.output(self.n)
+        out, out_at = buffers.output(self.n)
+        if buffers.matrix is not None:
+            call(buffers.u_at, buffers.p_at, out_at, buffers.matrix_at)
+            return out.copy(), buffers.matrix.copy()
         matrix = np.empty((self.n, self.n + self.p_size))
-        _function(address, 4)(buffers.u_at, buffers.p_at, buffers.out_at, matrix.ctypes.data)
-        return values.copy(), matrix
+        call(buffers.u_at, buffers.p_at, out_at, matrix.ctypes.data)
+        return out.copy(), matrix
 
-    def form(self, address: Address, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
+    def form(self, call: Call, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
         """(u, p, v_1, ..., v_k, out)."""
         buffers = self._load(u, p)
         held = [np.ascontiguousarray(v, dtype=float) for v in directions]
-        out = buffers.output(self.n)
-        addresses = [v.ctypes.data for v in held]
-        _function(address, 3 + len(held))(buffers.u_at, buffers.p_at, *addresses, buffers.out_at)
+        out, out_at = buffers.output(self.n)
+        call(buffers.u_at, buffers.p_at, *[v.ctypes.data for v in held], out_at)
         return out.copy()
 
-    def vectors(self, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
+    def gradient(self, call: Call, u: ArrayLike, p: ArrayLike, direction: Array) -> Array:
+        """(u, p, v, w, H); H."""
+        buffers = self._load(u, p)
+        held = np.ascontiguousarray(direction, dtype=float)
+        matrix = np.empty((self.n, self.n + self.p_size))
+        call(buffers.u_at, buffers.p_at, held.ctypes.data, buffers.output(self.n)[1], matrix.ctypes.data)
+        return matrix
+
+    def vectors(self, call: Call, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
         """(u, p, out) at N points, in one call; u (N, n), p (N, p_size) or (p_size,). One point gives (size,)."""
         states = np.ascontiguousarray(u, dtype=float)
         others = np.ascontiguousarray(p, dtype=float)
         if states.ndim == 1 and others.ndim == 1:
-            return self.vector(address, size, states, others)
+            return self.vector(call, size, states, others)
         if states.ndim != 2 or states.shape[1] != self.n:
             raise ValueError(f"u must have shape (N, {self.n}); got {states.shape}")
         count = len(states)
@@ -94,13 +115,15 @@ class Calls:
         return out
 
     def _load(self, u: ArrayLike, p: ArrayLike) -> _Buffers:
-        if np.shape(u) != self._u_shape:
-            raise ValueError(f"u must have shape ({self.n},); got {np.shape(u)}")
-        if np.shape(p) != self._p_shape:
-            raise ValueError(f"p must have shape ({self.p_size},); got {np.shape(p)}")
+        states = u if type(u) is np.ndarray else np.asarray(u, dtype=float)
+        others = p if type(p) is np.ndarray else np.asarray(p, dtype=float)
+        if states.shape != self._u_shape:
+            raise ValueError(f"u must have shape ({self.n},); got {states.shape}")
+        if others.shape != self._p_shape:
+            raise ValueError(f"p must have shape ({self.p_size},); got {others.shape}")
         buffers = self._buffers
-        buffers.u[:] = u
-        buffers.p[:] = p
+        buffers.u[:] = states
+        buffers.p[:] = others
         return buffers
 
 

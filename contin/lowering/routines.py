@@ -64,8 +64,17 @@ def _vector(name: str, expressions: Sequence[Expression], layout: Layout, order:
     return Routine(name, 3 + order, statements, stores)
 
 
-def jacobian_routine(name: str, expressions: Sequence[Expression], layout: Layout) -> Routine:
-    """(u, p, F, J): values and their derivatives with respect to z, row by row so that both share what they can."""
+def gradient_routine(name: str, expressions: Sequence[Expression], layout: Layout) -> Routine:
+    """(u, p, v, w, H): w = Df[v] and H = D^2f[v, .], (n, n + p_size), the derivative of w with respect to z."""
+    direction = [direction_symbols(1, len(layout.names))]
+    return jacobian_routine(name, directional(expressions, layout.names, direction), layout, 1)
+
+
+def jacobian_routine(name: str, expressions: Sequence[Expression], layout: Layout, order: int = 0) -> Routine:
+    """(u, p, F, J): values and their derivatives with respect to z, row by row so that both share what they can.
+
+    `order` directions (see `Layout.inputs`), which the expressions may contain, stand between p and F.
+    """
     columns = len(layout.names)
     rows: list[list[tuple[int, Expression]]] = [[] for _ in expressions]
     for (i, j), entry in sparse_jacobian(expressions, layout.names).items():
@@ -73,19 +82,19 @@ def jacobian_routine(name: str, expressions: Sequence[Expression], layout: Layou
     zeros = len(expressions) * columns - sum(len(row) for row in rows)
     if zeros <= FEW_ZEROS:
         rows = [_dense(row, columns) for row in rows]
-    tape = Tape(layout.inputs())
+    tape = Tape(layout.inputs(order))
     targets: list[tuple[int, int]] = []
     outputs: list[int] = []
     for i, expression in enumerate(expressions):
-        targets.append((2, i))
+        targets.append((2 + order, i))
         outputs.append(tape.evaluate(expression))
         for j, entry in rows[i]:
-            targets.append((3, i * columns + j))
+            targets.append((3 + order, i * columns + j))
             outputs.append(tape.evaluate(entry))
     statements, outputs = tape.pruned(outputs)
     stores = [Store(array, index, s) for (array, index), s in zip(targets, outputs, strict=True)]
-    cleared = () if zeros <= FEW_ZEROS else ((3, len(expressions) * columns),)
-    return Routine(name, 4, statements, stores, cleared)
+    cleared = () if zeros <= FEW_ZEROS else ((3 + order, len(expressions) * columns),)
+    return Routine(name, 4 + order, statements, stores, cleared)
 
 
 def _dense(row: Sequence[tuple[int, Expression]], columns: int) -> list[tuple[int, Expression]]:

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import NO_FUNCTION, Address, Array
-from contin.lowering.calls import Calls
+from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.llvm_text import Routine
 from contin.lowering.machine import MachineCode, compile_routines
-from contin.lowering.routines import Layout, form_routine, jacobian_routine, vector_routine
+from contin.lowering.routines import Layout, form_routine, gradient_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
 from contin.model.expression import Expression, postorder, symbol
 from contin.symbolic.derivatives import sparse_jacobian
@@ -80,6 +80,7 @@ class CompiledSystem:
         self.n_switches = len(self.switching)
         self._lock = threading.RLock()
         self._code: dict[str, MachineCode] = {}
+        self._functions: dict[str, Call] = {}
         self._is_small = len(postorder(formulas)) < COMPILED_AT_ONCE
         self._pattern: tuple[NDArray[np.intp], NDArray[np.intp]] | None = None
         self._calls = Calls(self.n, self.p_size)
@@ -136,28 +137,30 @@ class CompiledSystem:
 
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """f(u, p), (n,)."""
-        return self._calls.vector(self.value_address, self.n, u, p)
+        return self._calls.vector(self._call("value"), self.n, u, p)
 
     def values(self, u: ArrayLike, p: ArrayLike) -> Array:
         """f at N points, (N, n): u (N, n), p (N, p_size) or one (p_size,) for all."""
-        return self._calls.vectors(self.value_address, self.n, u, p)
+        return self._calls.vectors(self._call("value"), self.value_address, self.n, u, p)
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """f (n,) and df/dz (n, n + p_size), z = (u, p)."""
-        return self._calls.jacobian(self.jacobian_address, u, p)
+        return self._calls.jacobian(self._call("jacobian", 4), u, p)
 
     def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Observables at N points, (N, k) in the order of `observable_names`; at one point u (n,), (k,)."""
-        return self._calls.vectors(self.observe_address, len(self.observable_names), u, p)
+        size = len(self.observable_names)
+        return self._calls.vectors(self._call("observe"), self.observe_address, size, u, p)
 
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
         """Images of N states, (N, n), under a declared symmetry of the model: u (N, n), p (N, p_size) or (p_size,)."""
         index = [s.name for s in self.model.symmetries].index(name)
-        return self._calls.vectors(self._address(f"image{index}"), self.n, u, p)
+        image = f"image{index}"
+        return self._calls.vectors(self._call(image), self._address(image), self.n, u, p)
 
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Switching functions, (n_switches,); the equations change formula where one of them changes sign."""
-        return self._calls.vector(self.switches_address, self.n_switches, u, p)
+        return self._calls.vector(self._call("switches"), self.n_switches, u, p)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
         """D^k f(z)[v_1, ..., v_k], (n,): k = len(directions), each (n + p_size,), real or complex.
@@ -168,9 +171,9 @@ class CompiledSystem:
         if not directions:
             return self.value(u, p)
         vectors = [self._direction(v) for v in directions]
-        address = self.form(len(vectors))
+        call = self._call(f"form{len(vectors)}", 3 + len(vectors))
         if not any(np.iscomplexobj(v) for v in vectors):
-            return self._calls.form(address, u, p, vectors)
+            return self._calls.form(call, u, p, vectors)
         distinct: list[Array] = []
         parts = [_parts(v, distinct) for v in vectors]
         known: dict[tuple[int, ...], Array] = {}
@@ -178,9 +181,18 @@ class CompiledSystem:
         for choice in itertools.product(*parts):
             key = tuple(sorted(index for index, _ in choice))
             if key not in known:
-                known[key] = self._calls.form(address, u, p, [distinct[index] for index in key])
+                known[key] = self._calls.form(call, u, p, [distinct[index] for index in key])
             total += np.prod([factor for _, factor in choice]) * known[key]
         return total
+
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
+        """The matrix D^2f(z)[v, .], (n, n + p_size), for one direction v (n + p_size,), real or complex."""
+        direction = self._direction(v)
+        call = self._call("gradient", 5)
+        real = self._calls.gradient(call, u, p, direction.real)
+        if not np.iscomplexobj(direction):
+            return real
+        return real + 1j * self._calls.gradient(call, u, p, direction.imag)
 
     def _direction(self, v: ArrayLike) -> NDArray[Any]:
         vector = np.asarray(v)
@@ -214,6 +226,13 @@ class CompiledSystem:
 
     # compilation
 
+    def _call(self, name: str, pointers: int = 3) -> Call:
+        try:
+            return self._functions[name]
+        except KeyError:
+            call = self._functions[name] = make_call(self._address(name), pointers)
+            return call
+
     def _address(self, name: str) -> Address:
         code = self._code.get(name)
         if code is None:
@@ -236,6 +255,8 @@ class CompiledSystem:
         if name in ("observe", "switches"):
             expressions = self._observables if name == "observe" else self.switching
             return vector_routine(name, expressions, self.layout) if expressions else None
+        if name == "gradient":
+            return gradient_routine(name, self._equations, self.layout)
         return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
 
 
