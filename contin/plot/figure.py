@@ -122,7 +122,11 @@ def _angle_ticks(ax: Axes, panel: Panel, periods: Mapping[str, float]) -> None:
     names = ["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"]
     for name, axis, limits in ((panel.x, ax.xaxis, ax.get_xlim()), (panel.y, ax.yaxis, ax.get_ylim())):
         period = periods.get(name)
-        if period is not None and math.isclose(period, 2 * math.pi, rel_tol=1e-9) and limits[1] - limits[0] > math.pi / 2:
+        if (
+            period is not None
+            and math.isclose(period, 2 * math.pi, rel_tol=1e-9)
+            and limits[1] - limits[0] > math.pi / 2
+        ):
             axis.set_ticks(list(np.linspace(-math.pi, math.pi, 5)), names)
 
 
@@ -140,7 +144,9 @@ def _draw_labels(ax: Axes, panel: Panel) -> None:
     centres = place(anchors, sizes, densify(strands, 2.5 * pixels), (frame.x0, frame.y0, frame.x1, frame.y1))
     back = ax.transData.inverted()
     for (x, y, label), anchor, centre, box in zip(marks, anchors, centres, sizes, strict=True):
-        far = np.hypot(*((centre - anchor) / (box / 2 + size))) > 1.6  # too far to see what it belongs to without a line
+        far = (
+            np.hypot(*((centre - anchor) / (box / 2 + size))) > 1.6
+        )  # too far to see what it belongs to without a line
         ax.annotate(
             label,
             (x, y),
@@ -155,9 +161,7 @@ def _draw_labels(ax: Axes, panel: Panel) -> None:
         )
 
 
-def _legend(
-    drawing: Figure, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]
-) -> None:
+def _legend(drawing: Figure, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]) -> None:
     from matplotlib.lines import Line2D
 
     curves = [curve for panel in panels for curve in panel.curves]
@@ -177,7 +181,9 @@ def _legend(
             look = style_of(mark.type)
             entries.setdefault(
                 f"{mark.type}  {look.words}",
-                Line2D([], [], linestyle="none", marker=look.marker, color="black", markerfacecolor="white", markersize=5.5),
+                Line2D(
+                    [], [], linestyle="none", marker=look.marker, color="black", markerfacecolor="white", markersize=5.5
+                ),
             )
     if entries:
         drawing.legend(

@@ -170,8 +170,10 @@ def panels(
         if curve is not None:
             groups.setdefault((abscissa, ordinate), []).append(curve)
     if not groups:
-        known = sorted({name for source in sources for name in _ordinates(source)})
-        raise InputError(f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}; columns: {', '.join(known)}")
+        known = sorted({name for source in sources for name in ordinates(source)})
+        raise InputError(
+            f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}; columns: {', '.join(known)}"
+        )
     return [
         Panel(a, b, axis_label(a, units), axis_label(b, units, _strands(curves)), tuple(curves))
         for (a, b), curves in groups.items()
@@ -188,14 +190,14 @@ def _strands(curves: Sequence[Curve]) -> str:
     return ", orbits: max and min" if any(curve.kind == "orbit" and len(curve.pieces) > 1 for curve in curves) else ""
 
 
-def _ordinates(source: Source) -> list[str]:
+def ordinates(source: Source) -> list[str]:
     """Names that can stand on an axis: columns, with `s.min` and `s.max` counted as `s`."""
     return list(dict.fromkeys(name.removesuffix(".min").removesuffix(".max") for name in source.columns))
 
 
 def _default_ordinate(sources: Sequence[Source]) -> str:
     for source in sources:
-        for name in _ordinates(source):
+        for name in ordinates(source):
             if name not in source.parameters and name not in ("stable", "unstable"):
                 return name
     raise InputError("there is nothing to plot: no branch has a state column")
@@ -214,18 +216,18 @@ def _curve(source: Source, x: str, y: str, periods: Mapping[str, float]) -> Curv
     xs, strands = _columns(source, x), _columns(source, y)
     if not xs or not strands or not len(xs[0]):
         return None
-    abscissa = _wrapped(xs[0], periods.get(x))
+    abscissa = wrapped(xs[0], periods.get(x))
     pieces: list[Piece] = []
     for strand in strands:
-        ordinate = _wrapped(strand, periods.get(y))
+        ordinate = wrapped(strand, periods.get(y))
         jumps = _jumps(abscissa, periods.get(x)) | _jumps(ordinate, periods.get(y))
         pieces += _pieces(source, abscissa, ordinate, jumps)
-    top = _wrapped(strands[0], periods.get(y))
+    top = wrapped(strands[0], periods.get(y))
     marks = tuple((float(abscissa[mark.index]), float(top[mark.index]), mark) for mark in source.marks)
     return Curve(source.name, source.kind, source.locus, tuple(pieces), marks)
 
 
-def _wrapped(values: Array, period: float | None) -> Array:
+def wrapped(values: Array, period: float | None) -> Array:
     """The angle in [-period/2, period/2); a constant half period stays on one side instead of flickering."""
     if period is None:
         return values
@@ -246,7 +248,7 @@ def _pieces(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> lis
     """Cut the curve where stability changes, where an angle wraps, and at gaps (NaN)."""
     if len(x) == 1:
         return [Piece(x, y, None, np.zeros(1, np.int64))]
-    stable = _segment_stability(source)
+    stable = segment_stability(source)
     gaps = jumps | ~np.isfinite(x[:-1] + y[:-1] + x[1:] + y[1:])
     pieces = []
     first = 0
@@ -261,8 +263,8 @@ def _pieces(source: Source, x: Array, y: Array, jumps: NDArray[np.bool_]) -> lis
     return pieces
 
 
-def _segment_stability(source: Source) -> NDArray[np.bool_] | None:
-    """Stability between rows i and i + 1; at labelled rows critical eigenvalues are not counted, so neighbours decide."""
+def segment_stability(source: Source) -> NDArray[np.bool_] | None:
+    """Stability between rows i and i + 1; labelled rows do not count critical eigenvalues: their neighbours decide."""
     if source.kind == "locus" or "stable" not in source.columns:
         return None
     flags = np.asarray(source.columns["stable"], bool)

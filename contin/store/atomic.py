@@ -20,7 +20,9 @@ def write_bytes(path: Path, data: bytes) -> None:
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); the folder must exist and be writable") from None
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror}); the folder must exist and be writable"
+        ) from None
     try:
         with os.fdopen(handle, "wb") as stream:
             stream.write(data)
@@ -32,6 +34,11 @@ def write_bytes(path: Path, data: bytes) -> None:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def replace_file(path: Path, source: Path) -> None:
+    """Put the content of `source` at `path`, whole or not at all; `source` may be on another file system."""
+    write_bytes(path, source.read_bytes())
 
 
 def write_text(path: Path, text: str) -> None:

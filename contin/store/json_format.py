@@ -127,7 +127,7 @@ def _plain_array(array: np.ndarray[Any, Any]) -> Any:
 
 
 def dumps(document: Mapping[str, Any]) -> str:
-    """The document as text: a line for each branch's column and point, numbers in the shortest form that reads back equal."""
+    """The document as text: a line for each column and point, numbers in the shortest form that reads back equal."""
     return _lay_out(document, 0) + "\n"
 
 
@@ -165,11 +165,13 @@ def read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8") from None
+    except RecursionError:
+        raise InputError(f"{path}: not a contin result: nested too deeply") from None
     if not isinstance(document, dict) or not isinstance(document.get("branches"), list):
         raise InputError(f"{path}: not a contin result: expected a mapping with `contin` and `branches`")
     version = document.get("contin")
     if not isinstance(version, int) or version > FORMAT_VERSION:
         raise FormatVersionError(
-            f"{path}: written in format {version}; this contin reads formats up to {FORMAT_VERSION}. Install a newer contin."
+            f"{path}: written in format {version}; this contin reads up to {FORMAT_VERSION}. Install a newer contin."
         )
     return document

@@ -16,7 +16,9 @@ def special(type_: str, label: str, index: int, values: Mapping[str, float], eig
     )
 
 
-def branch(name: str, columns: Mapping[str, Any], points=(), ends=None, kind="equilibrium", parameters=("p",), **more: Any):
+def branch(
+    name: str, columns: Mapping[str, Any], points=(), ends=None, kind="equilibrium", parameters=("p",), **more: Any
+):
     """A Branch of the given columns."""
     columns = {key: np.asarray(column) for key, column in columns.items()}
     rows = len(next(iter(columns.values())))
@@ -24,7 +26,18 @@ def branch(name: str, columns: Mapping[str, Any], points=(), ends=None, kind="eq
     z = np.zeros((rows, 2))
     settings = {"start_row": 0, "steps": rows - len(points), "seconds": 0.001, "effort": {"residuals": 3 * rows}}
     return Branch(
-        name, kind, parameters, columns, tuple(points), ends, z, z, np.zeros((rows, 2), complex), **settings, problem=None, **more
+        name,
+        kind,
+        parameters,
+        columns,
+        tuple(points),
+        ends,
+        z,
+        z,
+        np.zeros((rows, 2), complex),
+        **settings,
+        problem=None,
+        **more,
     )
 
 
@@ -34,7 +47,11 @@ def pitchfork() -> list[Branch]:
     line = branch(
         "line",
         {"p": p, "x": 0 * p, "unstable": (p > 0).astype(int), "stable": p <= 0},
-        [special("BP", "BP1", 20, {"p": 0.0, "x": 0.0}, [0.0], kind="pitchfork", criticality="supercritical", b30=-6.0)],
+        [
+            special(
+                "BP", "BP1", 20, {"p": 0.0, "x": 0.0}, [0.0], kind="pitchfork", criticality="supercritical", b30=-6.0
+            )
+        ],
     )
     x = np.linspace(0.0, 1.0, 21)
     columns = {"p": x**2, "x": x, "unstable": np.zeros(21, int), "stable": np.ones(21, bool)}
@@ -50,7 +67,9 @@ def hysteresis() -> list[Branch]:
     x = np.sort(np.append(x, [-1.0, 1.0]))
     p = x**3 - 3 * x
     rows = [int(np.flatnonzero(x == value)[0]) for value in (-1.0, 1.0)]
-    points = [special("LP", f"LP{k + 1}", row, {"p": p[row], "x": x[row]}, [0.0], a=-3 * x[row]) for k, row in enumerate(rows)]
+    points = [
+        special("LP", f"LP{k + 1}", row, {"p": p[row], "x": x[row]}, [0.0], a=-3 * x[row]) for k, row in enumerate(rows)
+    ]
     unstable = (np.abs(x) < 1).astype(int)
     return [branch("states", {"p": p, "x": x, "unstable": unstable, "stable": unstable == 0}, points)]
 
@@ -61,7 +80,11 @@ def bautin() -> list[Branch]:
     rest = branch(
         "rest",
         {"p": p, "x": 0 * p, "y": 0 * p, "unstable": np.where(p > 0, 2, 0), "stable": p <= 0},
-        [special("HB", "HB1", 20, {"p": 0.0, "x": 0.0, "y": 0.0}, [1j, -1j], omega=1.0, l1=2.0, criticality="subcritical")],
+        [
+            special(
+                "HB", "HB1", 20, {"p": 0.0, "x": 0.0, "y": 0.0}, [1j, -1j], omega=1.0, l1=2.0, criticality="subcritical"
+            )
+        ],
     )
     r2 = np.sort(np.append(np.linspace(0.0, 1.35, 60), 0.5))
     r, row = np.sqrt(r2), int(np.flatnonzero(r2 == 0.5)[0])

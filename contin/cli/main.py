@@ -1,0 +1,166 @@
+"""The `contin` command: what can be typed. Each command's work is in its own file, imported only when it runs."""
+
+from __future__ import annotations
+
+import time
+
+STARTED = time.perf_counter()  # before any import of ours: reports count imports too
+
+import sys  # noqa: E402
+from collections.abc import Sequence  # noqa: E402
+from pathlib import Path  # noqa: E402
+from typing import Annotated, Optional  # noqa: E402
+
+import typer  # noqa: E402
+
+from contin._version import __version__  # noqa: E402
+from contin.errors import ContinError  # noqa: E402
+
+BAD_INPUT = 2
+
+app = typer.Typer(
+    name="contin",
+    help="Numerical continuation and bifurcation analysis.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Exit codes: 0 done; 1 a branch was cut short or skipped (results are written); 2 bad input.",
+)
+
+Sets = Annotated[
+    Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value; wins over every file. May be repeated."),
+]
+Json = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(
+        "--json", metavar="OUT", help="Write the results as JSON to this file, or to standard output for '-'."
+    ),
+]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"contin {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    file: Annotated[Path, typer.Argument(help="Run file (YAML).")],
+    json: Json = None,
+    sets: Sets = None,
+    orbits: Annotated[
+        bool, typer.Option("--orbits", help="Add the orbit itself to every labelled point in the JSON.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Carry out a run file: report on the terminal, pictures and files as its `outputs` say."""
+    from contin.cli.run import run_file
+
+    raise typer.Exit(run_file(file, json, sets or [], orbits, quiet, STARTED))
+
+
+@app.command()
+def diagram(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    parameter: Annotated[str, typer.Argument(help="Parameter to vary.")],
+    low: Annotated[float, typer.Argument(metavar="LO")],
+    high: Annotated[float, typer.Argument(metavar="HI")],
+    start: Annotated[Optional[list[str]], typer.Option("--start", help="Named start. May be repeated.")] = None,  # noqa: UP045
+    sets: Sets = None,
+    json: Json = None,
+    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Explore a model's bifurcation diagram in one parameter automatically."""
+    from contin.cli.run import run_diagram
+
+    raise typer.Exit(run_diagram(model, parameter, low, high, start or [], sets or [], json, plot, quiet, STARTED))
+
+
+@app.command()
+def check(
+    file: Annotated[Path, typer.Argument(help="Run file or model file (YAML).")],
+    execute: Annotated[bool, typer.Option("--run", help="Carry out the model's `expect:` and compare.")] = False,
+) -> None:
+    """Check a run file or a model file without computing; say what is wrong and where."""
+    from contin.cli.check import check_file
+
+    raise typer.Exit(check_file(file, execute))
+
+
+@app.command()
+def models() -> None:
+    """List the bundled and plugin models."""
+    from contin.cli.models import list_models
+
+    raise typer.Exit(list_models())
+
+
+@app.command()
+def plot(
+    file: Annotated[Path, typer.Argument(help="Results: .contin or .json.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help=".png, .pdf, .svg or .html (default: FILE.png).")
+    ] = None,
+    x: Annotated[Optional[str], typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,  # noqa: UP045
+    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Column for the vertical axis.")] = None,  # noqa: UP045
+) -> None:
+    """Draw saved results."""
+    from contin.cli.plot import plot_file
+
+    raise typer.Exit(plot_file(file, out, x, y))
+
+
+@app.command()
+def export(
+    file: Annotated[Path, typer.Argument(help="Results: .contin or .json.")],
+    out: Annotated[Path, typer.Argument(help="File to write: .json, .csv or .nc.")],
+) -> None:
+    """Write saved results in another format."""
+    from contin.cli.export import export_file
+
+    raise typer.Exit(export_file(file, out))
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the model; NAME.yaml and NAME-run.yaml are written here.")],
+) -> None:
+    """Write a small model file and a run file for it, ready to change."""
+    from contin.cli.new import write_templates
+
+    raise typer.Exit(write_templates(name))
+
+
+@app.command()
+def schema(
+    what: Annotated[str, typer.Argument(help="run or result.")] = "run",
+) -> None:
+    """Print a JSON schema, for editors that check and complete YAML."""
+    from contin.cli.schema import print_schema
+
+    raise typer.Exit(print_schema(what))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point: bad input ends with one message and exit code 2, never with a traceback."""
+    try:
+        app(arguments, prog_name="contin")
+    except ContinError as error:
+        sys.stderr.write(f"{error}\n")
+        raise SystemExit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        sys.stderr.write("stopped\n")
+        raise SystemExit(130) from None

@@ -1,0 +1,16 @@
+"""`contin plot`: a picture or an interactive page of saved results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from contin.plot.write import write_picture
+from contin.store.results import read_results
+
+
+def plot_file(file: Path, out: Path | None, x: str | None, y: str | None) -> int:
+    """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
+    out = out or file.with_suffix(".png")
+    write_picture(read_results(file), out, x=x, y=y)
+    print(out)
+    return 0

@@ -1,0 +1,116 @@
+"""The human report of a result: special points, ends in words and effort, as tables on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from contin.plot.vocabulary import KINDS, locus_words, style_of
+
+MOST_STATES: Final = 5  # columns of states in a table; the JSON has all of them
+_COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "b20", "b30", "omega")  # what decides first
+
+
+def print_report(document: Mapping[str, Any], console: Console) -> None:
+    """Print every branch of a result document, then notes and time."""
+    model = document["model"]
+    console.print(Text.assemble((model["name"], "bold"), f"  ({len(model['states'])} states)"))
+    for branch in document["branches"]:
+        console.print()
+        _print_branch(branch, model["states"], console)
+    _print_notes(document["notes"], console)
+    console.print()
+    console.print(_effort(document), style="dim", highlight=False)
+
+
+def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Console) -> None:
+    console.print(heading(branch), highlight=False)
+    if branch["points"]:
+        console.print(_table(branch, states))
+    else:
+        console.print("  no special points", highlight=False)
+    for which, end in zip(("first row", "last row"), branch["ends"], strict=True):
+        if end["reason"] != "start":
+            style = "yellow" if end["reason"] in ("corrector", "steps", "stopped") else ""
+            console.print(Text(f"  {which}: {end['text']}", style=style))
+
+
+def heading(branch: Mapping[str, Any]) -> Text:
+    """One line that says what the branch is: name, kind, parameters, origin."""
+    kind, parameters = branch["kind"], " and ".join(branch["parameters"])
+    what = f"locus of {locus_words(branch['locus'])}" if kind == "locus" else KINDS.get(kind, kind)
+    origin = ""
+    if branch["image_of"]:
+        origin = f", the image of {branch['image_of']['branch']} under {branch['image_of']['symmetry']}"
+    elif branch["parent"]:
+        origin = f", from {branch['parent']['branch']}.{branch['parent']['label']}"
+    rows = len(next(iter(branch["columns"].values()), []))
+    return Text.assemble((branch["name"], "bold cyan"), f"  {what} in {parameters}{origin}; {rows} points")
+
+
+def _table(branch: Mapping[str, Any], states: Iterable[str]) -> Table:
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
+    shown = _shown_columns(branch, list(states))
+    table.add_column("  label", style="bold", no_wrap=True)
+    table.add_column("type")
+    for name in shown:
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("coefficient", no_wrap=True)
+    for point in branch["points"]:
+        cells = [number(point["values"].get(name)) for name in shown]
+        table.add_row(f"  {point['label']}", words(point), *cells, _coefficient(point["normal_form"]))
+    return table
+
+
+def _shown_columns(branch: Mapping[str, Any], states: list[str]) -> list[str]:
+    columns = branch["columns"]
+    named = [name for state in states for name in (state, f"{state}.max") if name in columns]
+    period = ["period"] if "period" in columns else []
+    return [*branch["parameters"], *period, *named[:MOST_STATES]]
+
+
+def words(point: Mapping[str, Any]) -> str:
+    """The type of a point in words: 'Hopf point, subcritical'."""
+    form = point["normal_form"]
+    parts = [style_of(point["type"]).words]
+    parts += [str(form[key]) for key in ("kind", "criticality", "case") if form.get(key)]
+    if point.get("also"):
+        parts.append(f"also {point['also']}")
+    return ", ".join(parts)
+
+
+def number(value: float | None) -> str:
+    """Nine digits: enough to compare by eye; the JSON has all seventeen."""
+    return "-" if value is None else f"{value:.9g}"
+
+
+def _coefficient(form: Mapping[str, Any]) -> str:
+    for key in _COEFFICIENTS:
+        value = form.get(key)
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return f"{key} = {value:.4g}"
+        if isinstance(value, list) and len(value) == 2 and None not in value:
+            return f"{key} = {value[0]:.4g}{value[1]:+.4g}i"
+    return ""
+
+
+def _print_notes(notes: Iterable[str], console: Console) -> None:
+    notes = list(notes)
+    if notes:
+        console.print()
+        console.print("Notes", style="bold")
+    for note in notes:
+        console.print(Text(f"  {note}"))
+
+
+def _effort(document: Mapping[str, Any]) -> str:
+    branches = [branch for branch in document["branches"] if not branch["image_of"]]
+    steps, seconds = sum(b["steps"] for b in branches), sum(b["seconds"] for b in branches)
+    timing = document["timing"]
+    parts = ", ".join(f"{name} {timing[name]:.2f} s" for name in ("import", "lower", "kernels") if name in timing)
+    count = f"{len(branches)} branch{'es' if len(branches) != 1 else ''}"
+    return f"{count}, {steps} steps in {seconds:.3f} s; {parts}; {timing['total']:.2f} s in all"

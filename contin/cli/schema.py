@@ -1,0 +1,22 @@
+"""`contin schema`: JSON schemas of the files, for editors and other programs."""
+
+from __future__ import annotations
+
+import json
+
+from contin.errors import InputError
+
+
+def print_schema(what: str) -> int:
+    """Print the schema of run files or of results."""
+    from contin.runs.schema import RunFile
+    from contin.store.result_schema import RESULT_SCHEMA
+
+    if what == "run":
+        schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **RunFile.model_json_schema(by_alias=True)}
+    elif what == "result":
+        schema = RESULT_SCHEMA
+    else:
+        raise InputError(f"there is no schema {what!r}: write `contin schema run` or `contin schema result`")
+    print(json.dumps(schema, indent=2))
+    return 0

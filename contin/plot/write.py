@@ -1,0 +1,48 @@
+"""From a result document to a picture file, by its ending."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from contin.errors import InputError
+from contin.plot.series import from_document, panels
+
+PICTURES: Final = (".png", ".pdf", ".svg")
+PAGES: Final = (".html",)
+
+
+def picture(document: Mapping[str, Any], suffix: str, *, x: str | None = None, y: str | None = None) -> bytes:
+    """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results."""
+    model = document["model"]
+    title, periods, units = model.get("title") or model["name"], model.get("periods"), model.get("units")
+    sources = from_document(document)
+    if not sources:
+        raise InputError("there is nothing to plot: the results hold no branch")
+    if suffix in PAGES:
+        from contin.plot.html import html_page
+
+        return html_page(sources, title=title, x=x, y=y, periods=periods, units=units).encode()
+    if suffix not in PICTURES:
+        raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
+    from contin.plot.figure import figure, image_names
+
+    drawing = figure(
+        panels(sources, x=x, y=y, periods=periods, units=units),
+        title=title,
+        images=image_names(sources),
+        periods=periods,
+    )
+    stream = io.BytesIO()
+    drawing.savefig(stream, format=suffix[1:])
+    return stream.getvalue()
+
+
+def write_picture(document: Mapping[str, Any], path: Path, *, x: str | None = None, y: str | None = None) -> None:
+    """Write `picture` to a file whose ending chooses the kind."""
+    data = picture(document, path.suffix, x=x, y=y)
+    from contin.store.atomic import write_bytes
+
+    write_bytes(path, data)

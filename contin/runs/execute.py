@@ -1,0 +1,104 @@
+"""Carry out a plan: run after run, each result kept, whatever becomes of the later ones."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
+from contin.errors import NoSolutionError, NotFiniteError
+from contin.runs.engine import Engine
+from contin.runs.plan import DiagramPlan, Plan, RunPlan
+
+Progress = Callable[[str], None]
+"""Called with what is being computed, in words."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunResult:
+    """Branches by name, in the order computed; not `complete` where a requested one is cut short or missing."""
+
+    branches: Mapping[str, Branch]
+    notes: Sequence[str]
+    complete: bool
+    seconds: float
+
+
+@dataclass
+class _State:
+    branches: dict[str, Branch] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    complete: bool = True
+
+    def add(self, branch: Branch) -> None:
+        self.branches[branch.name] = branch
+        if any(end.reason in ANNOUNCED_FAILURES for end in branch.ends):
+            self.complete = False
+
+    def skip(self, note: str) -> None:
+        self.notes.append(note)
+        self.complete = False
+
+
+def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> RunResult:
+    """Carry out every run of the plan.
+
+    Numerical trouble never raises: a run whose start has no solution, or that starts from a point that was not found,
+    is skipped with a note, and so are the runs that need it.
+    """
+    began = time.perf_counter()
+    say = progress or (lambda _: None)
+    state = _State()
+    if plan.diagram is not None:
+        say(f"diagram in {plan.diagram.parameter}")
+        _explore(plan, plan.diagram, engine, state)
+    for run in plan.runs:
+        say(run.name)
+        _carry_out(plan, run, engine, state)
+    return RunResult(state.branches, state.notes, state.complete, time.perf_counter() - began)
+
+
+def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:
+    try:
+        found = engine.diagram(plan.model, diagram, plan.parameters)
+    except (NoSolutionError, NotFiniteError) as error:
+        state.skip(f"diagram skipped: {error}")
+        return
+    for branch in found.branches:
+        state.add(branch)
+    state.notes.extend(found.notes)
+
+
+def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
+    try:
+        if run.reference is None:
+            start = engine.start(plan.model, run, plan.parameters)
+        else:
+            start = _from_point(run, run.reference, engine, state)
+            if start is None:
+                return
+        for branch in engine.continuation(start, run):
+            state.add(branch)
+    except (NoSolutionError, NotFiniteError) as error:
+        state.skip(f"{run.name} skipped: {error}")
+
+
+def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> Any:
+    """The start at a point of an earlier branch; None, with a note, where there is no such point."""
+    name, label = reference
+    branch = state.branches.get(name)
+    if branch is None:
+        known = ", ".join(state.branches) or "none"
+        state.skip(
+            f"{run.name} skipped: it starts from {name}.{label}, and there is no branch {name!r} (branches: {known})"
+        )
+        return None
+    if all(point.label != label for point in branch.points):
+        known = ", ".join(point.label for point in branch.points) or "none"
+        state.skip(
+            f"{run.name} skipped: it starts from {name}.{label}, and {name} has no point {label} (points: {known})"
+        )
+        return None
+    return engine.start_at_point(branch, label, run)

@@ -1,0 +1,103 @@
+"""Run file -> `RunEntry`, or one error with everything that is wrong with its shape."""
+
+from __future__ import annotations
+
+from pathlib import Path as FilePath
+from typing import Any, Final, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from contin.errors import InputError
+from contin.model.advice import closest
+from contin.model.schema import TAGS, shown
+from contin.model.shape import check_version, plain
+from contin.model.source import Path, Problems, Source
+from contin.model.yaml_reader import read_file
+from contin.runs.schema import RunEntry
+
+_EXAMPLES: Final = {
+    "model": "add `model: NAME` (see `contin models`), a path, or a whole model",
+    "parameter": "add `parameter: NAME`, the parameter to vary",
+}
+
+
+def load_run_file(path: FilePath) -> tuple[RunEntry, Source]:
+    """The entries of a run file, and where each of them stands.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the shape of the file, each with `file:line:column: path: what, what to write`.
+    FormatVersionError
+        The file is written for a newer format.
+    """
+    document = read_file(path)
+    return read_run(document.data, document.source), document.source
+
+
+def read_run(data: Any, source: Source, *, version_required: bool = True) -> RunEntry:
+    """The entries of a run file from plain data; `source` finds their places for messages."""
+    problems = Problems(source)
+    if not isinstance(data, dict):
+        problems.add((), f"expected a run file (a mapping with model and continuations), got {shown(data)}")
+        problems.raise_if_any()
+    if "equations" in data and "model" not in data:
+        problems.add((), "this is a model file; name it under `model:` in a run file (`contin new NAME` writes one)")
+        problems.raise_if_any()
+    check_version(data, problems, version_required)
+    data = {key: value for key, value in plain(data).items() if value is not None}  # an empty section is no section
+    try:
+        entry = RunEntry.model_validate(data)
+    except ValidationError as error:
+        for item in error.errors(include_url=False, include_context=False):
+            _note(item, problems)
+        problems.raise_if_any()
+        raise InputError(str(error)) from None
+    problems.raise_if_any()
+    return entry
+
+
+def _note(item: Any, problems: Problems) -> None:
+    path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
+    if kind == "extra_forbidden":
+        allowed = _keys_at(path[:-1])
+        advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
+        problems.add(path, f"unknown key: {advice}", key=True)
+    elif kind == "missing":
+        problems.add(path[:-1], f"{path[-1]!r} is missing; {_EXAMPLES.get(str(path[-1]), 'add it')}")
+    elif kind in ("dict_type", "model_type", "model_attributes_type"):
+        problems.add(path, f"expected a mapping {{name: value}}, got {shown(value)}")
+    elif kind == "list_type":
+        problems.add(path, f"expected a list [ ... ], got {shown(value)}")
+    elif kind == "bool_type":
+        problems.add(path, f"expected true or false, got {shown(value)}")
+    elif kind == "literal_error":
+        problems.add(path, f"expected {item['msg'].removeprefix('Input should be ')}, got {shown(value)}")
+    elif kind == "too_long":
+        problems.add(
+            path, f"expected one parameter or two, got {len(value) if isinstance(value, list) else shown(value)}"
+        )
+    elif kind == "too_short":
+        problems.add(path, "is empty; at least one entry is needed")
+    else:
+        problems.add(path, item["msg"])
+
+
+def _keys_at(path: Path) -> list[str]:
+    """Keys that the entry at `path` may have, as they are written in the file."""
+    entry: type[BaseModel] = RunEntry
+    for part in path:
+        if isinstance(part, str):
+            field = next((f for name, f in entry.model_fields.items() if (f.alias or name) == part), None)
+            inner = None if field is None else _entry_in(field.annotation)
+            if inner is None:
+                return []
+            entry = inner
+    return [field.alias or name for name, field in entry.model_fields.items()]
+
+
+def _entry_in(annotation: Any) -> type[BaseModel] | None:
+    """The entry type inside `Entry | None` or `list[Entry]`."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for argument in get_args(annotation) if (found := _entry_in(argument)) is not None), None)

@@ -1,0 +1,65 @@
+"""Where a run file may write: in or below its own folder, nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Final
+
+from contin.model.source import Problems
+
+ENDINGS: Final[Mapping[str, tuple[str, ...]]] = {
+    "plot": (".png", ".pdf", ".svg"),
+    "html": (".html",),
+    "save": (".contin",),
+    "json": (".json",),
+}
+
+
+def output_paths(written: Mapping[str, str], run_file: Path, problems: Problems) -> dict[str, Path]:
+    """The files to write, by kind; what may not be written is noted in `problems` and left out.
+
+    A path must be relative, without '..', must not lead out of the run file's folder through a symbolic link, must have
+    an ending of its kind, and must not be the run file itself.
+    """
+    folder = run_file.parent.resolve()
+    paths: dict[str, Path] = {}
+    for kind, text in written.items():
+        mistake = _mistake(text, ENDINGS[kind], folder, run_file)
+        path = folder / PurePosixPath(text)
+        if not mistake and path in paths.values():
+            mistake = f"{text!r} is already written by another output; choose another name"
+        if mistake:
+            problems.add(("outputs", kind), mistake)
+        else:
+            paths[kind] = path
+    return paths
+
+
+def _mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Path) -> str | None:
+    if any(ord(character) < 32 for character in text):
+        return "a file name may not contain control characters"
+    parts = (PurePosixPath(text), PureWindowsPath(text))  # the same files are refused on every system
+    if any(path.is_absolute() or path.drive or path.root for path in parts):
+        return f"must be relative to this file's folder, got {text!r}; write a name such as {parts[1].name!r}"
+    if any(".." in path.parts for path in parts):
+        return f"must stay in or below this file's folder, got {text!r}"
+    if PurePosixPath(text).suffix.lower() not in endings:
+        return f"must end in {' or '.join(endings)}, got {text!r}"
+    path = folder / PurePosixPath(text)
+    try:
+        real = path.resolve()
+    except (OSError, RuntimeError):
+        return f"leads nowhere: {text!r} is a loop of symbolic links"
+    if not real.is_relative_to(folder):
+        return f"must stay in or below this file's folder; {text!r} leads out of it through a symbolic link"
+    if real == run_file.resolve():
+        return f"would overwrite the run file itself: {text!r}"
+    if path.is_dir():
+        return f"{text!r} is a folder; name a file"
+    return None
+
+
+def make_folder(path: Path) -> None:
+    """Make the folder of an output below the run file's, where it is missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)

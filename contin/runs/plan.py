@@ -1,0 +1,303 @@
+"""A run file, its model and the command line -> a `Plan`: every name and number checked before anything is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Any
+
+from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
+from contin.model.advice import closest
+from contin.model.source import PartSource, Path, Problems, Source, Span
+from contin.runs.models import resolve_model
+from contin.runs.outputs import output_paths
+from contin.runs.schema import ContinuationEntry, DiagramEntry, RunEntry, StartMapping
+from contin.runs.transforms import apply_passes
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+Number = float | int | str | Any  # a number, or a formula in the parameters
+StartPoint = str | Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """One continuation: where it starts, what varies and how far."""
+
+    name: str
+    parameters: tuple[str, ...]
+    range: Mapping[str, tuple[float, float]]
+    start: StartPoint = None
+    reference: tuple[str, str] | None = None  # (branch, label)
+    as_: str | None = None
+    direction: str = "both"
+    values: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class DiagramPlan:
+    """What the explorer is asked for."""
+
+    parameter: str
+    range: tuple[float, float]
+    starts: Sequence[StartPoint] = (None,)
+    orbits: bool = True
+    values: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    budget: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that a run file asks for. `parameters` are the overrides of the file and the command line together."""
+
+    model: Model
+    parameters: Mapping[str, Number]
+    runs: Sequence[RunPlan] = ()
+    diagram: DiagramPlan | None = None
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)
+    x: str | None = None
+    y: str | None = None
+    title: str | None = None
+
+
+def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:
+    """Check the entries of a run file against its model.
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong, each with its place in the file.
+    """
+    problems = Problems(source)
+    outputs = output_paths(_written_files(entry), file, problems)
+    model = _model(entry, source, file, problems)
+    problems.raise_if_any()
+    planner = _Planner(model, problems, {**entry.parameters, **(overrides or {})})
+    planner.check_parameters(entry.parameters, overrides or {})
+    problems.raise_if_any()
+    diagram = None if entry.diagram is None else planner.diagram(entry.diagram)
+    runs = planner.runs(entry.continuations)
+    problems.raise_if_any()
+    axes = entry.outputs
+    return Plan(model, planner.overrides, runs, diagram, outputs, axes.x, axes.y, entry.title or model.title)
+
+
+def _written_files(entry: RunEntry) -> dict[str, str]:
+    files = {
+        "plot": entry.outputs.plot,
+        "html": entry.outputs.html,
+        "save": entry.outputs.save,
+        "json": entry.outputs.json_,
+    }
+    return {kind: path for kind, path in files.items() if path is not None}
+
+
+def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Model:
+    if isinstance(entry.model, str):
+        try:
+            model = resolve_model(entry.model, file.parent)
+        except ContinError as error:
+            problems.add(("model",), str(error))
+            problems.raise_if_any()
+            raise
+    else:
+        model = resolve_model(entry.model, file.parent, PartSource(source, ("model",)))
+    return apply_passes(model, entry.transform, problems)
+
+
+class _Planner:
+    def __init__(self, model: Model, problems: Problems, overrides: Mapping[str, Number]) -> None:
+        self.model, self.problems, self.overrides = model, problems, dict(overrides)
+        self.names = list(model.parameter_names)
+        self.values: dict[str, float] = {}
+
+    def check_parameters(self, written: Mapping[str, Number], typed: Mapping[str, Number]) -> None:
+        """Names and values of the overrides, those of the file at their place."""
+        for name in typed:
+            if name not in self.names:
+                raise InputError(f"--set {name}: {self.model.name} has no parameter {name!r}: {self.advice(name)}")
+        for name, value in written.items():
+            if self.known(name, ("parameters", name), key=True):
+                self.formula(value, ("parameters", name))
+        if not self.problems:
+            try:
+                self.values = self.model.default_parameters(self.overrides)
+            except (InputError, NotFiniteError) as error:
+                raise InputError(f"the parameters given: {error}") from None
+
+    def diagram(self, entry: DiagramEntry) -> DiagramPlan | None:
+        path: Path = ("diagram",)
+        starts: list[StartPoint] = [None]
+        if entry.start is not None:
+            starts = [self.start(s, (*path, "start", k)) for k, s in enumerate(entry.start)]
+        if not self.known(entry.parameter, (*path, "parameter")):
+            return None
+        bounds = self.bounds(entry.range, [entry.parameter], path).get(entry.parameter)
+        values = self.targets(entry.values, path)
+        if bounds is None:
+            return None
+        for start in starts:
+            self.inside(start, entry.parameter, bounds, (*path, "range"))
+        budget = entry.budget.model_dump(exclude_none=True)
+        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, entry.settings.chosen(), budget)
+
+    def runs(self, entries: Sequence[ContinuationEntry]) -> list[RunPlan]:
+        names: list[str] = []
+        runs = []
+        for position, entry in enumerate(entries):
+            path: Path = ("continuations", position)
+            name = entry.name or f"run{position + 1}"
+            if name in names:
+                self.problems.add((*path, "name"), f"{name!r} is already the name of an earlier run; choose another")
+            names.append(name)
+            run = self.run(name, entry, path)
+            if run is not None:
+                runs.append(run)
+        return runs
+
+    def run(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan | None:
+        parameters = tuple(entry.parameter)
+        known = [self.known(p, (*path, "parameter")) for p in parameters]
+        start = None if entry.start is None else self.start(entry.start, (*path, "start"))
+        values = self.targets(entry.values, path)
+        if not all(known):
+            return None
+        bounds = self.bounds(entry.range, parameters, path)
+        if len(bounds) < len(parameters):
+            return None
+        if entry.from_ is None:
+            self.inside(start, parameters[0], bounds[parameters[0]], (*path, "range"))
+        reference = None
+        if entry.from_ is not None:
+            branch, _, label = entry.from_.rpartition(".")
+            reference = (branch, label)
+        settings = entry.settings.chosen()
+        return RunPlan(name, parameters, bounds, start, reference, entry.as_, entry.direction, values, settings)
+
+    # Parts of an entry ------------------------------------------------------------------------------------------------
+
+    def known(self, name: str, path: Path, *, key: bool = False) -> bool:
+        if name in self.names:
+            return True
+        self.problems.add(path, f"{self.model.name} has no parameter {name!r}: {self.advice(name)}", key=key)
+        return False
+
+    def advice(self, name: str) -> str:
+        return closest(name, self.names) or f"there are {', '.join(self.names) or 'none'}"
+
+    def formula(self, value: Number, path: Path) -> float | None:
+        """The value of a number or a formula in the parameters; a mistake is noted at its place."""
+        from contin.model.evaluate import evaluate
+        from contin.model.parser import parse
+
+        if not isinstance(value, str):
+            return float(value)
+        try:
+            expression = parse(value, self.names, self.model.functions)
+        except ExpressionError as error:
+            span = Span(error.position, error.position + 1)
+            self.problems.add(path, str(error), value=value, span=span)
+            return None
+        return float(evaluate(expression, self.values)) if self.values else None
+
+    def start(self, written: str | StartMapping, path: Path) -> StartPoint:
+        """A start as the model takes it, its names checked."""
+        if isinstance(written, str):
+            names = [start.name for start in self.model.starts]
+            if written not in names:
+                advice = closest(written, names) or (
+                    f"there are {', '.join(names)}" if names else "it declares no starts"
+                )
+                self.problems.add(path, f"{self.model.name} has no start {written!r}: {advice}")
+            return written
+        states = dict(written.model_extra or {})
+        for name in states:
+            if name not in self.model.state_names:
+                known = list(self.model.state_names)
+                advice = closest(name, known) or f"there are {', '.join(known)}"
+                self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
+            else:
+                self.formula(states[name], (*path, name))
+        for name, value in written.parameters.items():
+            if self.known(name, (*path, "parameters", name), key=True):
+                self.formula(value, (*path, "parameters", name))
+        return {**states, "parameters": dict(written.parameters)} if written.parameters else states
+
+    def bounds(self, written: Any, parameters: Iterable[str], path: Path) -> dict[str, tuple[float, float]]:
+        """The range of every parameter that varies: as written, or the model's own."""
+        parameters = list(parameters)
+        path = (*path, "range")
+        given: Mapping[str, Any] = {}
+        if isinstance(written, Mapping):
+            given = written
+            for name in written:
+                if name not in parameters:
+                    self.problems.add(
+                        (*path, name),
+                        f"{name!r} does not vary in this run; it varies {', '.join(parameters)}",
+                        key=True,
+                    )
+        elif written is not None and len(parameters) == 1:
+            given = {parameters[0]: written}
+        elif written is not None:
+            one = ", ".join(f"{name}: [low, high]" for name in parameters)
+            self.problems.add(path, f"two parameters need a range each: write {{{one}}}")
+            return {}
+        found = {}
+        for name in parameters:
+            place = (*path, name) if isinstance(written, Mapping) and name in written else path
+            bounds = self.interval(given[name], place) if name in given else self.default_range(name, place)
+            if bounds is not None:
+                found[name] = bounds
+        return found
+
+    def interval(self, written: Sequence[Number], path: Path) -> tuple[float, float] | None:
+        low, high = (self.formula(value, (*path, k)) for k, value in enumerate(written))
+        if low is None or high is None:
+            return None
+        if not low < high:
+            self.problems.add(path, f"expected [low, high] with low < high, got [{low:g}, {high:g}]")
+            return None
+        return low, high
+
+    def default_range(self, name: str, path: Path) -> tuple[float, float] | None:
+        bounds = self.model.parameter_range(name, self.overrides)
+        if bounds is None:
+            self.problems.add(
+                path[:-1] if path[-1] == "range" else path, f"the range of {name} is missing; add `range: [low, high]`"
+            )
+        return bounds
+
+    def targets(self, written: Mapping[str, Sequence[Number]], path: Path) -> dict[str, list[float]]:
+        """User values by column."""
+        columns = [*self.names, *self.model.state_names, *self.model.observables, "period"]
+        found: dict[str, list[float]] = {}
+        for name, entries in written.items():
+            if name.removesuffix(".min").removesuffix(".max") not in columns:
+                advice = closest(name, columns) or f"there are {', '.join(columns)}"
+                self.problems.add((*path, "values", name), f"there is no column {name!r}: {advice}", key=True)
+                continue
+            numbers = [self.formula(value, (*path, "values", name)) for value in entries]
+            found[name] = [number for number in numbers if number is not None]
+        return found
+
+    def inside(self, start: StartPoint, parameter: str, bounds: tuple[float, float], path: Path) -> None:
+        """The start must lie in the range."""
+        if self.problems:
+            return
+        try:
+            _, p = self.model.start_point(start, self.overrides)
+        except (InputError, NotFiniteError) as error:
+            self.problems.add((*path[:-1], "start"), str(error))
+            return
+        value = float(p[self.names.index(parameter)])
+        if not bounds[0] <= value <= bounds[1]:
+            self.problems.add(
+                path,
+                f"the start has {parameter} = {value:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]; "
+                f"widen the range, or set {parameter} under `parameters`",
+            )

@@ -1,0 +1,216 @@
+"""The shape of a run file (FORMATS, section 2) as pydantic models: its keys, and what kind of value each has.
+
+What the names mean (parameters, states, starts) is decided in `plan`; here a number may also be a formula.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
+
+DIRECTIONS: Final = ("both", "up", "down")
+
+
+def _wrong(message: str) -> PydanticCustomError:
+    return PydanticCustomError("contin", "{text}", {"text": message})  # braces in the text itself stay as they are
+
+
+def _run_name(value: object) -> object:
+    if not isinstance(value, str) or not value.strip():
+        raise _wrong(f"expected a name, got {shown(value)}")
+    if "." in value:
+        raise _wrong(f"a run's name may not contain a dot (`from: NAME.LABEL` is split there), got {shown(value)}")
+    return value
+
+
+def _reference(value: object) -> object:
+    name, dot, label = value.rpartition(".") if isinstance(value, str) else ("", "", "")
+    if not (name and dot and label):
+        raise _wrong(f"expected NAME.LABEL, such as line.BP1, got {shown(value)}")
+    return value
+
+
+def _interval(value: object) -> object:
+    numbers = [v for v in value if isinstance(v, int | float)] if isinstance(value, list) else []
+    if len(numbers) == 2 and not numbers[0] < numbers[1]:
+        raise _wrong(f"expected [low, high] with low < high, got [{numbers[0]:g}, {numbers[1]:g}]")
+    return value
+
+
+def _positive(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
+        raise _wrong(f"expected a positive number, got {shown(value)}")
+    return float(value)
+
+
+def _count(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise _wrong(f"expected a whole number, 1 or more, got {shown(value)}")
+    return value
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+def _file(value: object) -> object:
+    if not isinstance(value, str) or not value.strip():
+        raise _wrong(f"expected a file name, got {shown(value)}")
+    return value
+
+
+def _mapping_or_not(value: object) -> str:
+    return "(long)" if isinstance(value, Mapping) else "(short)"
+
+
+Positive = Annotated[float, PlainValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
+Count = Annotated[int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
+RunName = Annotated[str, PlainValidator(_run_name), WithJsonSchema({"type": "string", "pattern": r"^[^.]+$"})]
+Reference = Annotated[str, PlainValidator(_reference), WithJsonSchema({"type": "string", "pattern": r"^.+\..+$"})]
+File = Annotated[str, PlainValidator(_file), WithJsonSchema({"type": "string"})]
+Interval = Annotated[Range, BeforeValidator(_interval)]
+Ranges = Annotated[
+    Annotated[Interval, Tag("(short)")] | Annotated[dict[str, Interval], Tag("(long)")], Discriminator(_mapping_or_not)
+]
+Formulas = Annotated[list[Formula], BeforeValidator(_listed)]
+
+
+class StartMapping(BaseModel):
+    """A starting point written in place: values of some states, and `parameters` that belong to it."""
+
+    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True)
+    __pydantic_extra__: dict[str, Formula]
+    parameters: dict[str, Formula] = {}
+
+
+Start = Annotated[
+    Annotated[Text, Tag("(short)")] | Annotated[StartMapping, Tag("(long)")], Discriminator(_mapping_or_not)
+]
+Pass = Annotated[
+    Annotated[Text, Tag("(short)")] | Annotated[dict[str, Any], Tag("(long)")], Discriminator(_mapping_or_not)
+]
+ModelReference = Annotated[
+    Annotated[Text, Tag("(short)")] | Annotated[dict[str, Any], Tag("(long)")], Discriminator(_mapping_or_not)
+]
+
+
+class Section(BaseModel):
+    """Base of every part: unknown keys are mistakes, not ignored."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
+
+
+class SettingsEntry(Section):
+    """`settings` of a run; lengths are arclengths in the problem's metric."""
+
+    step: Positive | None = None
+    min_step: Positive | None = None
+    max_step: Positive | None = None
+    steps: Count | None = None
+    max_angle: Positive | None = None
+    tolerance: Positive | None = None
+    intervals: Count | None = None
+    points: Count | None = None
+    method: Literal["collocation", "shooting"] | None = None
+    stop_at: Annotated[list[Text], BeforeValidator(_listed)] | None = None
+
+    def chosen(self) -> dict[str, Any]:
+        """What was written, by name."""
+        return self.model_dump(exclude_none=True)
+
+
+class ContinuationEntry(Section):
+    """One run: from a start of the model, or from a point of an earlier branch."""
+
+    name: RunName | None = None
+    start: Start | None = None
+    from_: Reference | None = Field(default=None, alias="from")
+    as_: Literal["equilibrium", "orbit", "locus"] | None = Field(default=None, alias="as")
+    parameter: Annotated[list[Text], BeforeValidator(_listed), Field(min_length=1, max_length=2)]
+    range: Ranges | None = None
+    direction: Literal["both", "up", "down"] = "both"
+    values: dict[str, Formulas] = {}
+    settings: SettingsEntry = SettingsEntry()
+
+    @model_validator(mode="after")
+    def _one_origin(self) -> ContinuationEntry:
+        if self.start is not None and self.from_ is not None:
+            raise _wrong("has both `start` and `from`; keep one of them")
+        if len(set(self.parameter)) < len(self.parameter):
+            raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`")
+        if len(self.parameter) == 2 and self.from_ is None:
+            raise _wrong("two parameters need a point to start from; write `from: NAME.LABEL`")
+        return self
+
+
+class BudgetEntry(Section):
+    """Where the explorer stops."""
+
+    branches: Count | None = None
+    steps: Count | None = None
+    seconds: Positive | None = None
+
+
+class DiagramEntry(Section):
+    """The automatic explorer."""
+
+    parameter: Text
+    range: Ranges | None = None
+    start: Annotated[list[Start], BeforeValidator(_listed), Field(min_length=1)] | None = None
+    orbits: bool = True
+    values: dict[str, Formulas] = {}
+    settings: SettingsEntry = SettingsEntry()
+    budget: BudgetEntry = BudgetEntry()
+
+
+class OutputsEntry(Section):
+    """Files to write, in or below the run file's folder, and the axes of the picture."""
+
+    plot: File | None = None
+    html: File | None = None
+    save: File | None = None
+    json_: File | None = Field(default=None, alias="json")
+    x: Text | None = None
+    y: Text | None = None
+
+
+def _version(value: object) -> object:
+    if value != FORMAT_VERSION or isinstance(value, bool):
+        raise _wrong(f"expected the format version {FORMAT_VERSION}, got {shown(value)}")
+    return value
+
+
+class RunEntry(Section):
+    """A whole run file."""
+
+    contin: Annotated[int, PlainValidator(_version), WithJsonSchema({"const": FORMAT_VERSION})] = FORMAT_VERSION
+    model: ModelReference
+    title: Text | None = None
+    description: Text | None = None
+    transform: Annotated[list[Pass], BeforeValidator(_listed)] = []
+    parameters: dict[str, Formula] = {}
+    diagram: DiagramEntry | None = None
+    continuations: list[ContinuationEntry] = []
+    outputs: OutputsEntry = OutputsEntry()
+
+    @model_validator(mode="after")
+    def _something_to_do(self) -> RunEntry:
+        if self.diagram is None and not self.continuations:
+            raise _wrong("there is nothing to run; write `diagram:` or `continuations:`")
+        return self

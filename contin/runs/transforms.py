@@ -1,0 +1,66 @@
+"""The passes that a run file may name under `transform:`."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+from contin.errors import ContinError
+from contin.model.advice import closest
+from contin.model.schema import shown
+from contin.model.source import Path, Problems
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+PASSES: Final[Mapping[str, tuple[str, str]]] = {
+    "average": ("contin.symbolic", "average"),
+}
+"""Name in the file -> module and function; the options written in the file are its keyword arguments."""
+
+
+def apply_passes(model: Model, written: Sequence[str | Mapping[str, Any]], problems: Problems) -> Model:
+    """The model after the passes, in order; what is wrong with them is noted in `problems`."""
+    for position, item in enumerate(written):
+        name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
+        path: Path = ("transform", position)
+        if not isinstance(item, str):
+            if len(item) != 1:
+                problems.add(path, "write one pass an entry: - average: {form: polar}")
+                return model
+            path = (*path, name)
+        if name not in PASSES:
+            advice = closest(name, PASSES) or f"there are {', '.join(PASSES)}"
+            problems.add(path, f"there is no pass {name!r}: {advice}", key=not isinstance(item, str))
+            return model
+        function = _function(name)
+        if not _options_fit(function, name, options, path, problems):
+            return model
+        try:
+            model = function(model, **(options or {}))
+        except (ContinError, TypeError) as error:
+            problems.add(path, str(error))
+            return model
+    return model
+
+
+def _function(name: str) -> Callable[..., Model]:
+    module, function = PASSES[name]
+    found: Callable[..., Model] = getattr(import_module(module), function)
+    return found
+
+
+def _options_fit(function: Callable[..., Any], name: str, options: Any, path: Path, problems: Problems) -> bool:
+    if options is None:
+        return True
+    if not isinstance(options, Mapping):
+        problems.add(path, f"expected the options of {name} as a mapping, got {shown(options)}")
+        return False
+    allowed = [p.name for p in list(inspect.signature(function).parameters.values())[1:]]
+    unknown = [option for option in options if option not in allowed]
+    for option in unknown:
+        advice = closest(option, allowed) or f"{name} takes {', '.join(allowed) or 'no options'}"
+        problems.add((*path, option), f"unknown option: {advice}", key=True)
+    return not unknown

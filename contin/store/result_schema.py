@@ -1,0 +1,85 @@
+"""JSON schema of the results: what every reader may rely on."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+_NUMBER: Final = {"type": ["number", "null"]}  # null stands for NaN and infinity
+_PAIRS: Final = {"type": "array", "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}}
+_POINT_REFERENCE: Final = {
+    "type": ["object", "null"],
+    "required": ["branch", "label"],
+    "properties": {"branch": {"type": "string"}, "label": {"type": "string"}},
+}
+
+POINT: Final[dict[str, Any]] = {
+    "type": "object",
+    "required": ["label", "type", "index", "values", "residual", "error", "normal_form"],
+    "oneOf": [{"required": ["eigenvalues"]}, {"required": ["multipliers"]}],
+    "properties": {
+        "label": {"type": "string", "pattern": "^[A-Z][A-Z0-9]*[0-9]+$"},
+        "type": {"type": "string"},
+        "index": {"type": "integer", "minimum": 0},
+        "values": {"type": "object", "additionalProperties": {"type": ["number", "boolean", "null"]}},
+        "residual": _NUMBER,
+        "error": _NUMBER,
+        "eigenvalues": _PAIRS,
+        "multipliers": _PAIRS,
+        "normal_form": {"type": "object"},
+        "also": {"type": "string"},
+        "orbit": {"type": "object", "required": ["t"]},
+    },
+}
+
+BRANCH: Final[dict[str, Any]] = {
+    "type": "object",
+    "required": [
+        "name", "kind", "locus", "parameters", "parent", "image_of", "columns", "points", "ends", "steps", "seconds",
+    ],
+    "properties": {
+        "name": {"type": "string"},
+        "kind": {"enum": ["equilibrium", "fixed-point", "orbit", "bvp", "locus"]},
+        "locus": {"type": ["string", "null"]},
+        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 2},
+        "parent": _POINT_REFERENCE,
+        "image_of": {"type": ["object", "null"], "required": ["branch", "symmetry"]},
+        "columns": {
+            "type": "object",
+            "additionalProperties": {"type": "array", "items": {"type": ["number", "boolean", "null"]}},
+        },
+        "points": {"type": "array", "items": POINT},
+        "ends": {
+            "type": "array",
+            "minItems": 2,
+            "maxItems": 2,
+            "items": {"type": "object", "required": ["reason", "text"]},
+        },
+        "steps": {"type": "integer", "minimum": 0},
+        "seconds": {"type": "number", "minimum": 0},
+        "effort": {"type": "object"},
+    },
+}  # fmt: skip
+
+RESULT_SCHEMA: Final[dict[str, Any]] = {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "title": "contin results, format 1",
+    "type": "object",
+    "required": ["contin", "model", "branches", "notes", "timing"],
+    "properties": {
+        "contin": {"const": 1},
+        "model": {
+            "type": "object",
+            "required": ["name", "states", "parameters"],
+            "properties": {
+                "name": {"type": "string"},
+                "states": {"type": "array", "items": {"type": "string"}},
+                "parameters": {"type": "object", "additionalProperties": _NUMBER},
+                "units": {"type": "object"},
+                "periods": {"type": "object"},
+            },
+        },
+        "branches": {"type": "array", "items": BRANCH},
+        "notes": {"type": "array", "items": {"type": "string"}},
+        "timing": {"type": "object", "required": ["total"], "additionalProperties": {"type": "number"}},
+    },
+}

@@ -1,0 +1,36 @@
+"""Result files of any kind by their ending: `.contin` (SQLite) and `.json`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contin.errors import InputError
+from contin.store import json_format, sqlite
+
+
+def read_results(path: Path) -> dict[str, Any]:
+    """The result document in a file.
+
+    Raises
+    ------
+    InputError
+        The ending is neither `.contin` nor `.json`, or the file is not a contin result.
+    """
+    if path.suffix == ".contin":
+        return sqlite.load(path)
+    if path.suffix == ".json":
+        return json_format.read(path)
+    raise InputError(f"{path}: expected a result file that ends in .contin or .json")
+
+
+def export_results(document: Mapping[str, Any], path: Path) -> None:
+    """Write a result document in the format that the file's ending names: `.json`, `.contin`, `.csv` or `.nc`."""
+    from contin.store.tables import write_csv, write_netcdf
+
+    writers = {".json": json_format.write, ".contin": sqlite.save, ".csv": write_csv, ".nc": write_netcdf}
+    writer = writers.get(path.suffix)
+    if writer is None:
+        raise InputError(f"{path}: expected an ending of {', '.join(writers)}")
+    writer(document, path)

@@ -1,0 +1,58 @@
+"""Results as tables for spreadsheets and data frames: CSV (all branches in one table) and NetCDF (a group a branch)."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contin.errors import InputError
+from contin.store.atomic import write_text
+
+
+def write_csv(document: Mapping[str, Any], path: Path) -> None:
+    """One row for each row of each branch: `branch`, `label` (where the row is labelled), then every column."""
+    names = list(dict.fromkeys(name for branch in document["branches"] for name in branch["columns"]))
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["branch", "label", *names])
+    for branch in document["branches"]:
+        labels = {point["index"]: point["label"] for point in branch["points"]}
+        columns = [branch["columns"].get(name) for name in names]
+        for row in range(len(next(iter(branch["columns"].values()), []))):
+            cells = ["" if column is None else _cell(column[row]) for column in columns]
+            writer.writerow([branch["name"], labels.get(row, ""), *cells])
+    write_text(path, stream.getvalue())
+
+
+def _cell(value: Any) -> Any:
+    return int(value) if isinstance(value, bool) else "" if value is None else repr(value)
+
+
+def write_netcdf(document: Mapping[str, Any], path: Path) -> None:
+    """One NetCDF group for each branch, with its columns over the dimension `row`; needs the extra `frames`."""
+    try:
+        import xarray
+    except ImportError:
+        raise InputError("NetCDF needs xarray: pip install 'contin[frames]'") from None
+    mode = "w"
+    for position, branch in enumerate(document["branches"]):
+        columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
+        labels = [""] * len(next(iter(branch["columns"].values()), []))
+        for point in branch["points"]:
+            labels[point["index"]] = point["label"]
+        data = xarray.Dataset(
+            {**columns, "label": ("row", labels)}, attrs={"name": branch["name"], "kind": branch["kind"]}
+        )
+        try:
+            data.to_netcdf(path, mode=mode, group=f"branch{position}")
+        except (OSError, ValueError, ImportError) as error:
+            raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
+        mode = "a"
+
+
+def _filled(column: list[Any]) -> list[Any]:
+    nan = float("nan")
+    return [nan if value is None else int(value) if isinstance(value, bool) else value for value in column]
