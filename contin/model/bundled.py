@@ -1,0 +1,18 @@
+"""Where the bundled models are: the repository's `models/`, or its copy `contin/_models` in an installed wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def folder() -> Path:
+    """The folder with one folder for each family of models.
+
+    In a source tree (also an editable install) that is the repository's folder, so an edited file is seen at once and
+    a copy left over from a build is not. Entry point of the group `contin.models`, like any plugin's.
+    """
+    package = Path(__file__).resolve().parent.parent
+    repository = package.parent
+    if (repository / "models").is_dir() and (repository / "pyproject.toml").is_file():
+        return repository / "models"
+    return package / "_models"
