@@ -150,7 +150,7 @@ def march(
         blocks = 0
         while True:
             bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
-            found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.tolerance)
+            found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.newton_tolerance)
             if isinstance(found, str):
                 evaluations += 1
                 if h <= settings.min_step:

@@ -9,6 +9,8 @@ from typing import Any
 
 from contin.errors import InputError
 
+LOOSEST_TOLERANCE = 1e-4
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -43,6 +45,11 @@ class Settings:
     @property
     def first_step(self) -> float:
         return min(max(self.step, self.min_step), self.max_step)
+
+    @property
+    def newton_tolerance(self) -> float:
+        """`tolerance`, but never so loose that test functions would be measured off the curve."""
+        return min(self.tolerance, LOOSEST_TOLERANCE)
 
     @classmethod
     def of(cls, given: Settings | Mapping[str, Any] | None) -> Settings:

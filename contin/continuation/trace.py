@@ -15,6 +15,7 @@ from contin.continuation.branch import Branch, End, Parent, SpecialPoint
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
 from contin.continuation.problem import Frame, Problem, Sample, Verified
+from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
@@ -221,58 +222,28 @@ def _assemble(
     scale: Array, bounds: tuple[float, float], targets: Sequence[Target], notes: list[str], started: float,
 ) -> Branch:  # fmt: skip
     problem = seed.problem
-    z: list[Array] = []
-    tangents: list[Array] = []
-    unstable: list[int] = []
-    eigenvalues: list[Any] = []
-    labelled: list[tuple[int, Verified, Array]] = []
-
-    def put(
-        row: Array, tangent: Array, count: int, values: Any, point: Verified | None = None, measured_in: Array = scale
-    ) -> None:
-        if point is not None:
-            labelled.append((len(z), point, measured_in))
-        z.append(row)
-        tangents.append(tangent)
-        unstable.append(count)
-        eigenvalues.append(values)
-
-    def arm_rows(record: _ArmRecord) -> list[tuple[Array, Array, int, Any, Verified | None, Array]]:
-        rows: list[tuple[Array, Array, int, Any, Verified | None, Array]] = []
-        for piece in record.pieces:
-            marks = list(piece.found)
-            raw = piece.tangents * piece.scale
-            for k in range(len(piece.z)):
-                while marks and marks[0].before <= k + 1:
-                    m = marks.pop(0)
-                    t = m.tangent * piece.scale
-                    rows.append((m.point.z, t, m.point.unstable, m.point.eigenvalues, m.point, piece.scale))
-                rows.append((piece.z[k], raw[k], int(piece.unstable[k]), piece.eigenvalues[k], None, piece.scale))
-        return rows
-
+    rows = Rows()
     if -1 in records:
-        for row, tangent, *rest in reversed(arm_rows(records[-1])):
-            put(row, -tangent, *rest)
-    start_row = len(z)
-    start_raw = start.tangent * scale
-    at_start = [(f.point, f) for f in here]
-    for point, item in at_start:
-        put(point.z, item.sample.tangent * scale, point.unstable, point.eigenvalues, point)
-    if not at_start:
-        measured = _start_measured(seed, start, problem)
-        put(start.z, start_raw, measured[0], measured[1])
+        for piece in records[-1].pieces:
+            rows.add_piece(piece)
+        rows.reverse()
+    start_row = len(rows)
+    for item in here:
+        rows.add_point(item.point, item.sample.tangent * scale, scale)
+    if not here:
+        count, values = _start_measured(seed, start, problem)
+        rows.add_block(start.z[None], (start.tangent * scale)[None], np.array([count]), values[None])
         for target in targets:
             if not seed.born and float(target.values(problem, start.z[None])[0]) == target.value:
-                labelled.append((start_row, Verified("UZ", start.z, 0.0, 0.0, measured[1], measured[0]), scale))
+                rows.label(start_row, Verified("UZ", start.z, 0.0, 0.0, values, count), scale)
     if 1 in records:
-        for item in arm_rows(records[1]):
-            put(*item)
-    rows = np.array(z)
-    columns: dict[str, Any] = dict(problem.columns(rows))
-    columns["unstable"] = np.array(unstable, dtype=int)
+        for piece in records[1].pieces:
+            rows.add_piece(piece)
+    z, raw_tangents, unstable, eigenvalues = rows.joined()
+    columns: dict[str, Any] = dict(problem.columns(z))
+    columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0
-    raw_tangents = np.array(tangents)
-    points = _label(name, labelled, columns, raw_tangents, problem)
+    points = _label(name, rows.labelled, columns, raw_tangents, problem)
     start_end = End("start", "the branch starts here" if not seed.born else f"born at {seed.parent.label if seed.parent else 'a special point'}")
     down, up = records.get(-1), records.get(1)
     ends = (down.end if down else start_end, up.end if up else start_end)
@@ -284,7 +255,7 @@ def _assemble(
     }
     return Branch(
         name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points, ends=ends,
-        z=rows, tangents=raw_tangents, eigenvalues=_stack(eigenvalues), start_row=start_row,
+        z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=time.perf_counter() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=tuple(notes), symmetries=seed.symmetries,
     )  # fmt: skip
@@ -298,14 +269,6 @@ def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, A
         return 0, np.full(len(seed.z) - 1, np.nan, complex)
     critical = np.abs(sample.eigenvalues.real) < 1e-7 * max(float(np.abs(sample.eigenvalues).max()), 1e-300)
     return int(np.sum((sample.eigenvalues.real > 0) & ~critical)), sample.eigenvalues
-
-
-def _stack(values: list[Any]) -> Any:
-    width = max((len(v) for v in values), default=0)
-    out = np.full((len(values), width), np.nan, complex)
-    for k, v in enumerate(values):
-        out[k, : len(v)] = v
-    return out
 
 
 def _label(

@@ -126,7 +126,7 @@ def correct(address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, 
 
 
 @kernel
-def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im):
+def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, near_re, near_im):
     """Unit tangent, test functions and eigenvalues from the factors in `matrix`; returns the number of unstable ones."""
     n = block.shape[0]
     for j in range(n):
@@ -143,7 +143,7 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
     # det [F_z; t_old] = det [F_z; t_new] / norm, so the determinant refers to the point's own tangent
     exponent = log_determinant(matrix) + math.log(norm) - reference
     tests[1] = sign * diagonal_sign(matrix) * math.exp(min(max(exponent, -700.0), 700.0))
-    eigenvalues(block, re, im)
+    eigenvalues(block, re, im, near_re, near_im)
     return map_tests(re, im, tests) if is_map else flow_tests(re, im, tests)
 
 
@@ -166,7 +166,8 @@ def probe(address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, r
         return -1
     if sign == 2:
         return -2
-    return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im)
+    re[:] = math.nan
+    return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im)
 
 
 @kernel
@@ -226,7 +227,10 @@ def march(
     if sign == 0:
         return CORRECTOR
     reference = log_determinant(matrix)
-    unstable = measure(is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0])
+    out_re[0] = math.nan
+    unstable = measure(
+        is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0], out_re[0], out_im[0]
+    )
     scale_of_det = abs(tests[1])  # |t| correction of row 0: make its determinant exactly +-1
     if scale_of_det > 0.0:
         reference += math.log(scale_of_det)
@@ -263,7 +267,10 @@ def march(
                     return NOT_FINITE if sign == 2 else CORRECTOR
                 h = max(0.5 * h, h_min)
                 continue
-            unstable = measure(is_map, matrix, sign, reference, pivots, block, out_t[row], tests, out_re[row], out_im[row])
+            unstable = measure(
+                is_map, matrix, sign, reference, pivots, block, out_t[row], tests, out_re[row], out_im[row], out_re[k],
+                out_im[k],
+            )  # fmt: skip
             cosine = 0.0
             for j in range(n + 1):
                 cosine += tangent[j] * out_t[row, j]

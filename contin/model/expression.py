@@ -8,6 +8,7 @@ numbers folded); nothing is expanded, nothing sorted, so a printed formula stays
 
 from __future__ import annotations
 
+import atexit
 import math
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
@@ -100,6 +101,7 @@ class Expression:
 
 _interned: WeakValueDictionary[tuple[object, ...], Expression] = WeakValueDictionary()
 _bits: dict[str, int] = {}
+atexit.register(_interned.data.clear)  # else nodes that die while the interpreter does compare half-dismantled numbers
 
 
 def symbol_bit(name: str) -> int:

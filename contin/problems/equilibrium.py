@@ -102,6 +102,14 @@ class EquilibriumProblem:
             wide.append(v)
         return np.asarray(self.system.derivative(z[:n], self.full_parameters(z), *wide))
 
+    def hessian(self, z: Array, v: NDArray[Any]) -> NDArray[Any]:
+        """The matrix D^2F(z)[v, .], (n, n + 1), for a direction v (n + 1,) = (state, active parameter)."""
+        wide = np.zeros(self.n + len(self.base), v.dtype)
+        wide[: self.n] = v[: self.n]
+        wide[self.n + self.active] = v[self.n]
+        matrix = self.system.gradient(z[: self.n], self.full_parameters(z), wide)
+        return np.column_stack([matrix[:, : self.n], matrix[:, self.n + self.active]])
+
     def linear_part(self, z: Array) -> Array:
         """The matrix whose eigenvalues decide stability: f_u."""
         f, matrix = self.linearise(z)
@@ -136,7 +144,7 @@ class EquilibriumProblem:
         re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
         z[0], t[0] = origin.z, origin.tangent
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.tolerance,
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
             length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
         ])  # fmt: skip
         reason = kernel.march(

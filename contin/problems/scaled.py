@@ -36,8 +36,5 @@ class ScaledSystem:
         return np.asarray(self.problem.form(y * self.scale, *(d * self.scale for d in directions)) / self.scale[:-1])
 
     def hessian(self, y: Array, v: NDArray[Any]) -> NDArray[Any]:
-        matrix = np.empty((self.n, self.n + 1), v.dtype)
-        unit = np.eye(self.n + 1)
-        for j in range(self.n + 1):
-            matrix[:, j] = self.form(y, v, unit[j])
-        return matrix
+        matrix = self.problem.hessian(y * self.scale, v * self.scale)
+        return np.asarray(matrix * self.scale / self.scale[:-1, None])

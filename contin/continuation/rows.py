@@ -1,0 +1,67 @@
+"""Joining the pieces of a branch into arrays, with labelled points as rows among them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Verified
+
+if TYPE_CHECKING:
+    from contin.continuation.arm import Piece
+
+Block = tuple[Array, Array, NDArray[np.int64], NDArray[np.complex128]]
+
+
+class Rows:
+    """Blocks of rows (z, raw tangents, unstable counts, eigenvalues) in order, and which rows are labelled points."""
+
+    def __init__(self) -> None:
+        self._blocks: list[Block] = []
+        self._length = 0
+        self.labelled: list[tuple[int, Verified, Array]] = []  # row, point, the metric it was found in
+
+    def __len__(self) -> int:
+        return self._length
+
+    def add_block(self, z: Array, tangents: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]) -> None:
+        if len(z):
+            self._blocks.append((z, tangents, unstable, eigenvalues))
+            self._length += len(z)
+
+    def add_point(self, point: Verified, tangent: Array, scale: Array) -> None:
+        self.label(self._length, point, scale)
+        self.add_block(point.z[None], tangent[None], np.array([point.unstable]), point.eigenvalues[None])
+
+    def label(self, row: int, point: Verified, scale: Array) -> None:
+        self.labelled.append((row, point, scale))
+
+    def add_piece(self, piece: Piece) -> None:
+        raw = piece.tangents * piece.scale
+        done = 0
+        for mark in piece.found:
+            k = min(max(mark.before - 1, done), len(piece.z))
+            self.add_block(piece.z[done:k], raw[done:k], piece.unstable[done:k], piece.eigenvalues[done:k])
+            self.add_point(mark.point, mark.tangent * piece.scale, piece.scale)
+            done = k
+        self.add_block(piece.z[done:], raw[done:], piece.unstable[done:], piece.eigenvalues[done:])
+
+    def reverse(self) -> None:
+        """Turn the order round, tangents included."""
+        self._blocks = [(z[::-1], -t[::-1], u[::-1], e[::-1]) for z, t, u, e in reversed(self._blocks)]
+        self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
+
+    def joined(self) -> Block:
+        """All rows as four arrays; eigenvalues are padded with NaN where blocks have different numbers of them."""
+        width = max(block[3].shape[1] for block in self._blocks)
+        padded = []
+        for block in self._blocks:
+            values = block[3]
+            if values.shape[1] < width:
+                values = np.hstack([values, np.full((len(values), width - values.shape[1]), np.nan + 0j)])
+            padded.append(values)
+        z, tangents, unstable = (np.concatenate([block[k] for block in self._blocks]) for k in range(3))
+        return z, tangents, unstable.astype(int), np.concatenate(padded)
