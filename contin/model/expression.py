@@ -101,7 +101,8 @@ class Expression:
 
 _interned: WeakValueDictionary[tuple[object, ...], Expression] = WeakValueDictionary()
 _bits: dict[str, int] = {}
-atexit.register(_interned.data.clear)  # else nodes that die while the interpreter does compare half-dismantled numbers
+# else nodes that die while the interpreter does compare half-dismantled numbers
+atexit.register(_interned.data.clear)  # type: ignore[attr-defined]
 
 
 def symbol_bit(name: str) -> int:

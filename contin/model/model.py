@@ -93,7 +93,7 @@ class Model:
     def __reduce__(self) -> tuple[Any, ...]:
         from contin.model.yaml_loader import load_model_text
 
-        return load_model_text, (self.text(), self.name)
+        return load_model_text, (self.text(), self.name, False)
 
     # What it holds ----------------------------------------------------------------------------------------------------
 
@@ -193,6 +193,12 @@ class Model:
         from contin.model.writer import model_text
 
         return model_text(self)
+
+    def latex(self) -> str:
+        """The equations and definitions as lines of a LaTeX `align*` environment."""
+        from contin.model.writer import model_latex
+
+        return model_latex(self)
 
     def __str__(self) -> str:
         from contin.model.writer import summary

@@ -6,8 +6,8 @@ A package offers models by an entry point of the group `contin.models`:
     acme = "acme_models:folder"      # NAME = what it loads to
 
 It may load to a `Model`, a folder of model files (a path, or a module whose folder is meant), or a function that
-returns one of these. Models of a folder are called NAME/FILE. Nothing of a package is imported until one of its names is asked
-for. A package that fails is a warning; the environment variable CONTIN_PLUGINS=0 leaves other packages out altogether.
+returns one of these. Models of a folder are called NAME/FILE. Nothing of a package is imported until one of its names
+is asked for. A package that fails is a warning; the environment variable CONTIN_PLUGINS=0 leaves other packages out.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from contin.model.expression import Expression
+from contin.model.latex import latex_name, to_latex
 from contin.model.printing import to_text
 from contin.model.schema import FORMAT_VERSION
 
@@ -135,6 +136,20 @@ def _key(name: str) -> str:
 def _data(value: Any) -> str:
     """Plain data of a run: JSON is YAML."""
     return json.dumps(value, ensure_ascii=False)
+
+
+def model_latex(model: Model) -> str:
+    """Equations and definitions in a LaTeX `align*` environment."""
+    names = definition_names(model.definitions)
+    mark = r"\dot{%s}" if model.kind == "flow" else r"%s \mapsto"
+    relation = "=" if model.kind == "flow" else ""
+    lines = [
+        f"{mark % latex_name(name)} &{relation} {to_latex(node, names)}" for name, node in model.equation_map.items()
+    ]
+    for name, node in model.definitions.items():
+        others = {n: other for n, other in names.items() if n is not node}
+        lines.append(f"{latex_name(name)} &= {to_latex(node, others)}")
+    return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
 
 
 def summary(model: Model) -> str:

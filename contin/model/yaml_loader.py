@@ -25,9 +25,9 @@ def load_model(path: str | FilePath) -> Model:
     return _model(read_file(path))
 
 
-def load_model_text(text: str, filename: str = "model") -> Model:
-    """The model in a YAML text; `filename` is for messages."""
-    return _model(read_text(text, filename))
+def load_model_text(text: str, filename: str = "model", check: bool = True) -> Model:
+    """The model in a YAML text; `filename` is for messages, `check` compares symmetries with the equations."""
+    return _model(read_text(text, filename), check)
 
 
 def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model", *, check: bool = True) -> Model:
@@ -40,5 +40,6 @@ def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model"
     return Model.from_parts(**parts_from_mapping(mapping, source, check=check))
 
 
-def _model(document: Document) -> Model:
-    return Model.from_parts(**parts_from_mapping(document.data, document.source, version_required=True))
+def _model(document: Document, check: bool = True) -> Model:
+    parts = parts_from_mapping(document.data, document.source, version_required=True, check=check)
+    return Model.from_parts(**parts)
