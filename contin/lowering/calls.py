@@ -38,9 +38,9 @@ class _Buffers(threading.local):
     """This thread's u, p, a small Jacobian, and one output of each size that was asked for."""
 
     def __init__(self, n: int, p_size: int) -> None:
-        self.u, self.p = np.zeros(n), np.zeros(p_size)
-        self.u_at, self.p_at = self.u.ctypes.data, self.p.ctypes.data
+        u, p = np.zeros(n), np.zeros(p_size)
         self.outputs: dict[int, tuple[Array, int]] = {}
+        self.inputs = u, p, (u.ctypes.data, p.ctypes.data, self.outputs)
         self.matrix = np.zeros((n, n + p_size)) if n * (n + p_size) <= BUFFERED else None
         self.matrix_at = self.matrix.ctypes.data if self.matrix is not None else 0
 
@@ -63,37 +63,38 @@ class Calls:
 
     def vector(self, call: Call, size: int, u: ArrayLike, p: ArrayLike) -> Array:
         """(u, p, out) with an output of `size`."""
-        buffers = self._load(u, p)
-        out, out_at = buffers.output(size)
+        u_at, p_at, outputs = self._load(u, p)
+        out, out_at = outputs.get(size) or self._buffers.output(size)
         if call is not None:
-            call(buffers.u_at, buffers.p_at, out_at)
+            call(u_at, p_at, out_at)
         return out.copy()
 
     def jacobian(self, call: Call, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """(u, p, F, J)."""
-        buffers = self._load(u, p)
+        u_at, p_at, _ = self._load(u, p)
+        buffers = self._buffers
         out, out_at = buffers.output(self.n)
         if buffers.matrix is not None:
-            call(buffers.u_at, buffers.p_at, out_at, buffers.matrix_at)
+            call(u_at, p_at, out_at, buffers.matrix_at)
             return out.copy(), buffers.matrix.copy()
         matrix = np.empty((self.n, self.n + self.p_size))
-        call(buffers.u_at, buffers.p_at, out_at, matrix.ctypes.data)
+        call(u_at, p_at, out_at, matrix.ctypes.data)
         return out.copy(), matrix
 
     def form(self, call: Call, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
         """(u, p, v_1, ..., v_k, out)."""
-        buffers = self._load(u, p)
+        u_at, p_at, _ = self._load(u, p)
         held = [np.ascontiguousarray(v, dtype=float) for v in directions]
-        out, out_at = buffers.output(self.n)
-        call(buffers.u_at, buffers.p_at, *[v.ctypes.data for v in held], out_at)
+        out, out_at = self._buffers.output(self.n)
+        call(u_at, p_at, *[v.ctypes.data for v in held], out_at)
         return out.copy()
 
     def gradient(self, call: Call, u: ArrayLike, p: ArrayLike, direction: Array) -> Array:
         """(u, p, v, w, H); H."""
-        buffers = self._load(u, p)
+        u_at, p_at, _ = self._load(u, p)
         held = np.ascontiguousarray(direction, dtype=float)
         matrix = np.empty((self.n, self.n + self.p_size))
-        call(buffers.u_at, buffers.p_at, held.ctypes.data, buffers.output(self.n)[1], matrix.ctypes.data)
+        call(u_at, p_at, held.ctypes.data, self._buffers.output(self.n)[1], matrix.ctypes.data)
         return matrix
 
     def vectors(self, call: Call, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
@@ -114,17 +115,18 @@ class Calls:
             loop(address, count, states.ctypes.data, steps[0], others.ctypes.data, steps[1], out.ctypes.data, steps[2])
         return out
 
-    def _load(self, u: ArrayLike, p: ArrayLike) -> _Buffers:
+    def _load(self, u: ArrayLike, p: ArrayLike) -> tuple[int, int, dict[int, tuple[Array, int]]]:
+        """Copy u and p into this thread's buffers; their addresses, and the outputs there are."""
         states = u if type(u) is np.ndarray else np.asarray(u, dtype=float)
         others = p if type(p) is np.ndarray else np.asarray(p, dtype=float)
         if states.shape != self._u_shape:
             raise ValueError(f"u must have shape ({self.n},); got {states.shape}")
         if others.shape != self._p_shape:
             raise ValueError(f"p must have shape ({self.p_size},); got {others.shape}")
-        buffers = self._buffers
-        buffers.u[:] = states
-        buffers.p[:] = others
-        return buffers
+        u_buffer, p_buffer, loaded = self._buffers.inputs
+        u_buffer[:] = states
+        p_buffer[:] = others
+        return loaded
 
 
 @lru_cache(maxsize=1)
