@@ -1,0 +1,149 @@
+"""Simple branch points (BP): kind, coefficients, criticality, and the tangents and curvatures of both branches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.normalforms.jet import Jet, Real
+from contin.normalforms.reduction import Reduction, reduce
+from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.static import quadratic_error, state
+
+STATE_ERROR = 1e-10  # default estimate of the error of u0, in the units of the states
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """A branch through the point: z0 + s tangent + s^2 curvature + O(s^3), z = (u, p), |tangent| = 1.
+
+    `vertical` marks a branch along which the parameter has an extremum at the point (a pitchfork's side branch);
+    `primary` the branch along which the kernel state is driven by the parameter (for a known branch: that one).
+    """
+
+    tangent: Real  # (n + 1,)
+    curvature: Real  # (n + 1,)
+    vertical: bool
+    primary: bool
+    note: str = ""
+
+    def predict(self, s: float) -> Real:
+        """z - z0 at signed distance s."""
+        return s * self.tangent + s * s * self.curvature
+
+
+def branch_point(
+    jet: Jet,
+    *,
+    state_error: float | Real = STATE_ERROR,
+    reduction: Reduction | None = None,
+) -> NormalForm:
+    """BP with a one-dimensional kernel: a01 dp + a02/2 dp^2 + b11 x dp + b20/2 x^2 + b30/6 x^3 = 0 (FORMATS).
+
+    Pitchfork where b20 is zero to its estimated error: rounding in <p, B(q, q)> (from the magnitudes of its summands)
+    plus what an error `state_error` of the states (a length, or one for each state) makes through the third derivative.
+    Supercritical where b30 < 0: since <p, q> = 1, the reduced equation is the motion on the centre manifold,
+    x' = b11 dp x + b30/6 x^3, so x^2 = -6 b11 dp/b30 lies where b11 dp > 0, the side on which the primary branch has
+    the extra unstable eigenvalue, and the new branch has x' = -2 b11 dp x there: it takes over the stability.
+    `discriminant` = b11^2 - a02 b20 > 0 where two branches cross; negative: an isolated point.
+    """
+    r = reduction or reduce(jet, 1)
+    q, p = r.right[:, 0], r.left[:, 0]
+    (b20, b11), (_, a02) = r.T2[0]
+    a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
+    errors = {
+        "b20": _b20_error(jet, r, state_error),
+        "b30": TRUST * _b30_size(jet, r),
+    }
+    discriminant = b11 * b11 - a02 * b20
+    coefficients: dict[str, object] = {"kind": "", "a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
+    if abs(b20) <= errors["b20"]:
+        criticality = "degenerate" if abs(b30) <= errors["b30"] else "supercritical" if b30 < 0 else "subcritical"
+        coefficients |= {"kind": "pitchfork", "criticality": criticality}
+        words = f"{criticality} pitchfork"
+    elif discriminant > 0:
+        coefficients["kind"] = "transcritical"
+        words = "transcritical branch point: two branches cross and exchange stability"
+    else:
+        coefficients["kind"] = "isolated"
+        words = "isolated solution: the quadratic form is definite, no second branch passes"
+    coefficients["discriminant"] = discriminant
+    return NormalForm("BP", coefficients, words, {"q": q, "p": p, "h": r.h}, errors)
+
+
+def simple_directions(r: Reduction, *, known: Real | None = None, b20_error: float = 0.0) -> list[Direction]:
+    """Both branches at a simple branch point, the primary one first; none where the discriminant is negative.
+
+    The roots y = (x, dp) of b20 x^2 + 2 b11 x dp + a02 dp^2 = 0 are taken as (t, b20) and (a02, t) with
+    t = -(b11 + sign(b11) sqrt(discriminant)), which is exact for vertical (b20 = 0) and horizontal (a02 = 0) branches.
+    With `known`, the tangent of the branch at hand, that one is primary.
+    """
+    (b20, b11), (_, a02) = r.T2[0]
+    if abs(b20) <= b20_error:
+        b20 = 0.0
+    discriminant = b11 * b11 - a02 * b20
+    if not discriminant > 0.0:
+        return []
+    t = -(b11 + np.copysign(np.sqrt(discriminant), b11))
+    roots = [np.array([a02, t]), np.array([t, b20])]  # for b20 = 0: the primary branch, the vertical one
+    directions = [_direction(r, y) for y in roots]
+    order = [0, 1]
+    if known is not None:
+        match = [_alignment(r, y, known) for y in roots]
+        order = [0, 1] if match[0] >= match[1] else [1, 0]
+    elif b20 != 0.0 and abs(roots[1][1]) * _length(r, roots[0]) > abs(roots[0][1]) * _length(r, roots[1]):
+        order = [1, 0]
+    first, second = (directions[i] for i in order)
+    return [
+        Direction(first.tangent, first.curvature, first.vertical, True, first.note),
+        Direction(second.tangent, second.curvature, second.vertical, False, second.note),
+    ]
+
+
+def _direction(r: Reduction, y: Real) -> Direction:
+    """Tangent and curvature of the branch with reduced direction y: T2[y, y2] = -T3[y, y, y]/6, y2 across y.
+
+    Where the branch is not vertical, y2 has no dp part, so s stays proportional to the parameter; where it is
+    vertical, y2 = (0, p2) with p2 = -b30/(6 b11): the pitchfork's parabola.
+    """
+    y = y / np.linalg.norm(y @ r.lifted)
+    vertical = y[1] == 0.0
+    if y[0] < 0.0 if vertical else y[1] < 0.0:
+        y = -y
+    cubic = float(np.einsum("ijk,i,j,k", r.T3[0], y, y, y))
+    across = np.array([0.0, 1.0]) if vertical else np.array([1.0, 0.0])
+    y2 = -cubic / 6.0 / float(y @ r.T2[0] @ across) * across
+    tangent, curvature = r.predictor(y, y2)
+    return Direction(tangent, curvature, bool(vertical), False)
+
+
+def _alignment(r: Reduction, y: Real, known: Real) -> float:
+    a, b = r.coordinates(known), y
+    scale = np.linalg.norm(r.lifted, axis=1)  # lengths of (q, 0) and (h, 1): reduced coordinates in equal units
+    a, b = a * scale, b * scale
+    return float(abs(a @ b) / (np.linalg.norm(a) * np.linalg.norm(b)))
+
+
+def _length(r: Reduction, y: Real) -> float:
+    return float(np.linalg.norm(y @ r.lifted))
+
+
+def _b20_error(jet: Jet, r: Reduction, state_error: float | Real) -> float:
+    """Rounding in <p, B(q, q)>, plus sum_i |<p, C(q, q, e_i)>| times the error of u_i."""
+    q, p = r.right[:, 0], r.left[:, 0]
+    lengths = np.broadcast_to(np.asarray(state_error, dtype=float), (jet.n,))
+    eye = np.eye(jet.n)
+    drift = sum(
+        length * abs(float(p @ jet.form(state(jet, q), state(jet, q), state(jet, e))))
+        for length, e in zip(lengths, eye, strict=True)
+        if length > 0
+    )
+    return quadratic_error(jet, p, q) + float(drift)
+
+
+def _b30_size(jet: Jet, r: Reduction) -> float:
+    q, p = state(jet, r.right[:, 0]), np.abs(r.left[:, 0])
+    cubic = np.abs(jet.form(q, q, q))
+    mixed = 3.0 * np.abs(jet.form(q, state(jet, r.second[0, 0])))
+    return float(p @ (cubic + mixed))

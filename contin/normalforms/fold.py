@@ -1,0 +1,36 @@
+"""Folds (LP) and cusps (CP) of equilibria and of fixed points of maps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contin.normalforms.homological import CentreManifold
+from contin.normalforms.jet import Jet
+from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.static import quadratic_error, state, static_pair
+
+
+def fold(jet: Jet) -> NormalForm:
+    """LP: a = <p, B(q, q)>/2 of w' = a w^2 (map: w -> w + a w^2).
+
+    a != 0 where the branch turns like a parabola. Kuznetsov, Elements, 3rd ed., (5.42) with |q| = <p, q> = 1.
+    """
+    pair = static_pair(jet)
+    q, p = pair.right, pair.left
+    a = 0.5 * float(np.vdot(p, jet.form(state(jet, q), state(jet, q))))
+    error = quadratic_error(jet, p, q)
+    words = "fold" if abs(a) > error else "fold, quadratic coefficient zero to its estimated error (cusp)"
+    return NormalForm("LP", {"a": a}, words, {"q": q, "p": p}, {"a": error})
+
+
+def cusp(jet: Jet) -> NormalForm:
+    """CP: c = <p, C(q,q,q) + 3 B(q,h2)>/6 of w' = c w^3, A h2 = -(B(q,q) - <p,B(q,q)> q), <p,h2> = 0.
+
+    Kuznetsov, Elements, 3rd ed., (8.126); maps: Kuznetsov and Meijer (2005), with A - 1 for A.
+    """
+    pair = static_pair(jet)
+    manifold = CentreManifold(jet, [pair])
+    c = manifold.g((3,), 0).real
+    error = TRUST * manifold.magnitude((3,), 0)
+    words = "cusp" if abs(c) > error else "cusp, cubic coefficient zero to its estimated error (swallowtail)"
+    return NormalForm("CP", {"c": c}, words, {"q": pair.right, "p": pair.left}, {"c": error})

@@ -1,0 +1,213 @@
+"""Taylor coefficients of a centre manifold and of the normal form on it, to any order, each computed when asked for.
+
+The manifold u = u0 + sum h_v w^v and the normal form w' = diag(lambda) w + sum g_v w^v (map: w -> ...) satisfy the
+homological equation H_w(w) G(w) = F(H(w)) (map: H(G(w)) = F(H(w))). At order v it reads
+
+    (A - lambda.v) h_v = sum_j g_vj q_j + S_v - R_v         (map: lambda^v for lambda.v)
+
+with R_v from products of lower coefficients in the Taylor series of F, and S_v from lower ones in H_w G. Where
+lambda.v = lambda_j (resonance) the matrix is singular, g_vj = <p_j, R_v - S_v>, and <p_j, h_v> = 0 fixes h_v.
+Active parameters are further centre coordinates that do not move; v counts them last. Coefficients are Taylor's (no
+factorials): h_20 here is half of Kuznetsov's h_20.
+
+Sources: Kuznetsov, SIAM J. Numer. Anal. 36 (1999) 1104; Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed.,
+sec. 8.7; Kuznetsov and Meijer, SIAM J. Sci. Comput. 26 (2005) 1932 (maps).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from itertools import product
+from math import factorial
+
+import numpy as np
+
+from contin.normalforms.jet import Complex, Jet, Real, lift
+from contin.normalforms.linear import EigenPair, solve
+
+Index = tuple[int, ...]
+RESONANCE = 1e-6  # relative distance at which lambda.v counts as equal to lambda_j
+
+
+class CentreManifold:
+    """Coefficients h_v and g_v over the eigenvectors `pairs` (semisimple critical eigenvalues) of a jet.
+
+    `h(v)` is an (n,) array, `g(v, j)` a number (zero where v is not resonant with j), `magnitude(v, j)` the sum of the
+    moduli of the summands of g(v, j), against which rounding in it is measured. v has one entry for each pair, then one
+    for each active parameter (those may be left out).
+    """
+
+    def __init__(self, jet: Jet, pairs: Sequence[EigenPair]) -> None:
+        self.jet = jet
+        self.values = np.array([pair.value for pair in pairs], dtype=complex)
+        self.right = np.array([pair.right for pair in pairs], dtype=complex)
+        self.left = np.array([pair.left for pair in pairs], dtype=complex)
+        self.m = len(pairs)
+        self._h: dict[Index, Complex] = {}
+        self._g: dict[Index, dict[int, complex]] = {}
+        self._magnitude: dict[tuple[Index, int], float] = {}
+
+    def h(self, *index: int) -> Complex:
+        return self._coefficient(self._full(index))
+
+    def g(self, index: Index, j: int) -> complex:
+        return self._normal(self._full(index)).get(j, 0.0)
+
+    def magnitude(self, index: Index, j: int) -> float:
+        self.g(index, j)
+        return self._magnitude.get((self._full(index), j), 0.0)
+
+    def _full(self, index: Index) -> Index:
+        return (*index, *(0,) * (self.m + self.jet.parameters - len(index)))
+
+    def _unit(self, index: Index) -> int | None:
+        return index.index(1) if sum(index) == 1 else None
+
+    def _coefficient(self, v: Index) -> Complex:
+        unit = self._unit(v)
+        if unit is not None and unit < self.m:
+            eigenvector: Complex = self.right[unit]
+            return eigenvector
+        if v not in self._h:
+            self._solve(v)
+        return self._h[v]
+
+    def _normal(self, v: Index) -> dict[int, complex]:
+        """g_v as {j: value}; the linear part diag(lambda) is not among them."""
+        unit = self._unit(v)
+        if unit is not None and unit < self.m:
+            return {}
+        if v not in self._g:
+            resonant = self._resonant(v)
+            if resonant:
+                self._solve(v)
+            else:
+                self._g[v] = {}
+        return self._g[v]
+
+    def _multiplier(self, v: Index) -> complex:
+        exponents = np.array(v[: self.m])
+        if self.jet.kind == "map":
+            return complex(np.prod(self.values**exponents))
+        return complex(exponents @ self.values)
+
+    def _resonant(self, v: Index) -> list[int]:
+        scale = max(1.0 if self.jet.kind == "map" else 0.0, float(np.abs(self.values).max()))
+        near = np.abs(self._multiplier(v) - self.values) <= RESONANCE * scale
+        return [int(j) for j in np.flatnonzero(near)]
+
+    def _solve(self, v: Index) -> None:
+        rhs, sizes = self._inhomogeneity(v)
+        matrix = self.jet.A - self._multiplier(v) * np.eye(self.jet.n)
+        resonant = self._resonant(v)
+        self._g[v] = {j: complex(np.vdot(self.left[j], rhs)) for j in resonant}
+        for j in resonant:
+            self._magnitude[v, j] = float(np.abs(self.left[j]) @ sizes)
+        borders = (self.right[resonant].T, self.left[resonant].T) if resonant else (None, None)
+        self._h[v] = solve(matrix, -rhs, *borders)
+
+    def _inhomogeneity(self, v: Index) -> tuple[Complex, Real]:
+        """R_v - S_v and the sum of the moduli of its summands, component by component."""
+        total: Complex = np.zeros(self.jet.n, dtype=np.complex128)
+        sizes: Real = np.zeros(self.jet.n)
+        term: Complex
+        for parts in partitions(v) if sum(v) > 1 else ():
+            weight = 1.0
+            for part in set(parts):
+                weight /= factorial(parts.count(part))
+            term = np.asarray(weight * self.jet.form(*(self._direction(part) for part in parts)), complex)
+            total += term
+            sizes = sizes + np.abs(term)
+        if sum(v) == 1:  # the first coefficient of a parameter: A h + F_p = sum g q
+            term = self.jet.form(lift(np.zeros(self.jet.n), self.jet.parameters, v.index(1) - self.m)).astype(complex)
+            return total + term, np.abs(term)
+        for coefficient, u in self._transport(v):
+            term = coefficient * self._coefficient(u)
+            total -= term
+            sizes = sizes + np.abs(term)
+        return total, sizes
+
+    def _direction(self, v: Index) -> Complex:
+        direction = np.zeros(self.jet.n + self.jet.parameters, dtype=complex)
+        unit = self._unit(v)
+        if unit is not None and unit >= self.m:
+            direction[self.jet.n + unit - self.m] = 1.0
+        direction[: self.jet.n] = self._coefficient(v)
+        return direction
+
+    def _transport(self, v: Index) -> Iterator[tuple[complex, Index]]:
+        """The pairs (c, u) of S_v = sum c h_u: where terms of H_w G (or H(G)) below v's own meet in w^v."""
+        if self.jet.kind == "map":
+            yield from self._composition(v)
+            return
+        for k in below(v):
+            if k == v:
+                continue
+            for j, g in self._normal(k).items():
+                u = tuple(a - b + (i == j) for i, (a, b) in enumerate(zip(v, k, strict=True)))
+                yield u[j] * g, u
+
+    def _composition(self, v: Index) -> Iterator[tuple[complex, Index]]:
+        """Coefficients of w^v in G(w)^u for every u != v of degree 2 to |v|."""
+        size = len(v)
+        series: list[dict[Index, complex]] = []
+        for j in range(size):
+            unit = tuple(int(i == j) for i in range(size))
+            terms = {unit: complex(self.values[j]) if j < self.m else 1.0}
+            if j < self.m:
+                for k in below(v):
+                    if k != v and j in self._normal(k):
+                        terms[k] = terms.get(k, 0.0) + self._normal(k)[j]
+            series.append(terms)
+        degree = sum(v)
+        parameters = sum(v[self.m :])
+        for u in product(*(range(degree + 1) for _ in range(size))):
+            if u == v or not 2 <= sum(u) <= degree or sum(u[self.m :]) > parameters:
+                continue
+            coefficient = _power(series, u, v)
+            if coefficient != 0.0:
+                yield coefficient, u
+
+
+def below(v: Index) -> Iterator[Index]:
+    """Every k with 0 <= k <= v in each entry, except zero."""
+    for k in product(*(range(a + 1) for a in v)):
+        if any(k):
+            yield k
+
+
+@lru_cache(maxsize=4096)
+def partitions(v: Index) -> tuple[tuple[Index, ...], ...]:
+    """Every multiset of two or more nonzero indices with sum v.
+
+    >>> partitions((1, 1))
+    (((1, 0), (0, 1)),)
+    """
+    return tuple(parts for parts in _multisets(v, v) if len(parts) > 1)
+
+
+def _multisets(v: Index, largest: Index) -> Iterator[tuple[Index, ...]]:
+    if not any(v):
+        yield ()
+        return
+    for k in below(v):
+        if k <= largest:
+            rest = tuple(a - b for a, b in zip(v, k, strict=True))
+            for parts in _multisets(rest, k):
+                yield (k, *parts)
+
+
+def _power(series: Sequence[dict[Index, complex]], u: Index, v: Index) -> complex:
+    """Coefficient of w^v in the product of series[j]^u[j]."""
+    total: dict[Index, complex] = {tuple(0 for _ in v): 1.0}
+    for terms, exponent in zip(series, u, strict=True):
+        for _ in range(exponent):
+            grown: dict[Index, complex] = {}
+            for a, x in total.items():
+                for b, y in terms.items():
+                    c = tuple(i + j for i, j in zip(a, b, strict=True))
+                    if all(i <= j for i, j in zip(c, v, strict=True)):
+                        grown[c] = grown.get(c, 0.0) + x * y
+            total = grown
+    return total.get(v, 0.0)

@@ -1,0 +1,106 @@
+"""What a normal form needs to know of the equations: multilinear derivatives at one point, and nothing else."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real: TypeAlias = NDArray[np.float64]
+Complex: TypeAlias = NDArray[np.complex128]
+Vector: TypeAlias = NDArray[Any]  # real or complex
+Kind: TypeAlias = Literal["flow", "map"]
+
+
+class Jet(Protocol):
+    """Derivatives of F(u, p) at (u0, p0): u' = F(u, p) for a flow, u -> F(u, p) for a map.
+
+    `form(d1, ..., dk)` is D^k F(u0, p0)[d1, ..., dk], linear in each direction and independent of their order. A
+    direction has length n + parameters (states first, then the active parameters) and may be complex. `A` is F_u.
+    """
+
+    @property
+    def n(self) -> int: ...
+
+    @property
+    def parameters(self) -> int: ...
+
+    @property
+    def kind(self) -> Kind: ...
+
+    @property
+    def A(self) -> Real: ...
+
+    def form(self, *directions: Vector) -> Vector: ...
+
+
+@dataclass(frozen=True, eq=False)
+class DerivativeJet:
+    """A jet from a function that gives derivatives along real directions.
+
+    `derivative((d1, ..., dk))` returns D^k F[d1, ..., dk] for real d of length n + parameters. Complex directions are
+    expanded by multilinearity; equal and conjugate directions share their evaluations (F5[q, q, q, q*, q*] takes 6
+    real ones, not 32), and every multiset of directions is evaluated once in the jet's life.
+    """
+
+    A: Real
+    derivative: Callable[[tuple[Real, ...]], Real]
+    parameters: int = 0
+    kind: Kind = "flow"
+    _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
+
+    @property
+    def n(self) -> int:
+        return len(self.A)
+
+    def form(self, *directions: Vector) -> Vector:
+        return expand_complex(self._evaluate, directions, self.n)
+
+    def _evaluate(self, directions: tuple[Real, ...]) -> Real:
+        key = tuple(sorted(d.tobytes() for d in directions))
+        if key not in self._known:
+            self._known[key] = np.array(self.derivative(directions), dtype=float)
+        return self._known[key]
+
+
+def expand_complex(evaluate: Callable[[tuple[Real, ...]], Real], directions: tuple[Vector, ...], n: int) -> Vector:
+    """D^k F[d1, ..., dk] for complex directions from evaluations at real ones.
+
+    Each direction a + ib is written in real basis vectors (a, b up to sign, zeros dropped), the product is expanded,
+    and terms with the same multiset of basis vectors are collected before anything is evaluated.
+    """
+    basis: dict[bytes, Real] = {}
+    terms: dict[tuple[bytes, ...], complex] = {(): 1.0}
+    for direction in directions:
+        parts = [(direction.real, 1.0 + 0.0j)]
+        if np.iscomplexobj(direction):
+            parts.append((direction.imag, 1.0j))
+        grown: Counter[tuple[bytes, ...]] = Counter()
+        for part, factor in parts:
+            nonzero = np.flatnonzero(part)
+            if len(nonzero) == 0:
+                continue
+            sign = float(np.sign(part[nonzero[0]]))
+            vector = np.array(sign * part, dtype=float) + 0.0  # + 0.0 turns -0.0 into 0.0: one key a vector
+            key = vector.tobytes()
+            basis[key] = vector
+            for known, coefficient in terms.items():
+                grown[tuple(sorted((*known, key)))] += coefficient * factor * sign  # type: ignore[assignment]
+        terms = dict(grown)
+    total = np.zeros(n, dtype=complex)
+    for keys, coefficient in terms.items():
+        total += coefficient * evaluate(tuple(basis[key] for key in keys))
+    return total if any(np.iscomplexobj(d) for d in directions) else total.real
+
+
+def lift(state: Vector, parameters: int, active: int | None = None) -> Vector:
+    """The direction (state, e_active) of length n + parameters; without `active`, no parameter moves."""
+    direction = np.zeros(len(state) + parameters, dtype=state.dtype)
+    direction[: len(state)] = state
+    if active is not None:
+        direction[len(state) + active] = 1.0
+    return direction

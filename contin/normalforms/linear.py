@@ -1,0 +1,114 @@
+"""Null vectors, eigenvectors and solves with singular matrices, indifferent to the units of the states.
+
+Every matrix is first equilibrated: rows and columns are scaled by powers of two (no rounding) until their largest
+entries are near one. A state measured in units a million times smaller then changes nothing but its own components.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.normalforms.jet import Complex, Real, Vector
+
+TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
+
+
+@dataclass(frozen=True, eq=False)
+class EigenPair:
+    """A q = value q, A^H p = conj(value) p, |q| = 1, <p, q> = conj(p) . q = 1, largest component of q positive."""
+
+    value: complex
+    right: Vector
+    left: Vector
+    singular: float  # smallest singular value of the equilibrated A - value I: zero up to rounding
+    gap: float  # the next one: the pair is well defined where gap >> singular
+
+
+def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
+    """Powers of two (r, c) that bring the largest entry of each row and column of diag(r) matrix diag(c) near 1.
+
+    Ruiz, "A scaling algorithm to equilibrate both rows and columns norms in matrices", RAL-TR-2001-034. Zero rows and
+    columns keep their scale.
+    """
+    size = np.abs(matrix)
+    r, c = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
+    for _ in range(sweeps):
+        scaled = r[:, None] * size * c
+        rows, columns = scaled.max(axis=1), scaled.max(axis=0)
+        r_step = np.exp2(-np.rint(0.5 * np.log2(np.where(rows > 0, rows, 1.0))))
+        c_step = np.exp2(-np.rint(0.5 * np.log2(np.where(columns > 0, columns, 1.0))))
+        if np.all(r_step == 1.0) and np.all(c_step == 1.0):
+            break
+        r, c = r * r_step, c * c_step
+    return r, c
+
+
+def normalise(q: Vector) -> Vector:
+    """q scaled to |q| = 1 with its component of largest modulus positive (for complex q: real and positive)."""
+    largest = np.abs(q).max()
+    q = q / largest  # first, so that the 2-norm neither overflows nor underflows
+    lead = q[int(np.argmax(np.abs(q) >= 1.0 - TIE))]
+    unit: Vector = q * (np.conj(lead) / np.abs(lead)) / np.linalg.norm(q)
+    return unit
+
+
+def singular_vectors(matrix: Vector, dimension: int = 1) -> tuple[Vector, Vector, Real]:
+    """Right and left null vectors (columns of two (n, dimension) arrays) and all singular values, equilibrated."""
+    r, c = equilibrate(matrix)
+    u, s, vh = np.linalg.svd(r[:, None] * matrix * c)
+    order = slice(-1, -dimension - 1, -1)
+    return c[:, None] * vh[order].conj().T, r[:, None] * u[:, order], s
+
+
+def null_pair(matrix: Vector, value: complex = 0.0) -> EigenPair:
+    """Null vectors of a matrix with a simple zero eigenvalue (or eigenvectors of A, given A - value I).
+
+    Raises `ZeroDivisionError` where <p, q> vanishes: a double eigenvalue with one eigenvector (for example BT).
+    """
+    right, left, s = singular_vectors(matrix)
+    q = normalise(right[:, 0])
+    p = left[:, 0] / np.abs(left[:, 0]).max()
+    product = np.vdot(p, q)
+    if not abs(product) > 1e-13 * float(np.abs(p) @ np.abs(q)):
+        raise ZeroDivisionError("left and right null vectors are orthogonal: the zero eigenvalue is not simple")
+    return EigenPair(value, q, p / np.conj(product), float(s[-1]), float(s[-2]) if len(s) > 1 else np.inf)
+
+
+def eigen_pair(A: Real, value: complex, refine: int = 2) -> EigenPair:
+    """Eigenvectors of A to the eigenvalue nearest `value`, which is refined by its two-sided Rayleigh quotient."""
+    eye = np.eye(len(A))
+    pair = null_pair(A - value * eye, value)
+    for _ in range(refine):
+        value = complex(np.vdot(pair.left, A @ pair.right))
+        pair = null_pair(A - value * eye, value)
+    return pair
+
+
+def eigenvalues(A: Real) -> Complex:
+    """All eigenvalues (LAPACK balances the matrix first)."""
+    values: Complex = np.linalg.eigvals(A).astype(complex)
+    return values
+
+
+def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vector | None = None) -> Vector:
+    """x of [[matrix, columns], [rows^H, 0]] [x; s] = [rhs; 0]; without borders, matrix x = rhs.
+
+    With columns = q and rows = p (n, k) of a k-fold zero eigenvalue, this is matrix x = rhs - q <p, rhs> with
+    <p, x> = 0. One step of iterative refinement. Cost: one dense LU of n + k.
+    """
+    n = len(matrix)
+    if columns is None or rows is None:
+        full, right = matrix, rhs
+    else:
+        k = columns.shape[1]
+        full = np.block([[matrix, columns], [rows.conj().T, np.zeros((k, k))]])
+        right = np.concatenate([rhs, np.zeros((k, *rhs.shape[1:]))])
+    r, c = equilibrate(full)
+    scaled = r[:, None] * full * c
+    target = (r * right.T).T
+    x = np.linalg.solve(scaled, target)
+    x = x + np.linalg.solve(scaled, target - scaled @ x)
+    answer: Vector = (c * x.T).T[:n]
+    return answer

@@ -1,0 +1,37 @@
+"""What every normal-form function returns, and how far a coefficient can be trusted to differ from zero."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from contin.normalforms.jet import Vector
+
+# A coefficient is zero to its estimated error when it is below this fraction of the sum of the moduli of its summands.
+# Points are located to about 1e-11 relative and derivatives are exact, so eleven digits can cancel and ten can be
+# trusted to have done so.
+TRUST = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class NormalForm:
+    """Coefficients of a special point under FORMATS' keys, ready for JSON (complex numbers as [re, im])."""
+
+    type: str
+    coefficients: Mapping[str, Any]
+    words: str
+    vectors: Mapping[str, Vector] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)  # estimated, of the real coefficients that decide
+
+
+def parts(value: complex) -> list[float]:
+    """A complex number as JSON carries it."""
+    return [float(value.real), float(value.imag)]
+
+
+def sense(value: float, error: float) -> str:
+    """'supercritical' for a negative coefficient, 'subcritical' for a positive one, 'degenerate' within its error."""
+    if abs(value) <= error:
+        return "degenerate"
+    return "supercritical" if value < 0 else "subcritical"
