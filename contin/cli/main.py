@@ -71,7 +71,7 @@ def run(
     raise typer.Exit(run_file(file, json, sets or [], orbits, quiet, STARTED))
 
 
-@app.command()
+@app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
 def diagram(
     model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
     parameter: Annotated[str, typer.Argument(help="Parameter to vary.")],

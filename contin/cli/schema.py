@@ -9,11 +9,14 @@ from contin.errors import InputError
 
 def print_schema(what: str) -> int:
     """Print the schema of run files or of results."""
-    from contin.runs.schema import RunFile
+    from contin.runs.schema import RunEntry
     from contin.store.result_schema import RESULT_SCHEMA
 
     if what == "run":
-        schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **RunFile.model_json_schema(by_alias=True)}
+        schema = {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            **RunEntry.model_json_schema(by_alias=True),
+        }
     elif what == "result":
         schema = RESULT_SCHEMA
     else:

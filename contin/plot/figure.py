@@ -29,9 +29,9 @@ STYLE: Final[dict[str, Any]] = {
     "svg.fonttype": "none",  # text stays text
     "pdf.fonttype": 42,
 }
-STABLE: Final = {"linestyle": "-", "linewidth": 1.9}
-UNSTABLE: Final = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
-PLAIN: Final = {"linestyle": "-", "linewidth": 1.5}  # loci
+STABLE: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.9}
+UNSTABLE: Final[dict[str, Any]] = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
+PLAIN: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.5}  # loci
 MOST_NAMES: Final = 8  # with more branches than this the legend names kinds of branches instead
 
 

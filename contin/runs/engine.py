@@ -27,6 +27,9 @@ class Found(Protocol):
 class Engine(Protocol):
     """What the executor needs; tests put a double in its place."""
 
+    def prepare(self, model: Model) -> None:
+        """Make the model's machine code and load the kernels: what is not part of any run."""
+
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         """The start of a run from the model's starts."""
 
@@ -38,3 +41,62 @@ class Engine(Protocol):
 
     def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
         """Everything that is connected to the starts."""
+
+
+class ContinEngine:
+    """The engine of this package; `watch` is called after every chunk of a branch."""
+
+    def __init__(self, watch: Watcher | None = None) -> None:
+        self.watch = watch
+
+    def prepare(self, model: Model) -> None:
+        from contin.api import compiled
+
+        compiled(model)
+
+    def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
+        api = _verbs()
+        if run.as_ == "orbit":
+            return api.periodic_orbit(model, run.start, parameters)
+        return api.equilibrium(model, run.start, parameters)
+
+    def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:
+        point: Any = branch[label]
+        if len(run.parameters) == 2:
+            return point.locus(run.parameters)
+        return point.switch(run.parameters[0])
+
+    def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
+        parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
+        branch: Branch = _verbs().continuation(
+            start,
+            parameter,
+            run.range,
+            name=run.name,
+            direction=run.direction,
+            values=run.values,
+            settings=run.settings,
+            watch=self.watch,
+        )
+        yield branch
+
+    def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
+        found: Found = _verbs().diagram(
+            model,
+            diagram.parameter,
+            diagram.range,
+            start=list(diagram.starts),
+            parameters=parameters,
+            orbits=diagram.orbits,
+            values=diagram.values,
+            settings=diagram.settings,
+            budget=diagram.budget,
+        )
+        return found
+
+
+def _verbs() -> Any:
+    """`contin.api`, imported when the first run begins: it brings the compiled kernels."""
+    from contin import api
+
+    return api

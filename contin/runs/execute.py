@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
-from contin.errors import NoSolutionError, NotFiniteError
+from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.runs.engine import Engine
 from contin.runs.plan import DiagramPlan, Plan, RunPlan
 
@@ -83,6 +83,10 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
             state.add(branch)
     except (NoSolutionError, NotFiniteError) as error:
         state.skip(f"{run.name} skipped: {error}")
+    except InputError as error:
+        if run.reference is None:
+            raise
+        state.skip(f"{run.name} skipped: {error}")  # what the run asks of the point depends on what was found there
 
 
 def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> Any:

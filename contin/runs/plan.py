@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
 from contin.model.advice import closest
 from contin.model.source import PartSource, Path, Problems, Source, Span
-from contin.runs.models import resolve_model
 from contin.runs.outputs import output_paths
 from contin.runs.schema import ContinuationEntry, DiagramEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
@@ -65,7 +64,7 @@ class Plan:
 
 
 def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:
-    """Check the entries of a run file against its model.
+    """Find the model of a run file and check the entries against it.
 
     Raises
     ------
@@ -73,12 +72,19 @@ def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mappin
         Everything that is wrong, each with its place in the file.
     """
     problems = Problems(source)
-    outputs = output_paths(_written_files(entry), file, problems)
     model = _model(entry, source, file, problems)
     problems.raise_if_any()
+    return make_plan_for(model, entry, source, file, overrides)
+
+
+def make_plan_for(
+    model: Model, entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None
+) -> Plan:
+    """Check the entries of a run file against a model at hand; `InputError` as `make_plan`."""
+    problems = Problems(source)
+    outputs = output_paths(_written_files(entry), file, problems)
     planner = _Planner(model, problems, {**entry.parameters, **(overrides or {})})
     planner.check_parameters(entry.parameters, overrides or {})
-    problems.raise_if_any()
     diagram = None if entry.diagram is None else planner.diagram(entry.diagram)
     runs = planner.runs(entry.continuations)
     problems.raise_if_any()
@@ -97,15 +103,18 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
 
 
 def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Model:
+    from contin.model.registry import find
+    from contin.model.yaml_loader import model_from_mapping
+
     if isinstance(entry.model, str):
         try:
-            model = resolve_model(entry.model, file.parent)
+            model = find(entry.model, file.parent)
         except ContinError as error:
             problems.add(("model",), str(error))
             problems.raise_if_any()
             raise
     else:
-        model = resolve_model(entry.model, file.parent, PartSource(source, ("model",)))
+        model = model_from_mapping(entry.model, PartSource(source, ("model",)))
     return apply_passes(model, entry.transform, problems)
 
 

@@ -1,0 +1,46 @@
+"""`contin check`: what is wrong with a run file or a model file, without computing anything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from contin.errors import InputError
+
+
+def check_file(file: Path, execute: bool) -> int:
+    """Check one file; with `execute`, carry out a model's `expect:` too. The exit code."""
+    from contin.model.yaml_reader import read_file
+
+    document = read_file(file)
+    if isinstance(document.data, dict) and "equations" in document.data:
+        return check_model(file, execute)
+    if execute:
+        raise InputError(
+            f"{file}: --run carries out the `expect:` of a model file; this is a run file (use `contin run`)"
+        )
+    from contin.runs.load import read_run
+    from contin.runs.plan import make_plan
+
+    plan = make_plan(read_run(document.data, document.source), document.source, file)
+    runs = [run.name for run in plan.runs]
+    what = ", ".join(([f"diagram in {plan.diagram.parameter}"] if plan.diagram else []) + runs)
+    print(f"{file}: good. Model {plan.model.name}, {len(plan.model.states)} states; runs: {what}")
+    return 0
+
+
+def check_model(file: Path, execute: bool) -> int:
+    """Check a model file, and with `execute` that its expected points are found."""
+    from contin.model.yaml_loader import load_model
+
+    model = load_model(file)
+    counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
+    print(f"{file}: good. Model {model.name}: {counts}")
+    if not execute:
+        return 0
+    from contin.runs.expect import verify_expectations
+
+    failed = 0
+    for report in verify_expectations(model):
+        failed += not report.holds
+        print(f"  {'holds' if report.holds else 'FAILS'}: {report.text}")
+    return 1 if failed else 0

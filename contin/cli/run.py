@@ -1,0 +1,195 @@
+"""`contin run` and `contin diagram`: plan, compute, report, write."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contin.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contin.runs.plan import Plan
+
+DONE, CUT_SHORT = 0, 1
+
+
+def run_file(file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float) -> int:
+    """Carry out a run file; the exit code."""
+    from contin.runs.load import load_run_file
+    from contin.runs.plan import make_plan
+
+    overrides = parse_sets(sets)
+    entry, source = load_run_file(file)
+    return carry_out(make_plan(entry, source, file, overrides), json, orbits, quiet, began)
+
+
+def run_diagram(
+    model: str,
+    parameter: str,
+    low: float,
+    high: float,
+    starts: Sequence[str],
+    sets: Sequence[str],
+    json: str | None,
+    plot: Path | None,
+    quiet: bool,
+    began: float,
+) -> int:
+    """Explore a diagram from the command line: the same as a run file with `diagram:`."""
+    from dataclasses import replace
+
+    from contin.model.source import CallSource
+    from contin.runs.load import read_run
+    from contin.runs.plan import make_plan
+
+    diagram = {"parameter": parameter, "range": [low, high], **({"start": list(starts)} if starts else {})}
+    source = CallSource("contin diagram")
+    entry = read_run({"model": model, "diagram": diagram}, source, version_required=False)
+    plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
+    if plot is not None:
+        plan = replace(plan, outputs={"plot": plot})
+    return carry_out(plan, json, False, quiet, began)
+
+
+def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
+    """--set NAME=VALUE, as overrides; a value may be a formula in the parameters."""
+    overrides: dict[str, Any] = {}
+    for text in sets:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"--set {text}: write --set NAME=VALUE, such as --set beta=0.8")
+        try:
+            overrides[name] = float(value)
+        except ValueError:
+            overrides[name] = value
+    return overrides
+
+
+def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float) -> int:
+    """Compute the plan, report it, and write its outputs; the exit code."""
+    from rich.console import Console
+
+    to_stdout = json == "-"
+    errors = Console(stderr=True, quiet=quiet, highlight=False)
+    report = errors if to_stdout else Console(quiet=quiet, highlight=False)
+    writable(json)
+    document, complete = compute(plan, orbits, errors, began)
+    if not quiet:
+        from contin.cli.report import print_report
+
+        print_report(document, report)
+    write_outputs(plan, document, json, report)
+    return DONE if complete else CUT_SHORT
+
+
+def writable(json: str | None) -> None:
+    """A mistyped output is found before the computation, not after it."""
+    if json not in (None, "-") and not Path(str(json)).absolute().parent.is_dir():
+        raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
+
+
+def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[dict[str, Any], bool]:
+    """The result document, and whether every requested branch is whole."""
+    from contin.runs.engine import ContinEngine
+    from contin.runs.execute import execute
+    from contin.runs.results import describe_model, sample_orbit
+    from contin.store.json_format import result_document
+
+    status = Status(errors)
+    engine = ContinEngine(status.watch)
+    imported = time.perf_counter()
+    status.say_if_first_use()
+    engine.prepare(plan.model)
+    lowered = time.perf_counter()
+    with status:
+        result = execute(plan, engine, status.say)
+    ended = time.perf_counter()
+    inside = sum(branch.seconds for branch in result.branches.values() if branch.image_of is None)
+    timing = {
+        "import": imported - began,
+        "lower": lowered - imported,
+        "kernels": max(0.0, ended - lowered - inside),
+        "total": ended - began,
+    }
+    document = result_document(
+        describe_model(plan),
+        result.branches.values(),
+        timing=timing,
+        notes=result.notes,
+        orbit=sample_orbit if orbits else None,
+    )
+    return document, result.complete
+
+
+def write_outputs(plan: Plan, document: Mapping[str, Any], json: str | None, report: Console) -> None:
+    """Write what the run file and the command line ask for."""
+    from contin.plot.write import write_picture
+    from contin.runs.outputs import make_folder
+    from contin.store import json_format
+
+    if json == "-":
+        sys.stdout.write(json_format.dumps(document))
+        sys.stdout.flush()
+    elif json is not None:
+        json_format.write(document, Path(json))
+    for kind, path in plan.outputs.items():
+        make_folder(path)
+        if kind in ("plot", "html"):
+            if not document["branches"]:
+                report.print(f"{path.name} is not drawn: there is no branch", style="yellow")
+                continue
+            write_picture(document, path, x=plan.x, y=plan.y)
+        elif kind == "save":
+            from contin.store import sqlite
+
+            sqlite.save(document, path)
+        else:
+            json_format.write(document, path)
+        report.print(f"wrote {os.path.relpath(path)}", markup=False)
+
+
+class Status:
+    """What is being computed, on standard error, while it is a terminal."""
+
+    def __init__(self, console: Console) -> None:
+        self.console = console
+        self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
+        self.run = ""
+
+    def say_if_first_use(self) -> None:
+        """On a machine's first run, the one line that explains the wait."""
+        from contin.kernels.compile import kernels_are_cached
+
+        if not kernels_are_cached():
+            self.console.print(
+                "Compiling the numerical kernels for this machine, once; this takes about half a minute ..."
+            )
+
+    def say(self, what: str) -> None:
+        """The name of the run that begins."""
+        self.run = what
+        self._update(what)
+
+    def watch(self, progress: Mapping[str, Any]) -> None:
+        """After every chunk of a branch."""
+        self._update(f"{self.run}: {progress['parameter']} = {progress['value']:.6g}, {progress['rows']} points")
+
+    def _update(self, text: str) -> None:
+        if self.shown is not None:
+            from rich.text import Text
+
+            self.shown.update(Text(text))
+
+    def __enter__(self) -> None:
+        if self.shown is not None:
+            self.shown.start()
+
+    def __exit__(self, *_: object) -> None:
+        if self.shown is not None:
+            self.shown.stop()
