@@ -12,7 +12,7 @@ from contin.continuation.branch import Branch
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Seed, Watcher, trace
-from contin.errors import InputError
+from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
@@ -125,3 +125,55 @@ def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> li
             raise InputError(f"values: unknown column {column!r}; known: {', '.join(sorted(known))}")
         targets += [Target(column, float(v)) for v in wanted]
     return targets
+
+
+def diagram(
+    model: Any,
+    parameter: str,
+    range: Range | None = None,
+    *,
+    start: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    orbits: bool = True,
+    values: Mapping[str, Sequence[float]] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+    budget: Any = None,
+    watch: Watcher | None = None,
+) -> Any:
+    """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
+
+    start : a named start, a mapping of states, or a list of them; default the states' values.
+    orbits : follow families of periodic orbits from Hopf points too.
+    budget : {branches, steps, seconds}: the exploration stops there and says what it left.
+    """
+    from contin.diagram.explore import Budget, Explorer
+
+    named = _named_starts(start)
+    seeds: list[tuple[str, Seed]] = []
+    notes: list[str] = []
+    failure: ContinError | None = None
+    for name, one in named:
+        try:
+            seeds.append((name, as_seed(equilibrium(model, one, parameters), parameter)))
+        except (NoSolutionError, NotFiniteError) as error:
+            notes.append(f"start {name!r}: {error}")
+            failure = error
+    if not seeds and failure is not None:
+        raise failure
+    problem = seeds[0][1].problem
+    bounds = bounds_of(problem, parameter, range)
+    explorer = Explorer(
+        parameter, bounds, Settings.of(settings), Budget.of(budget), targets_of(problem, values), orbits, watch
+    )
+    result = explorer.explore(seeds)
+    result.notes[:0] = notes
+    return result
+
+
+def _named_starts(start: Any) -> list[tuple[str, Any]]:
+    given = list(start) if isinstance(start, list | tuple) else [start]
+    named = []
+    for k, one in enumerate(given):
+        name = one if isinstance(one, str) else "start" if len(given) == 1 else f"start{k + 1}"
+        named.append((name, one))
+    return named

@@ -59,6 +59,7 @@ class Arm:
     targets: Sequence[Target] = ()
     loop: Sample | None = None
     known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
+    symmetries: tuple[str, ...] = ()  # that the branch broke at its birth: where it meets its own image, it is complete
     end: End | None = None
     accepted: int = 0
 
@@ -137,6 +138,11 @@ class Arm:
                 beyond = replace(outside.sample, z=outside.point.z)
                 last, replaced = self._at_bound(stretch, beyond), True
                 found = [f for f in found if f.length < stretch.length_of(last)]
+            mirror = self._mirror(found)
+            if mirror is not None:
+                last = replace(mirror.sample, z=mirror.point.z, unstable=mirror.point.unstable)
+                replaced = True
+                found = [f for f in found if f.length < mirror.length]
             self.known.extend(f.point for f in found)
         z, tangents = chunk.z[1:].copy(), chunk.tangents[1:]
         unstable, eigenvalues = chunk.unstable[1:], chunk.eigenvalues[1:]
@@ -151,6 +157,17 @@ class Arm:
         return Piece(
             z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations
         )
+
+    def _mirror(self, found: list[Found]) -> Found | None:
+        """The branch point at which the branch meets its own mirror image; ends the arm."""
+        if not self.symmetries or self.end is not None:
+            return None
+        for f in found:
+            if f.point.type == "BP" and self.problem.reverses(f.point.z, f.sample.tangent * self.scale, self.symmetries):
+                where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
+                self.end = End("joined", f"met its own mirror image at the branch point {where}", {"at": float(f.point.z[-1])})
+                return f
+        return None
 
     def _is_known(self, point: Verified) -> bool:
         return any(

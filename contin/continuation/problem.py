@@ -133,6 +133,9 @@ class Problem(Protocol):
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
 
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        """True where one of these symmetries keeps z and turns the (raw) tangent round."""
+
     def columns(self, z: Array) -> dict[str, Array]:
         """Named columns of rows of unknowns: varying parameter(s), states, observables."""
 

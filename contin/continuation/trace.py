@@ -97,7 +97,7 @@ def trace(
             records[sense] = _ArmRecord([], End("corrector", text), 0)
             continue
         loop = _oriented(start, sense)
-        arm = Arm(problem, origin, scale.copy(), bounds, settings, targets, loop, known)
+        arm = Arm(problem, origin, scale.copy(), bounds, settings, targets, loop, known, seed.symmetries)
         pieces: list[Piece] = []
         if seed.born:
             pieces.append(_single(origin, scale))

@@ -229,6 +229,15 @@ class EquilibriumProblem:
                 columns[name] = recorded[:, k].copy()
         return columns
 
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        from contin.problems.symmetry import reversing_symmetries
+
+        return any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        """Everything that is born at a labelled point, for the explorer."""
+        return self.switch(point, parameter) if point.type == "BP" else []
+
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.switch import switch
 

@@ -1,0 +1,78 @@
+"""`Diagram`: branches joined at special points, as a graph, a report and a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contin.continuation.branch import Branch
+
+if TYPE_CHECKING:
+    from networkx import MultiGraph
+
+
+@dataclass(eq=False)
+class Diagram:
+    """What the explorer found: `branches` in the order in which they were followed, `notes` in words.
+
+    `explorer` holds what is needed to go on: `extend` continues an end with another range, `follow` a labelled point.
+    """
+
+    parameter: str
+    bounds: tuple[float, float]
+    branches: list[Branch] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    explorer: Any = None
+
+    def __iter__(self) -> Iterator[Branch]:
+        return iter(self.branches)
+
+    def __len__(self) -> int:
+        return len(self.branches)
+
+    def __getitem__(self, name: str) -> Branch:
+        for branch in self.branches:
+            if branch.name == name:
+                return branch
+        known = ", ".join(b.name for b in self.branches) or "none"
+        raise KeyError(f"no branch {name!r}; branches: {known}")
+
+    @property
+    def graph(self) -> MultiGraph:
+        """Special points and ends as nodes, the pieces of branches between them as edges (a networkx.MultiGraph)."""
+        from contin.diagram.graph import build_graph
+
+        return build_graph(self)
+
+    def __str__(self) -> str:
+        from contin.diagram.report import report
+
+        return report(self)
+
+    def extend(self, branch: str, end: str = "last", bounds: tuple[float, float] | None = None) -> Branch:
+        """Follow a branch beyond its `first` or `last` row, within other bounds; the new piece joins the diagram."""
+        return self.explorer.extend(self, branch, end, bounds)  # type: ignore[no-any-return]
+
+    def follow(self, branch: str, label: str) -> list[Branch]:
+        """Follow what starts at a labelled point and is not in the diagram yet; the new branches join it."""
+        return self.explorer.follow(self, branch, label)  # type: ignore[no-any-return]
+
+    def plot(self, x: str | None = None, y: str | None = None) -> Any:
+        """A matplotlib figure: solid stable, dashed unstable, special points marked."""
+        from contin.plot.figure import draw
+
+        return draw(self.branches, x=x or self.parameter, y=y)
+
+    def to_html(self, path: str | Path, x: str | None = None, y: str | None = None) -> None:
+        """An interactive page in one file."""
+        from contin.plot.html import write_html
+
+        write_html(self.branches, path, x=x or self.parameter, y=y)
+
+    def save(self, path: str | Path) -> None:
+        """Write a `.contin` file, which `contin plot` and `contin export` read."""
+        from contin.store.results import save_branches
+
+        save_branches(self.branches, path, self.notes)

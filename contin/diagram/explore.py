@@ -1,0 +1,147 @@
+"""The explorer: follow every branch that is reachable through branch points, each once, within bounds and budgets."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.branch import Branch, SpecialPoint
+from contin.continuation.settings import Settings
+from contin.continuation.targets import Target
+from contin.continuation.trace import Seed, Watcher, trace
+from contin.diagram.diagram import Diagram
+from contin.diagram.identity import is_known
+from contin.errors import ContinError, InputError
+from contin.problems.images import images
+
+
+@dataclass(frozen=True)
+class Budget:
+    """When the explorer stops: number of computed branches, accepted points over all of them, seconds of computing."""
+
+    branches: int = 100
+    steps: int = 200_000
+    seconds: float = 600.0
+
+    @classmethod
+    def of(cls, given: Budget | Mapping[str, Any] | None) -> Budget:
+        if given is None or isinstance(given, Budget):
+            return given or cls()
+        unknown = sorted(set(given) - {f.name for f in fields(cls)})
+        if unknown:
+            raise InputError(f"budget: unknown {', '.join(unknown)}; known: branches, steps, seconds")
+        return cls(**given)
+
+
+@dataclass(eq=False)
+class Explorer:
+    """Breadth first: branches from the starts, then from their branch points, then from those of the new branches."""
+
+    parameter: str
+    bounds: tuple[float, float]
+    settings: Settings
+    budget: Budget = field(default_factory=Budget)
+    targets: Sequence[Target] = ()
+    orbits: bool = True
+    watch: Watcher | None = None
+
+    def explore(self, starts: Sequence[tuple[str, Seed]]) -> Diagram:
+        """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again."""
+        diagram = Diagram(self.parameter, self.bounds, explorer=self)
+        queue: deque[tuple[str, Seed]] = deque(starts)
+        self._work(diagram, queue)
+        return diagram
+
+    def _work(self, diagram: Diagram, queue: deque[tuple[str, Seed]]) -> list[Branch]:
+        began = time.perf_counter()
+        added: list[Branch] = []
+        while queue:
+            reason = self._spent(diagram, began)
+            if reason:
+                waiting = ", ".join(name for name, _ in queue)
+                diagram.notes.append(f"{reason}; not followed: {waiting}")
+                break
+            name, seed = queue.popleft()
+            branch = self._follow(diagram, name, seed)
+            if branch is None:
+                continue
+            added.append(branch)
+            if any(end.reason == "stopped" for end in branch.ends):
+                diagram.notes.append("stopped by the user")
+                break
+            for point in branch.points:
+                queue.extend(self._departures(diagram, branch, point))
+        return added
+
+    def _spent(self, diagram: Diagram, began: float) -> str | None:
+        computed = [b for b in diagram.branches if b.image_of is None]
+        if len(computed) >= self.budget.branches:
+            return f"budget of {self.budget.branches} branches used"
+        if sum(b.steps for b in computed) >= self.budget.steps:
+            return f"budget of {self.budget.steps} steps used"
+        if time.perf_counter() - began >= self.budget.seconds:
+            return f"budget of {self.budget.seconds:g} s used"
+        return None
+
+    def _follow(self, diagram: Diagram, name: str, seed: Seed) -> Branch | None:
+        known = self._known(diagram, seed)
+        if known is not None:
+            if not seed.born:
+                diagram.notes.append(f"start {name!r} lies on branch {known.name!r}")
+            return None
+        try:
+            branch = trace(
+                seed, self.bounds, name=name, settings=self.settings, targets=self.targets, watch=self.watch
+            )
+        except ContinError as error:
+            diagram.notes.append(f"{name}: {error}")
+            return None
+        diagram.branches.append(branch)
+        diagram.branches.extend(images(branch))
+        diagram.notes.extend(f"{name}: {note}" for note in branch.notes)
+        return branch
+
+    def _known(self, diagram: Diagram, seed: Seed) -> Branch | None:
+        problem = seed.problem
+        scale = seed.scale if seed.scale is not None else problem.initial_scale(seed.z, self.bounds)
+        tangent = None if seed.direction is None else seed.direction * scale
+        return is_known(diagram.branches, problem, seed.z, tangent, scale)
+
+    def _departures(self, diagram: Diagram, branch: Branch, point: SpecialPoint) -> list[tuple[str, Seed]]:
+        """Named seeds of everything that is born at a point."""
+        try:
+            seeds = branch.problem.departures(point, self.parameter, self.orbits)
+        except ContinError as error:
+            diagram.notes.append(f"{branch.name}/{point.label}: {error}")
+            return []
+        base = f"{branch.name}/{point.label}"
+        return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
+
+    def follow(self, diagram: Diagram, branch: str, label: str) -> list[Branch]:
+        """See `Diagram.follow`."""
+        origin = diagram[branch]
+        return self._work(diagram, deque(self._departures(diagram, origin, origin[label])))
+
+    def extend(self, diagram: Diagram, branch: str, end: str, bounds: tuple[float, float] | None) -> Branch:
+        """See `Diagram.extend`."""
+        if end not in ("first", "last"):
+            raise InputError(f"end must be 'first' or 'last'; got {end!r}")
+        origin = diagram[branch]
+        row = 0 if end == "first" else -1
+        outward = origin.tangents[row] if end == "last" else -origin.tangents[row]
+        limits = bounds or self.bounds
+        scale = origin.problem.initial_scale(origin.z[row], limits)
+        direction = outward / scale
+        seed = Seed(origin.problem, origin.z[row], direction / np.linalg.norm(direction), None, scale, (1,))
+        used = {b.name for b in diagram.branches}
+        name = next(f"{branch}+{k}" for k in range(1, 10_000) if f"{branch}+{k}" not in used)
+        piece = trace(seed, limits, name=name, settings=self.settings, targets=self.targets, watch=self.watch)
+        diagram.branches.append(piece)
+        queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
+        self._work(diagram, queue)
+        return piece

@@ -1,0 +1,58 @@
+"""The diagram as a networkx graph: one node a special point or end (whatever number of branches meet there)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.diagram.identity import wrapped
+
+if TYPE_CHECKING:
+    from networkx import MultiGraph
+
+    from contin.diagram.diagram import Diagram
+
+SAME_NODE = 1e-7  # relative distance of two points that are one node
+
+
+def build_graph(diagram: Diagram) -> MultiGraph:
+    """Nodes carry `type`, `labels` (branch.label of every branch through it), `parameter` and `z`; edges `branch`,
+    `rows` (first, last) and `stable` (of the piece's middle row)."""
+    import networkx as nx
+
+    graph = nx.MultiGraph(parameter=diagram.parameter)
+    places: list[tuple[Any, Any, Any]] = []  # z, angle periods, node
+
+    def node_at(z: Any, periods: Any, type_: str, label: str | None, value: float) -> Any:
+        for known, known_periods, node in places:
+            if known.shape == z.shape and np.array_equal(known_periods, periods):
+                size = max(float(np.abs(z).max()), 1e-12)
+                if float(np.abs(wrapped(known - z, periods)).max()) < SAME_NODE * size:
+                    if label is not None:
+                        graph.nodes[node]["labels"].append(label)
+                        graph.nodes[node]["type"] = type_
+                    return node
+        node = len(places)
+        places.append((z, periods, node))
+        graph.add_node(node, type=type_, labels=[label] if label else [], parameter=value, z=z)
+        return node
+
+    for branch in diagram.branches:
+        periods = branch.problem.angle_periods
+        stops: list[tuple[int, Any]] = []
+        for row, end in ((0, branch.ends[0]), (len(branch) - 1, branch.ends[1])):
+            stops.append((row, (f"end: {end.reason}", None)))
+        stops += [(p.index, (p.type, f"{branch.name}.{p.label}")) for p in branch.points]
+        merged: dict[int, tuple[str, str | None]] = {}
+        for row, (type_, label) in stops:
+            if row not in merged or label is not None:
+                merged[row] = (type_, label)
+        rows = sorted(merged)
+        nodes = [
+            node_at(branch.z[row], periods, *merged[row], float(branch.columns[diagram.parameter][row])) for row in rows
+        ]
+        for (first, a), (last, b) in zip(zip(rows, nodes, strict=True), list(zip(rows, nodes, strict=True))[1:], strict=False):
+            stable = bool(branch.columns["stable"][(first + last) // 2])
+            graph.add_edge(a, b, branch=branch.name, rows=(first, last), stable=stable)
+    return graph

@@ -1,0 +1,86 @@
+"""When are two branches the same? Up to declared symmetries and angle periods, never by name or parameter value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.continuation.problem import Frame, Sample
+from contin.continuation.settings import Settings
+from contin.problems.symmetry import apply_symmetry
+
+SAME = 1e-6  # scaled distance of a point from a curve
+PARALLEL = 0.99  # cosine of two tangents
+
+
+def wrapped(difference: Array, periods: Array) -> Array:
+    """A difference of unknowns (last axis: states, parameter) with angles brought to the nearest period."""
+    result = np.array(difference, dtype=float)
+    for k in np.flatnonzero(periods):
+        result[..., k] -= periods[k] * np.round(result[..., k] / periods[k])
+    return result
+
+
+def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tuple[Array, Array | None]]:
+    """(z, tangent) and its images under the declared symmetries of the model."""
+    yield z, tangent
+    for symmetry in problem.system.model.symmetries:
+        mapped = apply_symmetry(problem, symmetry.name, z)[0]
+        image = None
+        if tangent is not None:
+            size = 1e-6 * max(float(np.abs(z).max()), 1e-12) / max(float(np.abs(tangent).max()), 1e-300)
+            ahead = apply_symmetry(problem, symmetry.name, z + size * tangent)[0]
+            behind = apply_symmetry(problem, symmetry.name, z - size * tangent)[0]
+            image = (ahead - behind) / (2.0 * size)
+        yield mapped, image
+
+
+def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bool:
+    """True where the point z (with this raw tangent, if given) is on the branch.
+
+    The nearest rows are looked up first; then the curve is solved for beside z, so that the answer does not depend on how
+    densely the branch was sampled.
+    """
+    problem = branch.problem
+    offsets = wrapped(branch.z - z, problem.angle_periods) / scale
+    distances = np.linalg.norm(offsets, axis=1)
+    gaps = np.linalg.norm(np.diff(branch.z, axis=0) / scale, axis=1) if len(branch) > 1 else np.zeros(1)
+    reach = 2.0 * float(gaps.max(initial=0.0)) + 1e-9
+    for row in np.argsort(distances)[:4]:
+        if distances[row] > reach:
+            return False
+        along = branch.tangents[row] / scale
+        norm = float(np.linalg.norm(along))
+        if norm == 0.0:
+            continue
+        along = along / norm
+        base = Sample(branch.z[row], along, np.full(4, np.nan), 0, np.empty(0, complex))
+        length = float(-offsets[row] @ along)
+        target = branch.z[row] - offsets[row] * scale  # z, in the angles' sheet of the row
+        found = problem.probe(base, length, branch.z[row] + length * scale * along, Frame(scale), Settings())
+        if found is None or float(np.linalg.norm((found.z - target) / scale)) > SAME:
+            continue
+        if tangent is None:
+            return True
+        t = tangent / scale
+        if abs(float(found.tangent @ t)) > PARALLEL * float(np.linalg.norm(t)):
+            return True
+    return False
+
+
+def is_known(branches: Iterable[Branch], problem: Any, z: Array, tangent: Array | None, scale: Array) -> Branch | None:
+    """The branch that already contains z with this tangent, or the image of it; None where it is new."""
+    variants = list(copies(problem, z, tangent))
+    for branch in branches:
+        if branch.image_of is not None or branch.kind != problem.kind or branch.parameters != tuple(problem.parameters):
+            continue
+        for point, direction in variants:
+            if lies_on(branch, point, direction, scale):
+                return branch
+    return None
+
+

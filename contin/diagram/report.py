@@ -1,0 +1,44 @@
+"""A diagram in words and numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from contin.continuation.branch import Branch, SpecialPoint
+
+if TYPE_CHECKING:
+    from contin.diagram.diagram import Diagram
+
+
+def report(diagram: Diagram) -> str:
+    """Branches with their special points and ends, then notes."""
+    computed = [b for b in diagram.branches if b.image_of is None]
+    mirrored = len(diagram.branches) - len(computed)
+    images = f" and {mirrored} mirror image{'s' if mirrored != 1 else ''}" if mirrored else ""
+    lines = [
+        f"{len(computed)} branch{'es' if len(computed) != 1 else ''}{images} "
+        f"in {diagram.parameter} from {diagram.bounds[0]:g} to {diagram.bounds[1]:g}"
+    ]
+    for branch in diagram.branches:
+        lines += ["", *_branch_lines(branch)]
+    if diagram.notes:
+        lines += ["", "notes:", *(f"  {note}" for note in diagram.notes)]
+    return "\n".join(lines)
+
+
+def _branch_lines(branch: Branch) -> list[str]:
+    if branch.image_of is not None:
+        return [f"{branch.name}: image of {branch.image_of.branch} under {branch.image_of.symmetry}"]
+    born = f", born at {branch.parent.branch}.{branch.parent.label}" if branch.parent else ""
+    share = float(branch.columns["stable"].mean())
+    stability = "stable" if share == 1.0 else "unstable" if share == 0.0 else "partly stable"
+    lines = [f"{branch.name}: {branch.kind}{born}, {len(branch)} points, {stability}"]
+    lines += [f"  {_point_line(branch, p)}" for p in branch.points]
+    return [*lines, f"  ends: {branch.ends[0].text}; {branch.ends[1].text}"]
+
+
+def _point_line(branch: Branch, point: SpecialPoint) -> str:
+    from contin.normalforms.words import describe
+
+    where = ", ".join(f"{name} = {point.values[name]:.12g}" for name in branch.parameters)
+    return f"{point.label:<5} {where:<28} {describe(point.type, point.normal_form)}"

@@ -1,0 +1,62 @@
+"""Branches that a declared symmetry makes of computed ones: nothing is computed twice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
+from contin.problems.symmetry import apply_symmetry
+
+STEP = 1e-6  # of the difference quotient that maps tangents, relative to the point
+
+
+def images(branch: Branch) -> list[Branch]:
+    """The mirror images of a branch that was computed on one side of the point where it broke a symmetry.
+
+    Symmetries that have the same image there (a group of several) give one branch, named after the first.
+    """
+    found: list[Branch] = []
+    for name in branch.symmetries:
+        candidate = image(branch, name)
+        if not any(np.allclose(candidate.z, other.z, rtol=1e-9, atol=1e-12) for other in found):
+            found.append(candidate)
+    return found
+
+
+def image(branch: Branch, symmetry: str) -> Branch:
+    """`branch` with every row, tangent and labelled point mapped by a declared symmetry."""
+    problem = branch.problem
+    z = apply_symmetry(problem, symmetry, branch.z)
+    columns: dict[str, Any] = dict(problem.columns(z))
+    columns |= {key: branch.columns[key] for key in ("unstable", "stable")}
+    tangents = _mapped_tangents(problem, symmetry, branch.z, branch.tangents)
+    name = f"{branch.name}~{symmetry}"
+    points = tuple(_mapped_point(problem, symmetry, p, name, z, tangents, columns) for p in branch.points)
+    ends = tuple(_mapped_end(end) for end in branch.ends)
+    return replace(
+        branch, name=name, columns=columns, points=points, ends=(ends[0], ends[1]), z=z, tangents=tangents, steps=0,
+        seconds=0.0, effort={}, image_of=ImageOf(branch.name, symmetry), notes=(), symmetries=(),
+    )  # fmt: skip
+
+
+def _mapped_tangents(problem: Any, symmetry: str, z: Array, tangents: Array) -> Array:
+    size = np.max(np.abs(z), axis=1, keepdims=True) / np.maximum(np.max(np.abs(tangents), axis=1, keepdims=True), 1e-300)
+    h = STEP * np.maximum(size, 1e-12)
+    forward, backward = apply_symmetry(problem, symmetry, z + h * tangents), apply_symmetry(problem, symmetry, z - h * tangents)
+    return np.asarray((forward - backward) / (2.0 * h))
+
+
+def _mapped_point(
+    problem: Any, symmetry: str, point: SpecialPoint, branch: str, z: Array, tangents: Array, columns: dict[str, Any]
+) -> SpecialPoint:
+    row = point.index
+    values = dict(point.values) | {key: column[row].item() for key, column in columns.items()}
+    return replace(point, z=z[row], tangent=tangents[row], values=values, branch=branch)
+
+
+def _mapped_end(end: End) -> End:
+    return replace(end, data={k: v for k, v in end.data.items() if k not in ("saddle", "saddles")})
