@@ -178,3 +178,32 @@ def hide(centre, rates, rng, order, parameters=0, kind="flow", units=None):
     if units is not None:
         matrix = np.asarray(units)[:, None] * matrix
     return PolynomialJet(linear_change(field, matrix, parameters, order), parameters, kind), matrix
+
+
+def rotation_field(value: complex, powers: dict[int, complex], unfolding: list[dict[int, complex]] | None = None):
+    """w' = value w + sum_k powers[k] w |w|^(2k) + sum_i p_i sum_k unfolding[i][k] w |w|^(2k) as series in (Re w, Im w, p)."""
+    unfolding = unfolding or []
+    total = 2 + len(unfolding)
+    x, y = variable(0, total), variable(1, total)
+    square = add(multiply(x, x, 9), multiply(y, y, 9))
+    real: Series = {}
+    imag: Series = {}
+
+    def include(coefficient: complex, k: int, factor: Series | None) -> None:
+        nonlocal real, imag
+        radial: Series = {(0,) * total: 1.0}
+        for _ in range(k):
+            radial = multiply(radial, square, 9)
+        if factor is not None:
+            radial = multiply(radial, factor, 9)
+        a, b = complex(coefficient).real, complex(coefficient).imag
+        real = add(real, multiply(radial, add(scale(x, a), scale(y, -b)), 9))
+        imag = add(imag, multiply(radial, add(scale(x, b), scale(y, a)), 9))
+
+    include(value, 0, None)
+    for k, c in powers.items():
+        include(c, k, None)
+    for i, terms in enumerate(unfolding):
+        for k, c in terms.items():
+            include(c, k, variable(2 + i, total))
+    return [real, imag]
