@@ -72,7 +72,8 @@ def closest(word: str, known: Iterable[str]) -> str:
     """ "did you mean 'beta'?", or an empty text."""
     candidates = list(known)
     folded = {name.lower(): name for name in candidates}
-    matches = [folded[m] for m in get_close_matches(word.lower(), folded, n=3, cutoff=0.6)]
+    cutoff = 0.5 if len(word) <= 5 else 0.6
+    matches = [folded[m] for m in get_close_matches(word.lower(), folded, n=3, cutoff=cutoff)]
     if not matches:
         return ""
     return f"did you mean {' or '.join(repr(m) for m in matches)}?"

@@ -13,6 +13,7 @@ from typing import Final, Union
 from contin.errors import InputError
 from contin.model.expression import (
     COMPARISONS,
+    MINUS_ONE,
     SHORT_DIGITS,
     Expression,
     Number,
@@ -78,11 +79,14 @@ def finite_decimal(value: Fraction) -> str:
 
 
 def is_division(node: Expression) -> bool:
-    """True for base^-k with a positive integer k, which is written as a division."""
+    """True for base^-k with a positive integer k, which is written as a division; of a number only where k = 1, since
+    1/1e-300^2 would fold to a division by zero."""
     if node.op != "pow" or node.args[1].op != "number":
         return False
     exponent = numeric_value(node.args[1])
-    return isinstance(exponent, Fraction) and exponent.denominator == 1 and exponent < 0
+    if not isinstance(exponent, Fraction) or exponent.denominator != 1:
+        return False
+    return exponent == -1 or (exponent < 0 and node.args[0].op != "number")
 
 
 def signed_terms(node: Expression) -> Iterator[tuple[bool, Expression]]:
@@ -117,7 +121,8 @@ def _parts(node: Expression) -> tuple[int, list[Piece]]:
     if op == "add":
         return SUM, _sum(node)
     if op == "mul":
-        return PRODUCT, _product(node)
+        negated = len(args) == 2 and args[0] is MINUS_ONE and not is_division(args[1])
+        return SIGN if negated else PRODUCT, _product(node)
     if op == "pow":
         return (PRODUCT, ["1", *_factor(node)]) if is_division(node) else (POWER, _power(*args))
     if op == "if":
