@@ -11,7 +11,7 @@ from rich.text import Text
 
 from contin.plot.vocabulary import KINDS, locus_words, style_of
 
-MOST_STATES: Final = 5  # columns of states in a table; the JSON has all of them
+MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
 _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "b20", "b30", "omega")  # what decides first
 
 
@@ -56,7 +56,7 @@ def _table(branch: Mapping[str, Any], states: Iterable[str]) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
     shown = _shown_columns(branch, list(states))
     table.add_column("  label", style="bold", no_wrap=True)
-    table.add_column("type")
+    table.add_column("type", no_wrap=True)
     for name in shown:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("coefficient", no_wrap=True)
@@ -84,8 +84,8 @@ def words(point: Mapping[str, Any]) -> str:
 
 
 def number(value: float | None) -> str:
-    """Nine digits: enough to compare by eye; the JSON has all seventeen."""
-    return "-" if value is None else f"{value:.9g}"
+    """Eight digits: enough to compare by eye; the JSON has all seventeen."""
+    return "-" if value is None else f"{value:.8g}"
 
 
 def _coefficient(form: Mapping[str, Any]) -> str:

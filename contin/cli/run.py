@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from contin.errors import InputError
 
@@ -73,11 +73,9 @@ def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
 
 def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float) -> int:
     """Compute the plan, report it, and write its outputs; the exit code."""
-    from rich.console import Console
-
     to_stdout = json == "-"
-    errors = Console(stderr=True, quiet=quiet, highlight=False)
-    report = errors if to_stdout else Console(quiet=quiet, highlight=False)
+    errors = console(sys.stderr, quiet)
+    report = errors if to_stdout else console(sys.stdout, quiet)
     writable(json)
     document, complete = compute(plan, orbits, errors, began)
     if not quiet:
@@ -86,6 +84,13 @@ def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: fl
         print_report(document, report)
     write_outputs(plan, document, json, report)
     return DONE if complete else CUT_SHORT
+
+
+def console(stream: TextIO, quiet: bool) -> Console:
+    """A console of the terminal's width; a file or a pipe gets long lines instead of broken ones."""
+    from rich.console import Console
+
+    return Console(file=stream, quiet=quiet, highlight=False, width=None if stream.isatty() else 200, markup=False)
 
 
 def writable(json: str | None) -> None:
@@ -98,13 +103,14 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
     """The result document, and whether every requested branch is whole."""
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
-    from contin.runs.results import describe_model, sample_orbit
-    from contin.store.json_format import result_document
+    from contin.runs.results import sample_orbit
+    from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
     engine = ContinEngine(status.watch)
-    imported = time.perf_counter()
     status.say_if_first_use()
+    engine.load()
+    imported = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
     with status:
@@ -118,7 +124,7 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
         "total": ended - began,
     }
     document = result_document(
-        describe_model(plan),
+        {**describe_model(plan.model, plan.parameters), **({"title": plan.title} if plan.title else {})},
         result.branches.values(),
         timing=timing,
         notes=result.notes,
@@ -151,7 +157,7 @@ def write_outputs(plan: Plan, document: Mapping[str, Any], json: str | None, rep
             sqlite.save(document, path)
         else:
             json_format.write(document, path)
-        report.print(f"wrote {os.path.relpath(path)}", markup=False)
+        report.print(f"wrote {os.path.relpath(path)}")
 
 
 class Status:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,6 +16,8 @@ from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from contin.continuation.branch import Branch
 
 STYLE: Final[dict[str, Any]] = {
     "font.family": "sans-serif",
@@ -68,13 +71,25 @@ def figure(
             _draw_curves(ax, panel, colours)
             _angle_ticks(ax, panel, periods or {})
         if title:
-            drawing.suptitle(title, fontsize=11)
+            drawing.suptitle("\n".join(textwrap.wrap(title, 58 * len(panels))), fontsize=11)
         _legend(drawing, panels, colours, images or {})
         drawing.draw_without_rendering()  # the layout decides where the axes are; only then can labels be placed
         for ax, panel in zip(axes, panels, strict=True):
             _draw_labels(ax, panel)
         drawing.set_layout_engine("none")
     return drawing
+
+
+def draw(branches: Iterable[Branch], *, x: str | None = None, y: str | None = None, title: str | None = None) -> Figure:
+    """The figure of branches in memory; units and periods of angles are those of their model."""
+    from contin.plot.series import from_branches, panels
+    from contin.store.json_format import model_of
+
+    branches = list(branches)
+    model = model_of(branches)
+    sources, periods = from_branches(branches), model.get("periods", {})
+    grouped = panels(sources, x=x, y=y, periods=periods, units=model.get("units"))
+    return figure(grouped, title=title, images=image_names(sources), periods=periods)
 
 
 def image_names(sources: Iterable[Source]) -> dict[str, str]:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
-from typing import Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.plot.figure import colour_of_branches, image_names
 from contin.plot.series import Source, ordinates, panels, segment_stability, wrapped
 from contin.plot.vocabulary import KINDS, locus_words, style_of
+
+if TYPE_CHECKING:
+    from contin.continuation.branch import Branch
 
 DIGITS: Final = 8  # significant digits kept: more than a screen shows, half the file size
 MOST_COLUMNS: Final = 40  # of each branch
@@ -51,6 +55,26 @@ def html_page(
     # In a script element only "</script" and "<!--" end or change the data, so no "<" is left in it.
     text = json.dumps(data, allow_nan=False, ensure_ascii=True, separators=(",", ":")).replace("<", "\\u003c")
     return template.replace("{{DATA}}", text)
+
+
+def write_html(
+    branches: Iterable[Branch],
+    path: str | Path,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    title: str | None = None,
+) -> None:
+    """Write the page of branches in memory; units and periods of angles are those of their model."""
+    from contin.plot.series import from_branches
+    from contin.store.atomic import write_text
+    from contin.store.json_format import model_of
+
+    branches = list(branches)
+    model = model_of(branches)
+    periods, units = model.get("periods"), model.get("units")
+    page = html_page(from_branches(branches), title=title or model["name"], x=x, y=y, periods=periods, units=units)
+    write_text(Path(path), page)
 
 
 def _branch(source: Source, colour: str, wanted: set[str], periods: Mapping[str, float]) -> dict[str, Any]:

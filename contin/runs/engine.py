@@ -28,7 +28,7 @@ class Engine(Protocol):
     """What the executor needs; tests put a double in its place."""
 
     def prepare(self, model: Model) -> None:
-        """Make the model's machine code and load the kernels: what is not part of any run."""
+        """Make the model's machine code: what is not part of any run."""
 
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         """The start of a run from the model's starts."""
@@ -37,7 +37,7 @@ class Engine(Protocol):
         """The start of a run from a labelled point of a branch."""
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
-        """The branch, and after it those that are its images under declared symmetries."""
+        """The branch and its images under declared symmetries; several where several branches start at the point."""
 
     def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
         """Everything that is connected to the starts."""
@@ -49,10 +49,12 @@ class ContinEngine:
     def __init__(self, watch: Watcher | None = None) -> None:
         self.watch = watch
 
-    def prepare(self, model: Model) -> None:
-        from contin.api import compiled
+    def load(self) -> None:
+        """Import the numerical part; otherwise the first run does."""
+        _verbs()
 
-        compiled(model)
+    def prepare(self, model: Model) -> None:
+        _verbs().compiled(model)
 
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         api = _verbs()
@@ -67,18 +69,23 @@ class ContinEngine:
         return point.switch(run.parameters[0])
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
+        from contin.problems.images import images
+
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
-        branch: Branch = _verbs().continuation(
-            start,
-            parameter,
-            run.range,
-            name=run.name,
-            direction=run.direction,
-            values=run.values,
-            settings=run.settings,
-            watch=self.watch,
-        )
-        yield branch
+        seeds = start if isinstance(start, list) else [start]
+        for position, seed in enumerate(seeds):
+            branch: Branch = _verbs().continuation(
+                seed,
+                parameter,
+                run.range,
+                name=run.name if position == 0 else f"{run.name}.{position + 1}",  # as the explorer names them
+                direction=run.direction,
+                values=run.values,
+                settings=run.settings,
+                watch=self.watch,
+            )
+            yield branch
+            yield from images(branch)
 
     def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
         found: Found = _verbs().diagram(

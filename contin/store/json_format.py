@@ -97,6 +97,32 @@ def _end(end: End) -> dict[str, Any]:
     return {"reason": end.reason, "text": end.text, **plain(end.data)}
 
 
+def describe_model(model: Any, overrides: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The `model` entry: names, parameter values with `overrides`, and what is declared of title, units, angles."""
+    described: dict[str, Any] = {
+        "name": model.name,
+        "states": list(model.state_names),
+        "parameters": model.default_parameters(overrides),
+    }
+    if model.title:
+        described["title"] = model.title
+    units = {p.name: p.unit for p in model.parameters if p.unit} | {s.name: s.unit for s in model.states if s.unit}
+    if units:
+        described["units"] = units
+    angles = {s: float(t) for s, t in zip(model.state_names, model.periods(overrides), strict=True) if t > 0}
+    if angles:
+        described["periods"] = angles
+    return described
+
+
+def model_of(branches: Sequence[Branch]) -> dict[str, Any]:
+    """The `model` entry of branches in memory, at the parameter values of the first."""
+    if not branches:
+        raise InputError("there is no branch to draw or to save")
+    problem = branches[0].problem
+    return describe_model(problem.system.model, problem.constants())
+
+
 def plain(value: Any) -> Any:
     """`value` in JSON's own types: arrays as lists, complex numbers as [re, im], NaN and infinity as None."""
     if value is None or isinstance(value, str | bool):

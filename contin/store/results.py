@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contin.errors import InputError
 from contin.store import json_format, sqlite
+
+if TYPE_CHECKING:
+    from contin.continuation.branch import Branch
 
 
 def read_results(path: Path) -> dict[str, Any]:
@@ -23,6 +26,16 @@ def read_results(path: Path) -> dict[str, Any]:
     if path.suffix == ".json":
         return json_format.read(path)
     raise InputError(f"{path}: expected a result file that ends in .contin or .json")
+
+
+def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[str] = ()) -> None:
+    """Write branches in memory to a `.contin` (or `.json`) file."""
+    branches = list(branches)
+    total = sum(branch.seconds for branch in branches)
+    document = json_format.result_document(
+        json_format.model_of(branches), branches, timing={"total": total}, notes=[*notes]
+    )
+    export_results(document, Path(path))
 
 
 def export_results(document: Mapping[str, Any], path: Path) -> None:
