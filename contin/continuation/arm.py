@@ -76,11 +76,16 @@ class Arm:
             chunk = self.problem.march(
                 origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
             )
-            piece = self._resolve(chunk, before)
+            corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
+            piece = self._resolve(chunk, before, corner is not None)
             self.accepted += len(piece.z)
             yield piece
             if self.end is not None:
                 return
+            if corner is not None:
+                origin, before, length, step = corner[0], None, 0.0, self.settings.first_step
+                yield corner[1]
+                continue
             step = chunk.next_step
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
@@ -108,7 +113,22 @@ class Arm:
             self.loop = renewed(self.loop)
         return renewed(origin), None if before is None else renewed(before)
 
-    def _resolve(self, chunk: Chunk, before: Sample | None) -> Piece:
+    def _beyond_corner(self, chunk: Chunk) -> tuple[Sample, Piece] | None:
+        """A point past a sharp corner, and the piece that leads there (the corner's label, then the point)."""
+        crossed = self.problem.cross_corner(chunk.sample(-1), Frame(self.scale, chunk.reference), self.settings)
+        if crossed is None:
+            return None
+        beyond, point = crossed
+        marks = ()
+        if point is not None and not self._is_known(point):
+            self.known.append(point)
+            marks = (Row(1, 0.0, point, beyond.tangent),)
+        piece = Piece(
+            beyond.z[None], beyond.tangent[None], np.array([beyond.unstable]), beyond.eigenvalues[None], self.scale, marks
+        )
+        return beyond, piece
+
+    def _resolve(self, chunk: Chunk, before: Sample | None, corner: bool = False) -> Piece:
         frame = Frame(self.scale, chunk.reference)
         rows = len(chunk) - 1
         found: list[Found] = []
@@ -150,7 +170,8 @@ class Arm:
             z[-1] = last.z
             tangents, unstable, eigenvalues = tangents.copy(), unstable.copy(), eigenvalues.copy()
             tangents[-1], unstable[-1], eigenvalues[-1] = last.tangent, last.unstable, last.eigenvalues
-        self._failures(chunk)
+        if not corner:
+            self._failures(chunk)
         marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in found]
         marked += self._hits(chunk, z, frame, marked)
         marked.sort(key=lambda r: (r.before, r.length))

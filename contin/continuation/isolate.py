@@ -18,6 +18,7 @@ from contin.continuation.problem import Sample, Verified
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 DIP_BUDGET = 30
+TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 DEPTH = 60  # halvings of one step
 
 
@@ -146,6 +147,10 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         if f_trial < 0.0 or trial.unstable != here.unstable:
             yield from isolate(stretch, pair[0], trial)
             yield from isolate(stretch, trial, pair[1])
+            return
+        if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
+            text = "a test function touches zero without crossing it: a degenerate point, not labelled"
+            yield Note(_where(stretch, trial, text))
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
             return  # an ordinary minimum, resolved

@@ -133,6 +133,9 @@ class Problem(Protocol):
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
 
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any."""
+
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         """True where one of these symmetries keeps z and turns the (raw) tangent round."""
 

@@ -81,7 +81,7 @@ def trace(
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
     start, here = _first_sample(seed, scale, settings)
     records: dict[int, _ArmRecord] = {}
-    known: list[Verified] = []
+    known: list[Verified] = [f.point for f in here]
     notes: list[str] = []
     for sense in seed.arms:
         if -1 in records and records[-1].end.reason == "closed":
@@ -165,7 +165,11 @@ def _up(tangent: Array) -> Array:
 
 
 def _oriented(sample: Sample, sense: int) -> Sample:
-    return sample if sense > 0 else replace(sample, tangent=-sample.tangent)
+    if sense > 0:
+        return sample
+    tests = sample.tests.copy()
+    tests[:2] *= -1.0  # dp/ds and det [J; t] turn with the tangent
+    return replace(sample, tangent=-sample.tangent, tests=tests)
 
 
 def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:

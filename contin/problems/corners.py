@@ -8,8 +8,11 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
 
 BUDGET = 30
+AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked for
+BEHIND = 1e-5  # how far behind it the branch is taken up again
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
@@ -36,6 +39,53 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
         if a.unstable != b.unstable:
             return "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
         return ""
+    return None
+
+
+def cross_corner(
+    problem: Any, last: Sample, frame: Frame, settings: Settings
+) -> tuple[Sample, Verified | None] | None:
+    """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
+
+    The nearest switching surface ahead of `last` is solved for together with F = 0; behind it the Jacobian of the other
+    formula gives the new tangent, oriented so that the surface is crossed and not touched. Returns a point just beyond
+    with the nonsmooth fold, if the parameter turns; None where no surface is close ahead.
+    """
+    system = problem.system
+    if not system.n_switches:
+        return None
+    n, scale = problem.n, frame.scale
+
+    def surfaces(z: Array) -> Array:
+        return np.asarray(system.switches(z[:n], problem.full_parameters(z)))
+
+    here = surfaces(last.z)
+    slope = (surfaces(last.z + STEP * scale * last.tangent) - here) / STEP
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.where(slope != 0.0, -here / slope, np.inf)
+    for k in np.argsort(np.abs(distance)):
+        if not -STEP < distance[k] < AHEAD:
+            continue
+        solved = _on_surface(problem, int(k), last.z, last, frame)
+        if solved is None:
+            continue
+        z, residual, error = solved
+        _, matrix = problem.linearise(z + BEHIND * scale * last.tangent)
+        tangent = np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1]
+        rate = (surfaces(z + STEP * scale * tangent)[k] - surfaces(z - STEP * scale * tangent)[k]) / (2.0 * STEP)
+        if abs(rate) < 1e-6 * abs(slope[k]):
+            continue
+        if rate * slope[k] < 0.0:
+            tangent = -tangent
+        base = Sample(z, tangent, np.full(4, np.nan), 0, last.eigenvalues)
+        beyond = problem.probe(base, BEHIND, z + BEHIND * scale * tangent, frame, settings)
+        if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0:
+            continue
+        turns = tangent[-1] * last.tangent[-1] < 0.0
+        stable = min(last.unstable, beyond.unstable)
+        form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}
+        point = Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors) if turns else None
+        return beyond, point
     return None
 
 

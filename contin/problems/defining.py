@@ -143,25 +143,31 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
     return newton(system, y, n)
 
 
-def critical_pair(local: Local, y: Array, shift: Callable[[float], complex], rate: Callable[[float], complex], angle: float) -> Solved | None:
-    """F = 0 and F_u - shift(w) I singular, w unknown: a Hopf point (shift = i w), a Neimark-Sacker point (shift = e^(iw) - 1).
+def critical_pair(
+    local: Local, y: Array, shift: Callable[[float], complex], rate: Callable[[float], complex], angle: float,
+    corank: int = 1,
+) -> Solved | None:  # fmt: skip
+    """F = 0 and F_u - shift(w) I of corank k, w unknown: a Hopf point (shift = i w), a Neimark-Sacker point (e^(iw) - 1).
 
-    n + 2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w.
+    n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w.
     """
     n = local.n
     identity = np.eye(n)
-    b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, 1)
+    b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
 
     def system(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
         v, w, g = _bordered(jacobian[:, :n] - shift(x[-1]) * identity, b, c)
-        gradient = -(w.conj().T @ local.hessian(x[: n + 1], np.append(v[:, 0], 0.0)))[0]
-        by_angle = rate(x[-1]) * (w.conj().T @ v)[0, 0]
-        rows = np.zeros((n + 2, n + 2))
-        rows[:n, : n + 1] = jacobian
-        rows[n, : n + 1], rows[n, -1] = gradient.real, by_angle.real
-        rows[n + 1, : n + 1], rows[n + 1, -1] = gradient.imag, by_angle.imag
-        return np.concatenate([f, [g[0, 0].real, g[0, 0].imag]]), rows
+        adjoint = w.conj().T
+        blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
+        for k in range(corank):
+            gradient = -(adjoint @ local.hessian(x[: n + 1], np.append(v[:, k], 0.0)))
+            complete = np.hstack([gradient, rate(x[-1]) * (adjoint @ v[:, [k]])])
+            blocks += [complete.real, complete.imag]
+        residuals = [f]
+        for k in range(corank):
+            residuals += [g[:, k].real, g[:, k].imag]
+        return np.concatenate(residuals), np.vstack(blocks)
 
     return newton(system, np.append(y, angle), n)
 

@@ -229,6 +229,9 @@ class EquilibriumProblem:
                 columns[name] = recorded[:, k].copy()
         return columns
 
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return corners.cross_corner(self, last, frame, settings)
+
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         from contin.problems.symmetry import reversing_symmetries
 

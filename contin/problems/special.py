@@ -16,7 +16,8 @@ from contin.problems.scaled import ScaledSystem
 TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
-SINGULAR = 1e-7  # a singular value this small beside the largest counts for the dimension of a kernel
+SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
+BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
 
 
 def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -76,14 +77,16 @@ def _critical_pair(values: Any, is_map: bool) -> complex | None:
     return None if chosen is None else complex(chosen)
 
 
-def _oscillatory(problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex) -> Verified | str:
-    """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w))."""
+def _oscillatory(
+    problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex, corank: int = 1
+) -> Verified | str:
+    """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
     if problem.is_map:
         angle = float(np.angle(pair))
-        solved = defining.critical_pair(local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle)
+        solved = defining.critical_pair(local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle, corank)
     else:
         angle = abs(pair.imag)
-        solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, angle)
+        solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, angle, corank)
     type_ = "NS" if problem.is_map else "HB"
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
@@ -91,9 +94,9 @@ def _oscillatory(problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair
     if abs(frequency - angle) > 0.3 * angle:
         return f"{type_} not verified: the frequency moved from {angle:.3g} to {frequency:.3g}"
     target = np.exp(1j * frequency) if problem.is_map else 1j * frequency
-    accepted = _accept(problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target))))
+    accepted = _accept(problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target)) * corank))
     if isinstance(accepted, Verified):
-        return _with(accepted, vectors={"omega": frequency})
+        return _with(accepted, vectors={"omega": frequency, "kernel": corank})
     return accepted
 
 
@@ -163,26 +166,37 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     y = 0.5 * (a.z + b.z) / frame.scale
     found: list[Verified | str] = []
     _, jacobian = local.linearise(y)
-    if not np.all(np.isfinite(jacobian)):
+    _, beside = local.linearise(y + BESIDE * a.tangent)
+    if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
         return ["the equations are not finite here"]
-    singular = np.linalg.svd(jacobian, compute_uv=False)
-    corank = int(np.sum(singular < SINGULAR * singular[0]))
-    values = eigenvalues_of(problem, y * frame.scale)
-    largest = max(float(np.abs(values).max()), 1e-300)
-    folds = bool(a.tests[0] * b.tests[0] < 0.0)
+    size = max(float(np.linalg.norm(jacobian, 2)), float(np.linalg.norm(beside, 2)), 1e-300)
+    corank = int(np.sum(np.linalg.svd(jacobian, compute_uv=False) < SINGULAR * size))
     if corank >= 1:
         found.append(_branch_point(problem, local, y, frame, corank))
-    elif folds:
+    elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
-    flip = bool(a.tests[3] * b.tests[3] < 0.0)
-    if flip:
-        found.append(_accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0)))
-    for value in values:
-        distance = abs(abs(value) - 1.0) if problem.is_map else abs(value.real)
-        if value.imag > CRITICAL * largest and distance < CRITICAL * largest:
-            pair = _oscillatory(problem, local, y, frame, complex(value))
-            found.append(pair)
+    if a.tests[3] * b.tests[3] < 0.0:
+        flip = defining.eigenvalue_at(local, y, -2.0)
+        found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
+    for pair, count in _pairs_on_boundary(eigenvalues_of(problem, y * frame.scale), problem.is_map, size):
+        found.append(_oscillatory(problem, local, y, frame, pair, count))
     return _merge(found, frame)
+
+
+def _pairs_on_boundary(values: Any, is_map: bool, size: float) -> list[tuple[complex, int]]:
+    """Complex pairs on the stability boundary (one of each, Im > 0), with how many share the same value."""
+    groups: list[tuple[complex, int]] = []
+    for value in values:
+        distance = abs(abs(value) - 1.0) if is_map else abs(value.real)
+        if value.imag <= CRITICAL * size or distance >= CRITICAL * size:
+            continue
+        for k, (known, count) in enumerate(groups):
+            if abs(known - value) < CRITICAL * size:
+                groups[k] = (known, count + 1)
+                break
+        else:
+            groups.append((complex(value), 1))
+    return groups
 
 
 def _merge(found: list[Verified | str], frame: Frame) -> list[Verified | str]:
