@@ -181,7 +181,7 @@ def hide(centre, rates, rng, order, parameters=0, kind="flow", units=None):
 
 
 def rotation_field(value: complex, powers: dict[int, complex], unfolding: list[dict[int, complex]] | None = None):
-    """w' = value w + sum_k powers[k] w |w|^(2k) + sum_i p_i sum_k unfolding[i][k] w |w|^(2k) as series in (Re w, Im w, p)."""
+    """w' = value w + sum_k powers[k] w |w|^(2k) + sum_i p_i sum_k unfolding[i][k] w |w|^(2k), in (Re w, Im w, p)."""
     unfolding = unfolding or []
     total = 2 + len(unfolding)
     x, y = variable(0, total), variable(1, total)

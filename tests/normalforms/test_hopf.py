@@ -57,7 +57,7 @@ def test_brusselator_in_closed_form():
 
 
 def planar_l1(f, g, x, y):
-    """l1 of a planar Hopf point by the Guckenheimer-Holmes formula (3.4.11), with mpmath derivatives, in FORMATS' scale.
+    """l1 of a planar Hopf point by the Guckenheimer-Holmes formula (3.4.11) in FORMATS' scale, by mpmath.
 
     In Jordan coordinates u = T (a, b) with A T = T [[0, -w], [w, 0]], r' = r^3 s; the unit eigenvector multiplies s by
     4/|t1 - i t2|^2 and l1 = that/w. Independent of the multilinear forms.
@@ -224,7 +224,7 @@ def co_oxidation(q2, k, order):
 
 
 def test_co_oxidation_hopf_points():
-    # the project's acceptance values (equilibria.py), from an independent program; MatCont's tutorial prints 2.108977e+02
+    # acceptance values (equilibria.py), from an independent program; MatCont's tutorial prints 2.108977e+02
     jet = co_oxidation(1.051557462458, 0.4, 3)
     assert hopf(jet).coefficients["l1"] == pytest.approx(210.8976526711, rel=1e-8)
     jet = co_oxidation(1.040991569533, 0.4, 3)

@@ -1,0 +1,181 @@
+"""Branch points whose kernel has dimension k > 1: every real branch through them, from the reduced equations.
+
+With y = (x, dp), x in R^k, three scalings occur (Golubitsky and Schaeffer 1985; Golubitsky, Stewart and Schaeffer 1988):
+
+    quadratic   T2[y, y] = 0                        x ~ s, dp ~ s      the quadratic terms in x do not vanish
+    cubic       dp M x + T3[x, x, x]/6 = 0          x ~ s, dp ~ s^2    they vanish (a symmetry); M = T2[., x, dp]
+    fold        a01 dp + T2[x, x]/2 = 0             x ~ s, dp ~ s^2    F_p is not in the range of F_u
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contin.normalforms.branching import STATE_ERROR, Direction
+from contin.normalforms.jet import Real
+from contin.normalforms.polynomial_roots import Root, sphere_roots
+from contin.normalforms.reduction import Reduction
+from contin.normalforms.static import quadratic_error
+
+OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
+LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
+CONTINUUM = "solutions form a continuum (a continuous symmetry): one representative"
+REPEATED = "repeated direction: higher orders decide whether it is one branch, several or none"
+
+
+def multiple_directions(r: Reduction, *, state_error: float | Real = STATE_ERROR) -> list[Direction]:
+    """All branches at a branch point with a k-dimensional kernel; curves, so one for each pair +-x.
+
+    Primary is the branch along which the parameter moves with speed and the kernel stays nearest to rest.
+    """
+    scaling = scaling_of(r, state_error)
+    if scaling == "fold":
+        return _fold(r)
+    return _cubic(r) if scaling == "cubic" else _quadratic(r)
+
+
+def scaling_of(r: Reduction, state_error: float | Real = STATE_ERROR) -> str:
+    """Which of the three scalings holds: 'fold', 'quadratic' or 'cubic'."""
+    slope = r.jet.form(np.eye(r.jet.n + 1)[-1])
+    if np.any(np.abs(r.a01) > OUTSIDE * (np.abs(r.left.T) @ np.abs(slope))):
+        return "fold"
+    quadratic = np.abs(r.T2[:, : r.k, : r.k])
+    cubic = np.abs(r.T3[:, : r.k, : r.k, : r.k])
+    errors = [
+        max(quadratic_error(r.jet, r.left[:, j], r.right[:, i]) for i in range(r.k))
+        + float(np.max(state_error)) * r.k * float(cubic[j].max())
+        for j in range(r.k)
+    ]
+    return "cubic" if np.all(quadratic.max(axis=(1, 2)) <= 2.0 * np.array(errors)) else "quadratic"
+
+
+def _quadratic(r: Reduction) -> list[Direction]:
+    """Roots of T2[y, y] = 0; y2 across y solves T2[y, y2] = -T3[y, y, y]/6."""
+    k = r.k
+    unit = np.ones(k + 1)
+    unit[-1] = _ratio(r.T2[:, :k, :k], r.T2[:, :k, k])  # dp = unit[-1] eta: both kinds of terms of one size
+    T2 = r.T2 * unit[:, None] * unit
+    T2 = T2 / np.abs(T2).max()
+
+    def equations(y: Real) -> tuple[Real, Real]:
+        return np.einsum("aij,si,sj->sa", T2, y, y), 2.0 * np.einsum("aij,sj->sai", T2, y)
+
+    roots = sphere_roots(equations, np.ones(k + 1), -np.ones(k + 1))
+    found = []
+    for root, note in _representatives(roots, 2**k, -np.ones(k + 1)):
+        y = root.y * unit
+        y = np.where(np.abs(root.y) < 1e-9, 0.0, y)
+        y = y / np.linalg.norm(y @ r.lifted)
+        cubic = np.einsum("aijk,i,j,k->a", r.T3, y, y, y)
+        system = np.vstack([np.einsum("aij,j->ai", r.T2, y), y / unit**2])
+        y2 = np.linalg.lstsq(system, np.append(-cubic / 6.0, 0.0), rcond=1e-10)[0]
+        found.append(_direction(r, y, y2, note))
+    return _ordered(found)
+
+
+def _cubic(r: Reduction) -> list[Direction]:
+    """The branch x = -M^-1 a02 dp/2 and the roots of dp M x + T3[x, x, x]/6 = 0."""
+    k = r.k
+    M = r.T2[:, :k, k]
+    cubic = r.T3[:, :k, :k, :k]
+    size_m, size_c = float(np.abs(M).max()), float(np.abs(cubic).max()) / 6.0
+    trunk = np.append(np.linalg.lstsq(M, -0.5 * r.T2[:, k, k], rcond=1e-10)[0], 1.0)
+    trunk = trunk / np.linalg.norm(trunk @ r.lifted)
+    found = [_direction(r, trunk, _trunk_bend(r, trunk), "")]
+    if size_m == 0.0 or size_c == 0.0:
+        return found
+    M_unit, C_unit = M / size_m, cubic / (6.0 * size_c)
+
+    def equations(y: Real) -> tuple[Real, Real]:
+        x, d = y[:, :k], y[:, k]
+        cx = np.einsum("aijl,si,sj,sl->sa", C_unit, x, x, x)
+        slope = 3.0 * np.einsum("aijl,sj,sl->sai", C_unit, x, x) + d[:, None, None] * M_unit
+        mx = x @ M_unit.T
+        return cx + d[:, None] * mx, np.concatenate([slope, mx[:, :, None]], axis=2)
+
+    mirror = np.append(-np.ones(k), 1.0)
+    roots = sphere_roots(equations, np.append(np.ones(k), 0.0), mirror)
+    for root, note in _representatives(roots, 3**k, mirror):
+        x = np.where(np.abs(root.y[:k]) < 1e-9, 0.0, root.y[:k])
+        y = np.append(x / np.linalg.norm(x @ r.right.T), 0.0)
+        stretch = float(np.sum(y[:k] * y[:k])) / float(x @ x)
+        y2 = np.append(np.zeros(k), root.y[k] * size_c / size_m * stretch)
+        found.append(_direction(r, y, y2, note))
+    return found[:1] + _signed(found[1:])
+
+
+def _fold(r: Reduction) -> list[Direction]:
+    """Curves with T2[x, x] parallel to a01; dp = -s^2 <a01, T2[x, x]>/(2 |a01|^2)."""
+    k = r.k
+    across = np.linalg.svd(r.a01[None, :])[2][1:]  # normal to a01
+    B = np.einsum("ba,aij->bij", across, r.T2[:, :k, :k])
+    size = float(np.abs(B).max())
+    if size == 0.0:
+        return []
+    B = B / size
+
+    def equations(y: Real) -> tuple[Real, Real]:
+        return np.einsum("aij,si,sj->sa", B, y, y), 2.0 * np.einsum("aij,sj->sai", B, y)
+
+    found = []
+    for root, note in _representatives(sphere_roots(equations, np.ones(k), -np.ones(k)), 2**k, -np.ones(k)):
+        x = root.y / np.linalg.norm(root.y @ r.right.T)
+        bend = -0.5 * float(r.a01 @ np.einsum("aij,i,j->a", r.T2[:, :k, :k], x, x)) / float(r.a01 @ r.a01)
+        found.append(_direction(r, np.append(x, 0.0), np.append(np.zeros(k), bend), note))
+    return _signed(found)
+
+
+def _trunk_bend(r: Reduction, y: Real) -> Real:
+    """x2 of the branch that moves with the parameter: T2[y, (x2, 0)] = -T3[y, y, y]/6."""
+    cubic = np.einsum("aijk,i,j,k->a", r.T3, y, y, y)
+    system = np.einsum("aij,j->ai", r.T2, y)[:, : r.k]
+    return np.append(np.linalg.lstsq(system, -cubic / 6.0, rcond=1e-10)[0], 0.0)
+
+
+def _ratio(a: Real, b: Real) -> float:
+    top, bottom = float(np.abs(a).max()), float(np.abs(b).max())
+    return top / bottom if top > 0.0 and bottom > 0.0 else 1.0
+
+
+def _representatives(roots: list[Root], most: int, mirror: Real) -> list[tuple[Root, str]]:
+    """Isolated roots, and one of each connected continuum (recognised by more loose roots than Bezout's number)."""
+    isolated = [(root, "") for root in roots if root.free == 0]
+    loose = [root for root in roots if root.free > 0]
+    if len(loose) <= most:
+        return isolated + [(root, REPEATED) for root in loose]
+    chosen = []
+    while loose:
+        front, loose = [loose[0]], loose[1:]
+        chosen.append((front[0], CONTINUUM))
+        while front:
+            y = front.pop().y
+            near = [min(np.linalg.norm(y - o.y), np.linalg.norm(y - mirror * o.y)) < LINK for o in loose]
+            front += [o for o, linked in zip(loose, near, strict=True) if linked]
+            loose = [o for o, linked in zip(loose, near, strict=True) if not linked]
+    return isolated + chosen
+
+
+def _direction(r: Reduction, y: Real, y2: Real, note: str) -> Direction:
+    tangent, curvature = r.predictor(y, y2)
+    return Direction(tangent, curvature, bool(y[-1] == 0.0), False, note)
+
+
+def _signed(found: list[Direction]) -> list[Direction]:
+    """Each tangent with its first component of largest modulus positive: the sign of a +- pair is fixed."""
+    signed = []
+    for d in found:
+        size = np.abs(d.tangent)
+        lead = d.tangent[int(np.argmax(size >= (1.0 - 1e-6) * size.max()))]
+        signed.append(Direction(d.tangent if lead > 0 else -d.tangent, d.curvature, d.vertical, d.primary, d.note))
+    return signed
+
+
+def _ordered(found: list[Direction]) -> list[Direction]:
+    """The branch most aligned with the parameter first; tangents point to growing parameter."""
+    up = [
+        Direction(d.tangent if d.tangent[-1] > 0 else -d.tangent, d.curvature, d.vertical, d.primary, d.note)
+        if d.tangent[-1] != 0.0
+        else _signed([d])[0]
+        for d in found
+    ]
+    return sorted(up, key=lambda d: -abs(d.tangent[-1]))
