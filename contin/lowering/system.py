@@ -18,6 +18,7 @@ from contin.lowering.routines import Layout, form_routine, gradient_routine, jac
 from contin.lowering.switching import switching_functions
 from contin.model.expression import Expression, postorder, symbol
 from contin.symbolic.derivatives import sparse_jacobian
+from contin.symbolic.remove_singularities import remove_singularities
 
 TIME: Final = "t"
 COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions in one module, cheaper than one by one
@@ -46,8 +47,9 @@ class Equations(Protocol):
 def compile_system(model: Equations) -> CompiledSystem:
     """Machine code of a model: values, Jacobians, observables, switching functions, derivatives of any order.
 
-    Each function is compiled when it is first asked for. Raises `InputError`
-    if an equation uses a symbol that is neither state nor parameter (nor `t` in a forced model).
+    Removable singularities are removed first (`contin.symbolic.remove_singularities`). Each function is compiled when
+    it is first asked for. Raises `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t`
+    in a forced model).
     """
     return CompiledSystem(model)
 
@@ -74,7 +76,7 @@ class CompiledSystem:
         self.layout = Layout(self.state_names, self.parameter_names + ((TIME,) if self.is_forced else ()))
         self.p_size = len(self.layout.others)
         self.layout.check(dict(zip(self.state_names, model.equations, strict=True)) | dict(model.observables))
-        formulas = [*model.equations, *model.observables.values()]
+        formulas = remove_singularities([*model.equations, *model.observables.values()])
         self._equations, self._observables = tuple(formulas[: self.n]), tuple(formulas[self.n :])
         self.switching: tuple[Expression, ...] = tuple(switching_functions(model.equations, self.layout.names))
         self.n_switches = len(self.switching)

@@ -15,12 +15,12 @@ from contin.model.expression import Expression, ExpressionLike, call, compare, n
 VANISHING: Final = math.nextafter(1e-300, 1.0)
 """Width that means "is zero"."""
 
-_BASES: Final = (0.125, 0.25, 0.375, 0.5)
+_BASES: Final = (0.25, 0.375, 0.5)
 WIDTHS: Final = frozenset({VANISHING} | {math.nextafter(b**k, 1.0) for b in _BASES for k in range(1, 17)})
 
 
 def guard_width(base: float, exponent: int) -> float:
-    """A width of `WIDTHS`, equal to base^exponent to the last digit but one; base is 1/8, 1/4, 3/8 or 1/2."""
+    """A width of `WIDTHS`, equal to base^exponent to the last digit but one; base is 1/4, 3/8 or 1/2."""
     return math.nextafter(base**exponent, 1.0)
 
 
