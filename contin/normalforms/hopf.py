@@ -41,14 +41,14 @@ class CyclePredictor:
         return float(2.0 * np.pi / (self.omega + rho * rho * self.omega2))
 
 
-def critical_pair(A: Real, omega: float | None = None) -> EigenPair:
+def critical_pair(A: Real, omega: float | None = None, scale: Real | None = None) -> EigenPair:
     """Eigenvectors to i omega; without omega, to the complex pair whose angle to the imaginary axis is smallest."""
     if omega is None:
         upper = [value for value in eigenvalues(A) if value.imag > 0.0]
         if not upper:
             raise ValueError("no complex eigenvalues: this is not a Hopf point (a neutral saddle has none)")
         omega = eigen_pair(A, min(upper, key=lambda value: abs(value.real) / abs(value))).value.imag
-    return null_pair(A - 1j * omega * np.eye(len(A)), 1j * omega)
+    return null_pair(A - 1j * omega * np.eye(len(A)), 1j * omega, scale)
 
 
 def conjugate(pair: EigenPair) -> EigenPair:
@@ -57,7 +57,7 @@ def conjugate(pair: EigenPair) -> EigenPair:
 
 def hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """The centre manifold of w' = i omega w + ..., coordinates (w, conj w, parameters)."""
-    pair = critical_pair(jet.A, omega)
+    pair = critical_pair(jet.A, omega, jet.scale)
     return CentreManifold(jet, [pair, conjugate(pair)])
 
 

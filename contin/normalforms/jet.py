@@ -35,6 +35,10 @@ class Jet(Protocol):
     @property
     def A(self) -> Real: ...
 
+    @property
+    def scale(self) -> Real | None:
+        """Typical sizes of the states, (n,), all positive, where they are known: null vectors are computed in them."""
+
     def form(self, *directions: Vector) -> Vector: ...
 
 
@@ -51,6 +55,7 @@ class DerivativeJet:
     derivative: Callable[[tuple[Real, ...]], Real]
     parameters: int = 0
     kind: Kind = "flow"
+    scale: Real | None = None
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
 
     @property

@@ -54,20 +54,24 @@ def normalise(q: Vector) -> Vector:
     return unit
 
 
-def singular_vectors(matrix: Vector, dimension: int = 1) -> tuple[Vector, Vector, Real]:
-    """Right and left null vectors (columns of two (n, dimension) arrays) and all singular values, equilibrated."""
-    r, c = equilibrate(matrix)
+def singular_vectors(matrix: Vector, dimension: int = 1, scale: Real | None = None) -> tuple[Vector, Vector, Real]:
+    """Right and left null vectors (columns of two (n, dimension) arrays) and all singular values, equilibrated.
+
+    With the typical sizes of the states, `scale` (n,), the matrix is measured in them. Without, its own entries have to
+    tell, which misleads where a whole row of a singular matrix is nothing but rounding errors.
+    """
+    r, c = (1.0 / scale, scale) if scale is not None else equilibrate(matrix)
     u, s, vh = np.linalg.svd(r[:, None] * matrix * c)
     order = slice(-1, -dimension - 1, -1)
     return c[:, None] * vh[order].conj().T, r[:, None] * u[:, order], s
 
 
-def null_pair(matrix: Vector, value: complex = 0.0) -> EigenPair:
+def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -> EigenPair:
     """Null vectors of a matrix with a simple zero eigenvalue (or eigenvectors of A, given A - value I).
 
     Raises `ZeroDivisionError` where <p, q> vanishes: a double eigenvalue with one eigenvector (for example BT).
     """
-    right, left, s = singular_vectors(matrix)
+    right, left, s = singular_vectors(matrix, 1, scale)
     q = normalise(right[:, 0])
     p = left[:, 0] / np.abs(left[:, 0]).max()
     product = np.vdot(p, q)

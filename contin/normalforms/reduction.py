@@ -58,14 +58,14 @@ def kernel_vectors(jet: Jet, dimension: int) -> tuple[Real, Real]:
     if dimension == 1:
         pair = static_pair(jet)
         return pair.right[:, None], pair.left[:, None]
-    right, left, _ = singular_vectors(static_matrix(jet), dimension)
+    right, left, _ = singular_vectors(static_matrix(jet), dimension, jet.scale)
     q = np.linalg.qr(right)[0].real
     return q, np.linalg.solve(left.T @ q, left.T).T.real
 
 
 def kernel_dimension(jet: Jet) -> int:
     """How many singular values of the equilibrated static matrix are zero to working accuracy (at least 1)."""
-    s = singular_vectors(static_matrix(jet))[2]
+    s = singular_vectors(static_matrix(jet), 1, jet.scale)[2]
     return max(1, int(np.sum(s <= KERNEL * max(s[0], 1e-300))))
 
 

@@ -18,7 +18,7 @@ def static_matrix(jet: Jet) -> Real:
 
 def static_pair(jet: Jet) -> EigenPair:
     """Null vectors of the static matrix; their eigenvalue is 0 (flow) or 1 (map)."""
-    return null_pair(static_matrix(jet), 1.0 if jet.kind == "map" else 0.0)
+    return null_pair(static_matrix(jet), 1.0 if jet.kind == "map" else 0.0, jet.scale)
 
 
 def state(jet: Jet, vector: Vector) -> Vector:

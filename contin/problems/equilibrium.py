@@ -92,7 +92,7 @@ class EquilibriumProblem:
         return f, matrix
 
     def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
-        """D^kF(z)[d1, .., dk], k >= 2, directions (n + 1,) = (state, active parameter), real or complex."""
+        """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state, active parameter), real or complex."""
         n, width = self.n, self.n + len(self.base)
         wide = []
         for d in directions:
@@ -208,10 +208,15 @@ class EquilibriumProblem:
         return special.TEST_OF[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return special.verify(self, type_, near, frame)
+        return self._described(special.verify(self, type_, near, frame), frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return special.verify_compound(self, a, b, frame)
+        return [self._described(item, frame) for item in special.verify_compound(self, a, b, frame)]
+
+    def _described(self, found: Verified | str, frame: Frame) -> Verified | str:
+        from contin.problems.describe import with_normal_form
+
+        return with_normal_form(self, found, frame.scale) if isinstance(found, Verified) else found
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         return corners.verify_corner(self, a, b, frame)

@@ -71,6 +71,7 @@ class PolynomialJet:
     field: list[Series]
     parameters: int = 0
     kind: str = "flow"
+    scale: np.ndarray | None = None
     calls: int = 0
 
     @property

@@ -1,0 +1,145 @@
+"""Derivatives of a user's function along straight lines: by complex steps where it is analytic, else by high-order differences.
+
+phi(t) = F(z + t v), z = (u, p). With F analytic and written so that it takes complex arguments, the Taylor coefficients of
+phi come from the trapezoidal rule on a small circle (Fornberg 1981), whose error is rounding alone: first derivatives lose
+nothing, the k-th about 16 k / 13 digits times the circle's inverse radius. Otherwise central stencils of high order are
+used, on the user's Jacobian where there is one (one order less to difference).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+COMPLEX_STEP = 1e-30
+CIRCLE = 0.04  # radius of the circle, relative to the size of the unknowns
+CIRCLE_POINTS = 8
+STEPS = {1: 2e-3, 2: 1e-2, 3: 2e-2, 4: 4e-2, 5: 6e-2}  # of stencils, relative: rounding and truncation balance
+HALF_WIDTHS = {1: 3, 2: 4, 3: 5, 4: 5, 5: 6}
+AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
+
+Function = Callable[[NDArray[Any], NDArray[Any]], NDArray[Any]]
+
+
+@cache
+def stencil(order: int) -> tuple[tuple[int, float], ...]:
+    """Offsets and weights of the central difference for the derivative of this order on unit spacing."""
+    half = HALF_WIDTHS[order]
+    offsets = np.arange(-half, half + 1, dtype=float)
+    powers = np.vander(offsets / half, increasing=True).T  # scaled, so that the system is well conditioned
+    right = np.zeros(len(offsets))
+    right[order] = math.factorial(order) / float(half) ** order
+    weights = np.linalg.solve(powers, right)
+    return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Directional derivatives of F(u, p), both vectors; `sizes` (n + m,) are typical sizes of u and p.
+
+    analytic : F takes complex arguments and is analytic (see `is_analytic`).
+    slope : D F(u, p)[v] by the user's Jacobian, v (n + m,), or None.
+    """
+
+    function: Function
+    sizes: Array
+    analytic: bool
+    slope: Callable[[Array, Array, Array], Array] | None = None
+
+    def first(self, u: Array, p: Array, v: Array) -> Array:
+        """D F[v]."""
+        if self.analytic:
+            h = COMPLEX_STEP * self._reach(u, p, v)
+            n = len(u)
+            return np.asarray(np.imag(self.function(u + 1j * h * v[:n], p + 1j * h * v[n:])) / h)
+        if self.slope is not None:
+            return self.slope(u, p, v)
+        return self.pure(u, p, v, 1)
+
+    def pure(self, u: Array, p: Array, v: Array, order: int) -> Array:
+        """D^k F[v, ..., v], k = `order`."""
+        n = len(u)
+        reach = self._reach(u, p, v)
+        if reach == 0.0:
+            return np.zeros(n)
+        if self.analytic:
+            r = CIRCLE * reach
+            half = CIRCLE_POINTS // 2
+            total = np.zeros(n)
+            for j in range(half + 1):  # the lower half is the conjugate of the upper
+                w = np.exp(1j * np.pi * j / half)
+                value = np.asarray(self.function(u + r * w * v[:n], p + r * w * v[n:]), dtype=complex)
+                total += (1.0 if j in (0, half) else 2.0) * (value * w**-order).real
+            return total * (math.factorial(order) / (CIRCLE_POINTS * r**order))
+        lower = 1 if self.slope is not None and order > 1 else 0
+        k = order - lower
+        h = STEPS[k] * reach
+        total = np.zeros(n)
+        for offset, weight in stencil(k):
+            t = offset * h
+            at = u + t * v[:n], p + t * v[n:]
+            value = self.slope(*at, v) if lower and self.slope is not None else self.function(*at)
+            total += weight * np.asarray(value, dtype=float)
+        return total / h**k
+
+    def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
+        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure derivatives, or one if all are equal."""
+        k = len(directions)
+        if k == 1:
+            return self.first(u, p, directions[0])
+        norms = [self._reach(u, p, d) for d in directions]
+        if any(size == 0.0 for size in norms):
+            return np.zeros(len(u))
+        if all(d is directions[0] or np.array_equal(d, directions[0]) for d in directions[1:]):
+            return self.pure(u, p, directions[0], k)
+        units = [d * size for d, size in zip(directions, norms, strict=True)]  # comparable in size
+        total = np.zeros(len(u))
+        for signs in product((1.0, -1.0), repeat=k - 1):
+            v = units[0] + sum(s * d for s, d in zip(signs, units[1:], strict=True))
+            total += float(np.prod(signs)) * self.pure(u, p, np.asarray(v), k)
+        return total / (2.0 ** (k - 1) * math.factorial(k) * float(np.prod(norms)))
+
+    def _reach(self, u: Array, p: Array, v: Array) -> float:
+        """How far along v an unknown changes by its own size; 0 for v = 0."""
+        size = np.maximum(np.abs(np.concatenate([u, p])), self.sizes)
+        largest = float(np.max(np.abs(v) / size))
+        return 0.0 if largest == 0.0 else 1.0 / largest
+
+
+def is_analytic(function: Function, u: Array, p: Array, sizes: Array) -> bool:
+    """True where the function takes complex arguments and its complex step agrees with a real difference.
+
+    Tried beside (u, p) in two generic directions, so that what vanishes at a symmetric start does not hide anything.
+    """
+    n = len(u)
+    generator = np.random.default_rng(7)
+    real = Lines(function, sizes, False)
+    complex_ = Lines(function, sizes, True)
+    for _ in range(2):
+        v = sizes * generator.uniform(-1.0, 1.0, sizes.size)
+        shift = 0.01 * sizes * generator.uniform(-1.0, 1.0, sizes.size)
+        z_u, z_p = u + shift[:n], p + shift[n:]
+        try:
+            with np.errstate(all="ignore"):
+                by_step = complex_.first(z_u, z_p, v)
+                by_circle = complex_.pure(z_u, z_p, v, 1)
+        except (TypeError, ValueError, AttributeError):
+            return False
+        with np.errstate(all="ignore"):
+            by_difference = real.pure(z_u, z_p, v, 1)
+        largest = float(np.max(np.abs(by_difference), initial=0.0))
+        if not (np.all(np.isfinite(by_step)) and np.all(np.isfinite(by_circle)) and np.isfinite(largest)):
+            return False
+        gap = max(float(np.max(np.abs(by_step - by_difference))), float(np.max(np.abs(by_circle - by_difference))))
+        if gap > AGREEMENT * largest + 1e-300:
+            return False
+    return True
