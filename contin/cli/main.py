@@ -115,7 +115,7 @@ def plot(
         Path | None, typer.Option("--out", "-o", help=".png, .pdf, .svg or .html (default: FILE.png).")
     ] = None,
     x: Annotated[Optional[str], typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,  # noqa: UP045
-    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Column for the vertical axis.")] = None,  # noqa: UP045
+    y: Annotated[Optional[list[str]], typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,  # noqa: UP045
 ) -> None:
     """Draw saved results."""
     from contin.cli.plot import plot_file

@@ -8,9 +8,9 @@ from contin.plot.write import write_picture
 from contin.store.results import read_results
 
 
-def plot_file(file: Path, out: Path | None, x: str | None, y: str | None) -> int:
+def plot_file(file: Path, out: Path | None, x: str | None, y: list[str] | None) -> int:
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
-    write_picture(read_results(file), out, x=x, y=y)
+    write_picture(read_results(file), out, x=x, y=y or None)
     print(out)
     return 0

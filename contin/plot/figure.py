@@ -80,7 +80,9 @@ def figure(
     return drawing
 
 
-def draw(branches: Iterable[Branch], *, x: str | None = None, y: str | None = None, title: str | None = None) -> Figure:
+def draw(
+    branches: Iterable[Branch], *, x: str | None = None, y: str | Sequence[str] | None = None, title: str | None = None
+) -> Figure:
     """The figure of branches in memory; units and periods of angles are those of their model."""
     from contin.plot.series import from_branches, panels
     from contin.store.json_format import model_of
@@ -150,6 +152,8 @@ def _draw_labels(ax: Axes, panel: Panel) -> None:
     marks = [entry for entry in marks if math.isfinite(entry[0] + entry[1])]
     if not marks:
         return
+    from matplotlib.patheffects import withStroke
+
     pixels = ax.figure.dpi / 72.0
     size = 7.5 * pixels
     anchors = ax.transData.transform([(x, y) for x, y, _ in marks])
@@ -171,7 +175,7 @@ def _draw_labels(ax: Axes, panel: Panel) -> None:
             va="center",
             zorder=4.0,
             annotation_clip=False,
-            bbox={"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
+            path_effects=[withStroke(linewidth=2.0, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": "0.4", "linewidth": 0.5, "shrinkB": 3.0} if far else None,
         )
 

@@ -27,7 +27,7 @@ def html_page(
     *,
     title: str,
     x: str | None = None,
-    y: str | None = None,
+    y: str | Sequence[str] | None = None,
     periods: Mapping[str, float] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> str:
@@ -62,7 +62,7 @@ def write_html(
     path: str | Path,
     *,
     x: str | None = None,
-    y: str | None = None,
+    y: str | Sequence[str] | None = None,
     title: str | None = None,
 ) -> None:
     """Write the page of branches in memory; units and periods of angles are those of their model."""

@@ -13,7 +13,7 @@ from contin.abi import Array
 _ANGLES: Final = np.deg2rad(
     [45, 135, -45, -135, 90, -90, 0, 180, 22.5, 67.5, 112.5, 157.5, -22.5, -67.5, -112.5, -157.5]
 )
-_DISTANCES: Final = (0.95, 1.6, 2.5, 3.6)
+_DISTANCES: Final = (1.2, 1.8, 2.6, 3.6)
 _LABEL_WEIGHT: Final = 60.0  # a label on a label is the worst,
 _MARKER_WEIGHT: Final = 12.0  # on another marker is bad,
 _CURVE_WEIGHT: Final = 1.0  # and each vertex of a curve under it is a little bad

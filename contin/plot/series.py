@@ -135,7 +135,7 @@ def panels(
     sources: Sequence[Source],
     *,
     x: str | None = None,
-    y: str | None = None,
+    y: str | Sequence[str] | None = None,
     periods: Mapping[str, float] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> list[Panel]:
@@ -147,8 +147,10 @@ def panels(
     Parameters
     ----------
     sources : sequence of Source
-    x, y : str, optional
-        Columns; `y` may be a state or observable `s` where orbits have `s.min` and `s.max` (both strands are drawn).
+    x : str, optional
+    y : str or sequence of str, optional
+        Columns; `y` may be a state or observable `s` where orbits have `s.min` and `s.max` (both strands are drawn),
+        or several, for a panel each.
     periods : mapping, optional
         Period of each angle: it is drawn in [-period/2, period/2), broken where it wraps.
     units : mapping, optional
@@ -159,6 +161,8 @@ def panels(
     InputError
         No branch has the columns asked for.
     """
+    if y is not None and not isinstance(y, str):
+        return [panel for name in y for panel in panels(sources, x=x, y=name, periods=periods, units=units)]
     periods, units = periods or {}, units or {}
     groups: dict[tuple[str, str], list[Curve]] = {}
     default_y = y or _default_ordinate(sources)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,7 +14,9 @@ PICTURES: Final = (".png", ".pdf", ".svg")
 PAGES: Final = (".html",)
 
 
-def picture(document: Mapping[str, Any], suffix: str, *, x: str | None = None, y: str | None = None) -> bytes:
+def picture(
+    document: Mapping[str, Any], suffix: str, *, x: str | None = None, y: str | Sequence[str] | None = None
+) -> bytes:
     """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results."""
     model = document["model"]
     title, periods, units = model.get("title") or model["name"], model.get("periods"), model.get("units")
@@ -40,7 +42,9 @@ def picture(document: Mapping[str, Any], suffix: str, *, x: str | None = None, y
     return stream.getvalue()
 
 
-def write_picture(document: Mapping[str, Any], path: Path, *, x: str | None = None, y: str | None = None) -> None:
+def write_picture(
+    document: Mapping[str, Any], path: Path, *, x: str | None = None, y: str | Sequence[str] | None = None
+) -> None:
     """Write `picture` to a file whose ending chooses the kind."""
     data = picture(document, path.suffix, x=x, y=y)
     from contin.store.atomic import write_bytes

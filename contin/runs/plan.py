@@ -59,7 +59,7 @@ class Plan:
     diagram: DiagramPlan | None = None
     outputs: Mapping[str, FilePath] = field(default_factory=dict)
     x: str | None = None
-    y: str | None = None
+    y: Sequence[str] | None = None
     title: str | None = None
 
 

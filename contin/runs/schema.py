@@ -88,7 +88,8 @@ Interval = Annotated[Range, BeforeValidator(_interval)]
 Ranges = Annotated[
     Annotated[Interval, Tag("(short)")] | Annotated[dict[str, Interval], Tag("(long)")], Discriminator(_mapping_or_not)
 ]
-Formulas = Annotated[list[Formula], BeforeValidator(_listed)]
+Formulas = Annotated[list[Formula], BeforeValidator(_listed, json_schema_input_type=Formula | list[Formula])]
+Texts = Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text]), Field(min_length=1)]
 
 
 class StartMapping(BaseModel):
@@ -101,6 +102,9 @@ class StartMapping(BaseModel):
 
 Start = Annotated[
     Annotated[Text, Tag("(short)")] | Annotated[StartMapping, Tag("(long)")], Discriminator(_mapping_or_not)
+]
+Starts = Annotated[
+    list[Start], BeforeValidator(_listed, json_schema_input_type=Start | list[Start]), Field(min_length=1)
 ]
 Pass = Annotated[
     Annotated[Text, Tag("(short)")] | Annotated[dict[str, Any], Tag("(long)")], Discriminator(_mapping_or_not)
@@ -128,7 +132,7 @@ class SettingsEntry(Section):
     intervals: Count | None = None
     points: Count | None = None
     method: Literal["collocation", "shooting"] | None = None
-    stop_at: Annotated[list[Text], BeforeValidator(_listed)] | None = None
+    stop_at: Texts | None = None
 
     def chosen(self) -> dict[str, Any]:
         """What was written, by name."""
@@ -142,7 +146,7 @@ class ContinuationEntry(Section):
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
     as_: Literal["equilibrium", "orbit", "locus"] | None = Field(default=None, alias="as")
-    parameter: Annotated[list[Text], BeforeValidator(_listed), Field(min_length=1, max_length=2)]
+    parameter: Annotated[Texts, Field(max_length=2)]
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
@@ -172,7 +176,7 @@ class DiagramEntry(Section):
 
     parameter: Text
     range: Ranges | None = None
-    start: Annotated[list[Start], BeforeValidator(_listed), Field(min_length=1)] | None = None
+    start: Starts | None = None
     orbits: bool = True
     values: dict[str, Formulas] = {}
     settings: SettingsEntry = SettingsEntry()
@@ -187,7 +191,7 @@ class OutputsEntry(Section):
     save: File | None = None
     json_: File | None = Field(default=None, alias="json")
     x: Text | None = None
-    y: Text | None = None
+    y: Texts | None = None
 
 
 def _version(value: object) -> object:
@@ -203,7 +207,7 @@ class RunEntry(Section):
     model: ModelReference
     title: Text | None = None
     description: Text | None = None
-    transform: Annotated[list[Pass], BeforeValidator(_listed)] = []
+    transform: Annotated[list[Pass], BeforeValidator(_listed, json_schema_input_type=Pass | list[Pass])] = []
     parameters: dict[str, Formula] = {}
     diagram: DiagramEntry | None = None
     continuations: list[ContinuationEntry] = []

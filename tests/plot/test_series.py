@@ -79,6 +79,11 @@ def test_axes_can_be_chosen_and_an_absent_column_names_those_there_are():
         panels(from_branches(bautin()), y="z")
 
 
+def test_several_columns_give_a_panel_each():
+    made = panels(from_branches(bautin()[:2]), y=["x", "y"])
+    assert [(panel.x, panel.y) for panel in made] == [("p", "x"), ("p", "y")]
+
+
 def test_a_file_gives_the_same_series_as_memory():
     branches = [*pitchfork(), *hysteresis(), *bautin()]
     model = {"name": "m", "states": ["x"], "parameters": {}}

@@ -1,0 +1,124 @@
+"""The other commands, and what starting the command costs."""
+
+import json
+import subprocess
+import sys
+
+import jsonschema
+import pytest
+
+from contin._version import __version__
+from tests.cli.calls import FOLD, call, results, run_file
+
+HEAVY = {"numpy", "scipy", "sympy", "numba", "llvmlite", "matplotlib", "networkx", "pandas", "pydantic", "ruamel"}
+
+
+@pytest.mark.parametrize("argument", ["--help", "--version"])
+def test_help_and_version_load_no_heavy_library(argument):
+    code = (
+        "import sys\nfrom contin.cli.main import main\n"
+        f"try:\n    main([{argument!r}])\nexcept SystemExit:\n    pass\n"
+        "print(*sorted({name.split('.')[0] for name in sys.modules}), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert HEAVY & set(done.stderr.split()) == set()
+    assert ("diagram" if argument == "--help" else __version__) in done.stdout
+
+
+def test_checking_a_run_file_computes_nothing_and_lists_its_runs(tmp_path, capsys):
+    path = run_file(tmp_path, FOLD, {"name": "line", "parameter": "p"}, outputs={"plot": "a.png"})
+    assert call("check", path) == 0
+    assert capsys.readouterr().out == f"{path}: good. Model fold, 1 states; runs: line\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["case.yaml"]
+
+
+def test_checking_a_model_carries_out_what_it_expects(tmp_path, capsys):
+    def expecting(*at):
+        path = tmp_path / "m.yaml"
+        path.write_text(json.dumps({**FOLD, "expect": [{"label": "LP", "at": list(at), "run": {"parameter": "p"}}]}))
+        return path
+
+    assert call("check", expecting()) == 0
+    assert call("check", "--run", expecting({"p": 0, "x": 0})) == 0
+    assert "holds: LP over p: 1 found, 1 expected" in capsys.readouterr().out
+    assert call("check", "--run", expecting()) == 1
+    assert "FAILS: LP over p: 1 found, 0 expected; unexpected" in capsys.readouterr().out
+    assert call("check", "--run", expecting({"p": 0.001})) == 1
+    assert "missing [{'p': 0.001}]; unexpected" in capsys.readouterr().out
+    assert call("check", "--run", expecting({"p": 0}, {"p": 0})) == 1
+
+
+def test_a_wrong_model_file_is_named_by_check(tmp_path, capsys):
+    path = tmp_path / "m.yaml"
+    path.write_text(json.dumps({**FOLD, "equations": {"x": "p +"}}))
+    assert call("check", path) == 2
+    assert f"{path}:1:" in capsys.readouterr().err
+
+
+def test_models_lists_the_bundled_ones(capsys):
+    assert call("models") == 0
+    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert "metronomes/pair" in names
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saved")
+    run = {"name": "line", "parameter": "p"}
+    assert call("run", run_file(folder, FOLD, run, outputs={"save": "r.contin", "json": "r.json"}), "-q") == 0
+    return folder
+
+
+@pytest.mark.parametrize("source", ["r.contin", "r.json"])
+def test_saved_results_can_be_drawn(saved, source, capsys):
+    assert call("plot", saved / source) == 0
+    assert (saved / "r.png").read_bytes().startswith(b"\x89PNG")
+    assert call("plot", saved / source, "--out", saved / "r.html", "-x", "x", "-y", "p") == 0
+    assert '"views":[{"x":"x","y":"p"}]' in (saved / "r.html").read_text()
+    assert call("plot", saved / source, "-y", "z") == 2
+    assert "no branch has columns" in capsys.readouterr().err
+
+
+def test_saved_results_can_be_exported(saved):
+    assert call("export", saved / "r.contin", saved / "copy.json") == 0
+    assert results(saved / "copy.json") == results(saved / "r.json")
+    assert call("export", saved / "r.contin", saved / "r.csv") == 0
+    assert (saved / "r.csv").read_text().startswith("branch,label,p,x,")
+    assert call("export", saved / "r.contin", saved / "r.pickle") == 2
+
+
+def test_new_writes_files_that_pass_check_and_never_overwrites(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert call("new", "mine") == 0
+    assert call("check", "mine.yaml") == 0
+    assert call("check", "mine-run.yaml") == 0
+    assert call("new", "mine") == 2
+    assert call("new", "../mine") == 2
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["mine-run.yaml", "mine.yaml"]
+
+
+def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys):
+    assert call("schema", "run") == 0
+    schema = json.loads(capsys.readouterr().out)
+    good = {
+        "contin": 1,
+        "model": "metronomes/pair",
+        "parameters": {"beta": "1/2"},
+        "transform": ["average", {"average": {"form": "polar"}}],
+        "diagram": {"parameter": "mu", "range": [0, 1], "start": ["in-phase", {"r1": 1}]},
+        "continuations": [
+            {"name": "a", "start": "in-phase", "parameter": "mu", "range": [0, 1], "settings": {"max_step": 0.1}},
+            {"from": "a.LP1", "as": "locus", "parameter": ["mu", "beta"], "range": {"mu": [0, 1], "beta": [0, 1]}},
+        ],
+        "outputs": {"json": "a.json", "y": "r1"},
+    }
+    jsonschema.validate(good, schema)
+    for wrong in ({"paramters": {}}, {"contin": 2}, {"continuations": [{"name": "a.b", "parameter": "mu"}]}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**good, **wrong}, schema)
+
+
+def test_the_schema_of_results_is_the_one_the_results_follow(capsys, saved):
+    assert call("schema", "result") == 0
+    jsonschema.validate(results(saved / "r.json"), json.loads(capsys.readouterr().out))
+    assert call("schema", "model of a car") == 2

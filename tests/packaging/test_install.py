@@ -1,0 +1,88 @@
+"""A wheel carries the bundled models; an editable install reads the repository's folder; both give the command."""
+
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from contin._version import __version__
+
+ROOT = Path(__file__).resolve().parents[2]
+SITE = sysconfig.get_paths()["purelib"]
+
+
+def run(*arguments: object, cwd: Path) -> str:
+    """Standard output of a command that must succeed."""
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, cwd=cwd, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory):
+    """Builds a wheel of one kind with hatchling, which needs no network."""
+    pytest.importorskip("hatchling")
+
+    def make(kind: str) -> Path:
+        folder = tmp_path_factory.mktemp(kind)
+        run(sys.executable, "-c", f"import hatchling.build as b; print(b.build_{kind}({str(folder)!r}))", cwd=ROOT)
+        [wheel] = folder.glob("*.whl")
+        return wheel
+
+    return make
+
+
+@pytest.fixture
+def install(tmp_path):
+    """Installs a wheel into a fresh environment that borrows the dependencies of the one the tests run in."""
+
+    def make(wheel: Path) -> Path:
+        home = tmp_path / "venv"
+        venv.create(home, with_pip=False, symlinks=True)
+        site = Path(
+            run(
+                home / "bin" / "python", "-c", "import sysconfig; print(sysconfig.get_paths()['purelib'])", cwd=tmp_path
+            ).strip()
+        )
+        pip = [sys.executable, "-m", "pip", "--python", home / "bin" / "python"]
+        run(*pip, "install", "--quiet", "--no-deps", "--no-index", wheel, cwd=tmp_path)
+        # Appended, not .pth-processed: the tests' own editable contin must not be found through it.
+        (site / "borrowed.pth").write_text(f"import sys; sys.path.append({SITE!r})\n")
+        return home / "bin"
+
+    return make
+
+
+def models_folder(binaries: Path, cwd: Path) -> Path:
+    text = run(binaries / "python", "-c", "from contin.model.bundled import folder; print(folder())", cwd=cwd)
+    return Path(text.strip())
+
+
+def test_a_wheel_carries_every_bundled_model_and_what_the_package_needs(build):
+    names = set(zipfile.ZipFile(build("wheel")).namelist())
+    models = {path.relative_to(ROOT / "models").as_posix() for path in (ROOT / "models").rglob("*.yaml")}
+    assert models
+    assert {f"contin/_models/{name}" for name in models} <= names
+    assert {"contin/plot/viewer.html", "contin/py.typed"} <= names
+    assert not any(name.startswith(("tests/", "models/", "hatch_build")) for name in names)
+
+
+def test_an_installed_wheel_has_the_command_and_its_own_models(build, install, tmp_path):
+    binaries = install(build("wheel"))
+    assert run(binaries / "contin", "--version", cwd=tmp_path) == f"contin {__version__}\n"
+    assert "metronomes/pair" in run(binaries / "contin", "models", cwd=tmp_path)
+    folder = models_folder(binaries, tmp_path)
+    assert folder.name == "_models"
+    assert folder.is_relative_to(tmp_path.resolve())
+
+
+def test_an_editable_install_reads_the_folder_of_the_repository(build, install, tmp_path):
+    wheel = build("editable")
+    assert not any("_models" in name for name in zipfile.ZipFile(wheel).namelist())
+    binaries = install(wheel)
+    assert "metronomes/pair" in run(binaries / "contin", "models", cwd=tmp_path)
+    assert models_folder(binaries, tmp_path) == ROOT / "models"
