@@ -23,6 +23,7 @@ from contin.model.expression import (
     compare,
     div,
     if_,
+    logical,
     mask_of,
     mul,
     neg,
@@ -160,12 +161,13 @@ def _sum(terms: list[Expression]) -> Expression:
 
 
 def _power_rule(base: Expression, exponent: Expression, d_base: Expression, d_exponent: Expression) -> Expression:
-    """d(b^e) = e b^(e-1) db + b^e log(b) de, with the limits at b = 0 and e = 0 where the formula says 0 * infinity."""
+    """d(b^e) = e b^(e-1) db + b^e log(b) de, with the limits at b = 0 where the formula says 0 * infinity."""
     if exponent.is_number:
         return mul(exponent, power(base, _minus_one(exponent)), d_base)
     along_base = mul(exponent, power(base, _minus_one(exponent)))
-    if exponent.mask:
-        along_base = if_(near_zero(exponent), ZERO, along_base)  # x^n for n = 2, three times differentiated, at x = 0
+    if exponent.mask and base.mask:
+        # x^n for n = 2, three times differentiated, at x = 0; for x != 0 the formula is right also where n = 0
+        along_base = if_(logical("and", near_zero(base), near_zero(exponent)), ZERO, along_base)
     if d_exponent is ZERO:
         return mul(along_base, d_base)
     along_exponent = mul(power(base, exponent), call("log", base))
