@@ -17,6 +17,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
 CLOSED = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
+SHORTEST_RETRY = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
 SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 
@@ -78,6 +79,10 @@ class Arm:
             )
             corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
             piece = self._resolve(chunk, before, corner is not None)
+            if piece is None:  # the last step jumped to another branch: again, shorter
+                chunk, self.end = _without_last(chunk), None
+                piece = self._resolve(chunk, before)
+                assert piece is not None
             self.accepted += len(piece.z)
             yield piece
             if self.end is not None:
@@ -128,7 +133,8 @@ class Arm:
         )
         return beyond, piece
 
-    def _resolve(self, chunk: Chunk, before: Sample | None, corner: bool = False) -> Piece:
+    def _resolve(self, chunk: Chunk, before: Sample | None, corner: bool = False) -> Piece | None:
+        """Labels and ends of a chunk; None where its last step must be repeated with a shorter one."""
         frame = Frame(self.scale, chunk.reference)
         rows = len(chunk) - 1
         found: list[Found] = []
@@ -147,6 +153,8 @@ class Arm:
             earlier = chunk.sample(rows - 2) if rows >= 2 else before
             if chunk.stop is Stop.DIP and earlier is not None:
                 items += list(resolve_dip(stretch, earlier, stretch.base, last, chunk.dipped))
+            if chunk.lengths[-1] > SHORTEST_RETRY and any(isinstance(i, Note) and i.suspect for i in items):
+                return None
             for item in items:
                 if isinstance(item, Note):
                     notes.append(item.text)
@@ -220,7 +228,7 @@ class Arm:
             return None
         self.end = End("closed", f"closed loop: back at the start, {self._position(start)}")
         winding = (high.z - start.z) - gap
-        return replace(start, z=start.z + winding)
+        return replace(high, z=start.z + winding)
 
     def _wrapped(self, difference: Array) -> Array:
         periods = self.problem.angle_periods
@@ -259,6 +267,15 @@ class Arm:
         where = self._position(chunk.sample(-1))
         advice = chunk.detail or self.problem.describe_failure(chunk.z[-1])
         self.end = End("corrector", f"corrector failed at {where} at the smallest step ({self.settings.min_step:.0e}). {advice}")
+
+
+def _without_last(chunk: Chunk) -> Chunk:
+    """The chunk before its last step, which is to be repeated with a quarter of its length."""
+    m = len(chunk) - 1
+    return replace(
+        chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
+        eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT, next_step=float(chunk.lengths[m]) / 4,
+    )  # fmt: skip
 
 
 def _renormalised(before: Sample, origin: Sample) -> Sample:

@@ -8,7 +8,7 @@ what is left when it cannot be halved further coincides, and is handed to the pr
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,14 +28,15 @@ class Found:
 
     length: float
     point: Verified
-    sample: Sample  # the located sample next to it, for tangent and tests
+    sample: Sample  # the located sample next to it, with the branch's tangent at the point itself
 
 
 @dataclass(frozen=True)
 class Note:
-    """Something seen that did not become a label."""
+    """Something seen that did not become a label; `suspect` where a jump to another branch would explain it."""
 
     text: str
+    suspect: bool = False
 
 
 def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
@@ -96,7 +97,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
             length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
             if moved <= 0.2 * width + 1e-6 and s_a - slack <= length <= s_b + slack:
-                return low, high, Found(length, verified, near)
+                return low, high, Found(length, verified, _at_point(stretch, near, a, b, verified))
             outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
         else:
             outcome = verified
@@ -105,18 +106,33 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
     return low, high, outcome
 
 
+def _at_point(stretch: Stretch, near: Sample, a: Sample, b: Sample, point: Verified) -> Sample:
+    """`near` with the tangent at the point: of the branches through it, the one that continues a to b.
+
+    Close to a branch point the Jacobian is too small to give a direction, so the nearest sample's own tangent is useless.
+    """
+    s_a, s_b = stretch.length_of(a), stretch.length_of(b)
+    s = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
+    weight = min(max((s - s_a) / (s_b - s_a), 0.0), 1.0) if s_b != s_a else 0.5
+    expected = (1.0 - weight) * a.tangent + weight * b.tangent
+    expected = expected / np.linalg.norm(expected)
+    best = max(stretch.problem.tangents(point.z, stretch.frame.scale), key=lambda t: abs(float(t @ expected)))
+    alignment = float(best @ expected)
+    return replace(near, tangent=best * np.sign(alignment) if abs(alignment) > 0.9 else expected)
+
+
 def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
     """What coincides at one place: a corner of a piecewise equation, or several smooth events."""
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
     items = [corner] if corner is not None else list(stretch.problem.verify_compound(a, b, stretch.frame))
     if not items:
-        yield Note(_where(stretch, a, why))
+        yield Note(_where(stretch, a, why), True)
     for item in items:
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
-            yield Found(length, item, a)
+            yield Found(length, item, _at_point(stretch, a, stretch.base, b, item))
         elif item:
-            yield Note(_where(stretch, a, item))
+            yield Note(_where(stretch, a, item), "not verified" in item)
 
 
 def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:

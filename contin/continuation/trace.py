@@ -82,6 +82,8 @@ def trace(
     start, here = _first_sample(seed, scale, settings)
     records: dict[int, _ArmRecord] = {}
     known: list[Verified] = [f.point for f in here]
+    if seed.born:  # the parent is not a label of the branch, should it come back to it
+        known.append(Verified("BP", seed.z, 0.0, 0.0, start.eigenvalues, 0))
     notes: list[str] = []
     for sense in seed.arms:
         if -1 in records and records[-1].end.reason == "closed":
@@ -261,8 +263,16 @@ def _assemble(
         name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points, ends=ends,
         z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=time.perf_counter() - started, effort=effort, problem=problem,
-        locus=problem.locus, parent=seed.parent, notes=tuple(notes), symmetries=seed.symmetries,
+        locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
     )  # fmt: skip
+
+
+def _distinct(notes: list[str]) -> tuple[str, ...]:
+    """One note of each kind (the text before ' near '), with how often it was made."""
+    kinds: dict[str, list[str]] = {}
+    for note in notes:
+        kinds.setdefault(note.split(" near ")[0], []).append(note)
+    return tuple(same[0] if len(same) == 1 else f"{same[0]} and at {len(same) - 1} more places" for same in kinds.values())
 
 
 def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, Any]:

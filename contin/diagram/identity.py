@@ -60,6 +60,10 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
         along = along / norm
         base = Sample(branch.z[row], along, np.full(4, np.nan), 0, np.empty(0, complex))
         length = float(-offsets[row] @ along)
+        if distances[row] < SAME:  # on the row itself, which may be a branch point, where Newton does not work
+            if tangent is None:
+                return True
+            return abs(float(along @ (tangent / scale))) > PARALLEL * float(np.linalg.norm(tangent / scale))
         target = branch.z[row] - offsets[row] * scale  # z, in the angles' sheet of the row
         found = problem.probe(base, length, branch.z[row] + length * scale * along, Frame(scale), Settings())
         if found is None or float(np.linalg.norm((found.z - target) / scale)) > SAME:

@@ -39,10 +39,15 @@ def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
 
 def _normal_form(problem: Any, point: Verified, scale: Array) -> Any:
     from contin.normalforms import branching, fold, hopf
+    from contin.normalforms.result import NormalForm
 
     kernel = int(point.vectors.get("kernel", 1))
+    if point.type == "BP" and kernel > 1:
+        from contin.normalforms.directions import any_branch_point
+
+        return any_branch_point(jet_at(problem, point.z, scale), kernel=kernel)
     if kernel > 1:
-        return _multiple(point, kernel)
+        return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")
     if point.type not in ("LP", "BP", "HB", "PD", "NS") or point.normal_form.get("kind") == "nonsmooth":
         return None
     jet = jet_at(problem, point.z, scale)
@@ -56,8 +61,3 @@ def _normal_form(problem: Any, point: Verified, scale: Array) -> Any:
 
     return maps.period_doubling(jet) if point.type == "PD" else maps.neimark_sacker(jet, float(point.vectors["omega"]))
 
-
-def _multiple(point: Verified, kernel: int) -> Any:
-    from contin.normalforms.result import NormalForm
-
-    return NormalForm(point.type, {"kernel": kernel}, f"kernel of dimension {kernel}")

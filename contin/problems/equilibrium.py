@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import NO_FUNCTION, Array
+from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Seed
 from contin.problems import corners, special
+from contin.problems.function_march import DenseMarch
 from contin.problems.scales import state_scales
 from contin.problems.scaled import ScaledSystem
 
@@ -135,6 +137,10 @@ class EquilibriumProblem:
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        if self.system.jacobian_address == NO_FUNCTION:
+            return python_march.march(
+                DenseMarch(self), origin, before, length, frame, step, limit, bounds, settings, loop
+            )
         from contin.kernels import algebraic as kernel
 
         n = self.n
@@ -167,6 +173,8 @@ class EquilibriumProblem:
         )  # fmt: skip
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if self.system.jacobian_address == NO_FUNCTION:
+            return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
         from contin.kernels import algebraic as kernel
 
         n = self.n

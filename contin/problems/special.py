@@ -54,7 +54,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if type_ == "LP":
         return _accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0))
     if type_ == "BP":
-        return _branch_point(problem, local, y, frame, 1)
+        return _branch_point(problem, local, y, frame, 1, near.tangent)
     if type_ == "PD":
         return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
     pair = _critical_pair(near.eigenvalues, problem.is_map)
@@ -106,13 +106,33 @@ def _with(point: Verified, **changes: Any) -> Verified:
     return replace(point, **changes)
 
 
-def _branch_point(problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int) -> Verified | str:
+def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
+    """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
+    for side in (-BESIDE, BESIDE):
+        beside = y + side * tangent
+        for _ in range(4):  # back to the curve by minimum-norm Newton steps, which singular Jacobians do not disturb
+            f, jacobian = local.linearise(beside)
+            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(jacobian))):
+                return False
+            beside = beside - np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
+        _, jacobian = local.linearise(beside)
+        singular = np.linalg.svd(jacobian, compute_uv=False)
+        if singular[-corank] > 1e-3 * BESIDE * SINGULAR * max(float(singular[0]), 1e-300):
+            return False
+    return True
+
+
+def _branch_point(
+    problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
+) -> Verified | str:
     solved = defining.branch_point(local, y, corank)
 
     def critical(values: Any) -> list[int]:
         target = 1.0 if problem.is_map else 0.0
         return list(np.argsort(np.abs(values - target))[:corank])
 
+    if solved is not None and _singular_throughout(local, solved.y, tangent, corank):
+        return "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
     accepted = _accept(problem, "BP", frame, solved, critical)
     if isinstance(accepted, Verified):
         return _with(accepted, vectors={"kernel": corank})
@@ -172,7 +192,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     size = max(float(np.linalg.norm(jacobian, 2)), float(np.linalg.norm(beside, 2)), 1e-300)
     corank = int(np.sum(np.linalg.svd(jacobian, compute_uv=False) < SINGULAR * size))
     if corank >= 1:
-        found.append(_branch_point(problem, local, y, frame, corank))
+        found.append(_branch_point(problem, local, y, frame, corank, a.tangent))
     elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
     if a.tests[3] * b.tests[3] < 0.0:

@@ -1,0 +1,186 @@
+"""`FunctionProblem`: a user's Python function in place of a model; every verb that takes a model takes one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contin.abi import Array
+from contin.errors import InputError, NotFiniteError
+
+if TYPE_CHECKING:
+    from contin.problems.function_system import FunctionSystem
+
+NAMED = 50  # up to this number, states are columns of their own
+DENSE = 200  # without a Jacobian or its sparsity, a dense one is differenced up to this number of states
+Values = Mapping[str, float]
+Method = Literal["dense", "sparse", "matrix-free"]
+
+
+@dataclass(frozen=True)
+class Named:
+    """A state or parameter as reports and files describe it."""
+
+    name: str
+    unit: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionSymmetry:
+    """A map of states (n,) -> (n,) that takes solutions to solutions."""
+
+    name: str
+    map: Callable[[Array], ArrayLike]
+
+
+class FunctionProblem:
+    """F(u, p) = 0, as a flow u' = F(u, p), or the fixed points of a map u -> F(u, p), given by a Python function.
+
+    residual : (u, p) -> (n,), u (n,) and p a mapping of parameter names to values. Where it takes complex u and p and is
+        analytic, derivatives that are not given come from complex steps; otherwise from differences of high order.
+    u0 : (n,) guess of a solution at `parameters`, {name: value}.
+    jacobian : (u, p) -> dF/du. What it returns decides the method: an (n, n) array (dense); a scipy.sparse matrix (one
+        factorisation a Newton step, bordered systems by block elimination); a scipy.sparse.linalg.LinearOperator
+        (matrix-free, GMRES). Without it `sparsity`, a matrix whose non-zeros are those of dF/du, makes coloured
+        differences; without both, differences give a dense Jacobian up to n = 200 and products beyond (matrix-free).
+    kind : 'flow' or 'map'; decides stability and the types of special points.
+    parameter_jacobian : (u, p, name) -> dF/dp_name, (n,).
+    derivative : (u, p, d1, ..., dk) -> D^k F[d1, ..., dk], k = 2 and 3; directions (n + m,) in states and parameters.
+    record : (u, p) -> {name: number}: columns of branches beside the states (which are columns up to n = 50).
+    states : names of the states, default u0, u1, ...
+    periods : {state: period} of states that are angles.   ranges : {parameter: (lo, hi)}, defaults of runs.
+    symmetries : {name: map of u (n,) to (n,)} that take solutions to solutions.
+    typical : sizes of states that are zero in u0, a number or (n,): for differences. Default 1.
+    preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r; matrix-free only.
+    """
+
+    forcing = None
+    starts = ()
+
+    def __init__(
+        self,
+        residual: Callable[[NDArray[Any], Any], ArrayLike],
+        u0: ArrayLike,
+        parameters: Values,
+        jacobian: Callable[[Array, Any], Any] | None = None,
+        *,
+        kind: Literal["flow", "map"] = "flow",
+        parameter_jacobian: Callable[[Array, Any, str], ArrayLike] | None = None,
+        derivative: Callable[..., ArrayLike] | None = None,
+        record: Callable[[Array, Any], Values] | None = None,
+        states: Sequence[str] | None = None,
+        periods: Values | None = None,
+        ranges: Mapping[str, tuple[float, float]] | None = None,
+        symmetries: Mapping[str, Callable[[Array], ArrayLike]] | None = None,
+        sparsity: Any = None,
+        preconditioner: Callable[[Array, Any], Callable[[Array], ArrayLike]] | None = None,
+        typical: ArrayLike = 1.0,
+        name: str = "function",
+        title: str | None = None,
+    ) -> None:
+        self.residual, self.jacobian = residual, jacobian
+        self.u0 = np.array(u0, dtype=float).ravel()
+        self.n = self.u0.size
+        if self.n == 0 or not np.all(np.isfinite(self.u0)):
+            raise InputError(f"u0 must be a vector of at least one finite number; got shape {np.shape(u0)}")
+        if kind not in ("flow", "map"):
+            raise InputError(f"kind must be 'flow' or 'map'; got {kind!r}")
+        self.kind = kind
+        self.values = {key: float(value) for key, value in parameters.items()}
+        self.parameter_names = tuple(self.values)
+        if states is not None and len(states) != self.n:
+            raise InputError(f"states names {len(states)} states; u0 has {self.n}")
+        default = tuple(f"u{k}" for k in range(self.n)) if self.n <= NAMED else ()
+        self.state_names = tuple(states) if states is not None else default
+        clash = sorted(set(self.state_names) & set(self.parameter_names))
+        if clash:
+            raise InputError(f"{', '.join(clash)} names both a state and a parameter; name the states with states=[...]")
+        self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
+        self.ranges = dict(ranges or {})
+        self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
+        self.sparsity, self.preconditioner = sparsity, preconditioner
+        self.typical = np.broadcast_to(np.asarray(typical, dtype=float), (self.n,))
+        self.name, self.title = name, title
+        self._periods = np.zeros(self.n)
+        for key, value in (periods or {}).items():
+            self._periods[self._state(key)] = value
+
+    def __repr__(self) -> str:
+        return f"<FunctionProblem {self.name!r}: n = {self.n}, {self.method}>"
+
+    @cached_property
+    def method(self) -> Method:
+        """How linear systems are solved: 'dense', 'sparse' or 'matrix-free'."""
+        if self.jacobian is None:
+            if self.sparsity is not None:
+                return "sparse"
+            return "dense" if self.n <= DENSE and self.preconditioner is None else "matrix-free"
+        from scipy.sparse import issparse
+        from scipy.sparse.linalg import LinearOperator
+
+        matrix = self.jacobian(self.u0, dict(self.values))
+        if issparse(matrix):
+            return "sparse"
+        return "matrix-free" if isinstance(matrix, LinearOperator) else "dense"
+
+    def system(self) -> FunctionSystem:
+        """The function with all its derivatives, as problems use it."""
+        from contin.problems.function_system import FunctionSystem
+
+        return FunctionSystem(self)
+
+    # what verbs and reports ask of a model ------------------------------------------------------------------------------
+
+    @property
+    def states(self) -> tuple[Named, ...]:
+        """States with names."""
+        return tuple(Named(s) for s in self.state_names)
+
+    @property
+    def parameters(self) -> tuple[Named, ...]:
+        """All parameters."""
+        return tuple(Named(p) for p in self.parameter_names)
+
+    def default_parameters(self, overrides: Mapping[str, Any] | None = None) -> dict[str, float]:
+        """Values of all parameters with overrides."""
+        unknown = sorted(set(overrides or {}) - set(self.values))
+        if unknown:
+            raise InputError(f"no parameter {', '.join(unknown)}; there are {', '.join(self.values) or 'none'}")
+        return {**self.values, **{key: float(value) for key, value in (overrides or {}).items()}}
+
+    def parameter_range(self, name: str, overrides: Mapping[str, Any] | None = None) -> tuple[float, float] | None:
+        """Default range of a parameter."""
+        return self.ranges.get(name)
+
+    def periods(self, overrides: Mapping[str, Any] | None = None) -> Array:
+        """Period of each state (n,), 0 where it is not an angle."""
+        return self._periods
+
+    def start_point(self, start: Any = None, parameters: Mapping[str, Any] | None = None) -> tuple[Array, Array]:
+        """Vectors u (n,) and p (m,): `start` is None (u0), a vector, or a mapping of states to values."""
+        p = np.array(list(self.default_parameters(parameters).values()), dtype=float)
+        if start is None:
+            return self.u0.copy(), p
+        if isinstance(start, str):
+            raise InputError(f"a function has no named start {start!r}; give a vector or a mapping of states")
+        if isinstance(start, Mapping):
+            u = self.u0.copy()
+            for key, value in start.items():
+                u[self._state(key)] = float(value)
+            return u, p
+        u = np.array(start, dtype=float).ravel()
+        if u.shape != (self.n,):
+            raise InputError(f"a start must have {self.n} components; got {u.size}")
+        if not np.all(np.isfinite(u)):
+            raise NotFiniteError("the start is not finite")
+        return u, p
+
+    def _state(self, name: str) -> int:
+        if name not in self.state_names:
+            raise InputError(f"no state {name!r}; there are {', '.join(self.state_names) or 'only unnamed ones'}")
+        return self.state_names.index(name)

@@ -1,0 +1,67 @@
+"""What the Python march needs of a dense problem without machine code: LU factors of [J; t], tests of stability."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DenseLinearisation:
+    """Scaled residual (n,) and LU factors of M = [J; t^T] (n + 1, n + 1)."""
+
+    residual: Array
+    factors: tuple[Array, NDArray[Any]]
+    sign: float
+    log_determinant: float
+
+    def solve(self, right: Array) -> Array:
+        """M x = right."""
+        from scipy.linalg import lu_solve
+
+        return np.asarray(lu_solve(self.factors, right, check_finite=False))
+
+
+@dataclass(frozen=True, eq=False)
+class DenseMarch:
+    """A problem with `linearise`, `linear_part`, `is_map` and `angle_periods`, as `contin.continuation.march` takes it."""
+
+    problem: Any
+
+    @property
+    def angle_periods(self) -> Array:
+        return np.asarray(self.problem.angle_periods)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+        from scipy.linalg import LinAlgWarning, lu_factor
+
+        f, jacobian = self.problem.linearise(z)
+        d = scale[:-1]
+        matrix = np.vstack([jacobian * scale / d[:, None], tangent])
+        if not (np.all(np.isfinite(f)) and np.all(np.isfinite(matrix))):
+            return None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", LinAlgWarning)
+            lu, pivots = lu_factor(matrix, check_finite=False)
+        diagonal = np.diagonal(lu)
+        exchanges = int(np.sum(pivots != np.arange(len(pivots))))
+        sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
+        logarithm = float(np.sum(np.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
+        return DenseLinearisation(f / d, (lu, pivots), sign, logarithm)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        from contin.kernels.tests_of_stability import flow_tests, map_tests
+        from contin.problems.special import eigenvalues_of
+
+        values = eigenvalues_of(self.problem, z)
+        tests = np.zeros(4)
+        count = (map_tests if self.problem.is_map else flow_tests)(
+            np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests
+        )
+        return tests[2:], int(count), values

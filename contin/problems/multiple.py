@@ -1,0 +1,26 @@
+"""Directions of all branches at a branch point whose kernel has dimension above 1, from the reduced equations."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.scaled import ScaledSystem
+
+PARALLEL = 0.999  # cosine from which a direction is the branch's own
+
+
+def reduced_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:
+    """Unit tangents and second derivatives z''(0) (scaled) of the branches other than the one with tangent `own`."""
+    from contin.normalforms.directions import branch_directions
+    from contin.normalforms.jet import DerivativeJet
+
+    problem, size = local.problem, local.scale[:-1]
+    matrix = problem.linear_part(y * local.scale) * size / size[:, None]
+    kind = "map" if problem.is_map else "flow"
+    jet = DerivativeJet(matrix, lambda d: np.asarray(local.form(y, *d)), 1, kind, np.ones(local.n))  # type: ignore[arg-type]
+    known = own if np.any(own) else None
+    found = branch_directions(jet, known=known, kernel=corank)
+    return [
+        (d.tangent, 2.0 * d.curvature) for d in found if known is None or abs(float(d.tangent @ own)) < PARALLEL
+    ]
