@@ -12,7 +12,8 @@ from rich.text import Text
 from contin.plot.vocabulary import KINDS, locus_words, style_of
 
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
-_COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "b20", "b30", "omega")  # what decides first
+_COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there is decides
+_OF_KIND: Final = {"pitchfork": "b30", "transcritical": "b20"}
 
 
 def print_report(document: Mapping[str, Any], console: Console) -> None:
@@ -89,7 +90,7 @@ def number(value: float | None) -> str:
 
 
 def _coefficient(form: Mapping[str, Any]) -> str:
-    for key in _COEFFICIENTS:
+    for key in (_OF_KIND.get(str(form.get("kind")), ""), *_COEFFICIENTS):
         value = form.get(key)
         if isinstance(value, int | float) and not isinstance(value, bool):
             return f"{key} = {value:.4g}"

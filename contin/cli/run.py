@@ -104,6 +104,7 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
     from contin.runs.results import sample_orbit
+    from contin.runs.warm import warm_up
     from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
@@ -113,14 +114,15 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
     imported = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
+    warm_up()
+    warm = time.perf_counter()
     with status:
         result = execute(plan, engine, status.say)
     ended = time.perf_counter()
-    inside = sum(branch.seconds for branch in result.branches.values() if branch.image_of is None)
     timing = {
         "import": imported - began,
         "lower": lowered - imported,
-        "kernels": max(0.0, ended - lowered - inside),
+        "kernels": warm - lowered,
         "total": ended - began,
     }
     document = result_document(
