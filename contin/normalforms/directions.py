@@ -31,8 +31,8 @@ def branch_directions(
 
     Returns
     -------
-    list of `Direction`; z0 + s tangent + s^2 curvature, s of either sign, is on a branch up to O(s^3). For a pitchfork's
-    side branch the curvature's last entry is p2 of dp = p2 s^2. Empty where no second branch is real.
+    list of `Direction`; z0 + s tangent + s^2 curvature, s of either sign, is on a branch up to O(s^3). For a
+    pitchfork's side branch the curvature's last entry is p2 of dp = p2 s^2. Empty where no second branch is real.
     """
     r = reduce(jet, kernel)
     if r.k == 1:

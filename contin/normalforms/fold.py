@@ -13,7 +13,7 @@ from contin.normalforms.static import quadratic_error, state, static_pair
 def fold(jet: Jet) -> NormalForm:
     """LP: a = <p, B(q, q)>/2 of w' = a w^2 (map: w -> w + a w^2).
 
-    a != 0 where the branch turns like a parabola. Kuznetsov, Elements, 3rd ed., (5.42) with |q| = <p, q> = 1.
+    a != 0 where the branch turns like a parabola. Kuznetsov, Elements, 3rd ed., sec. 5.4.1, with |q| = <p, q> = 1.
     """
     pair = static_pair(jet)
     q, p = pair.right, pair.left
@@ -26,7 +26,7 @@ def fold(jet: Jet) -> NormalForm:
 def cusp(jet: Jet) -> NormalForm:
     """CP: c = <p, C(q,q,q) + 3 B(q,h2)>/6 of w' = c w^3, A h2 = -(B(q,q) - <p,B(q,q)> q), <p,h2> = 0.
 
-    Kuznetsov, Elements, 3rd ed., (8.126); maps: Kuznetsov and Meijer (2005), with A - 1 for A.
+    Kuznetsov, Elements, 3rd ed., sec. 8.7; maps: Kuznetsov and Meijer (2005), with A - 1 for A.
     """
     pair = static_pair(jet)
     manifold = CentreManifold(jet, [pair])

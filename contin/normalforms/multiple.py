@@ -1,6 +1,7 @@
 """Branch points whose kernel has dimension k > 1: every real branch through them, from the reduced equations.
 
-With y = (x, dp), x in R^k, three scalings occur (Golubitsky and Schaeffer 1985; Golubitsky, Stewart and Schaeffer 1988):
+With y = (x, dp), x in R^k, three scalings occur (Golubitsky, Stewart and Schaeffer, Singularities and Groups in
+Bifurcation Theory II, 1988):
 
     quadratic   T2[y, y] = 0                        x ~ s, dp ~ s      the quadratic terms in x do not vanish
     cubic       dp M x + T3[x, x, x]/6 = 0          x ~ s, dp ~ s^2    they vanish (a symmetry); M = T2[., x, dp]

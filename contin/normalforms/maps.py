@@ -1,0 +1,98 @@
+"""Period doubling (PD) and Neimark-Sacker (NS) points of fixed points of maps, and what is born there.
+
+Kuznetsov, Elements of Applied Bifurcation Theory, 3rd ed., secs. 5.4.2 and 5.4.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.normalforms.homological import CentreManifold
+from contin.normalforms.hopf import conjugate
+from contin.normalforms.jet import Jet, Real
+from contin.normalforms.linear import eigen_pair, eigenvalues, null_pair
+from contin.normalforms.result import TRUST, NormalForm, parts, sense
+
+
+@dataclass(frozen=True, eq=False)
+class DoubledPredictor:
+    """Period-two points u0 + s q + s^2 (h2 + p2 hp) for both signs of s, at p0 + p2 s^2, up to O(s^3)."""
+
+    q: Real
+    h2: Real
+    hp: Real
+    p2: float
+
+    def points(self, s: float) -> tuple[Real, Real]:
+        """(u1 - u0, u2 - u0): each is the image of the other."""
+        even = s * s * (self.h2 + self.p2 * self.hp)
+        return s * self.q + even, -s * self.q + even
+
+    def parameter_shift(self, s: float) -> float:
+        return s * s * self.p2
+
+
+def flip_manifold(jet: Jet) -> CentreManifold:
+    """The centre manifold of w -> -w + ..."""
+    return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0)])
+
+
+def period_doubling(jet: Jet) -> NormalForm:
+    """PD: c = <p, C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q))>/6 of w -> -w + c w^3.
+
+    Supercritical (c > 0): the doubled orbit lies where the fixed point has the extra unstable multiplier and takes over
+    its stability.
+    """
+    manifold = flip_manifold(jet)
+    c = manifold.g((3,), 0).real
+    error = TRUST * manifold.magnitude((3,), 0)
+    criticality = sense(-c, error)
+    vectors = {"q": manifold.right[0].real, "p": manifold.left[0].real}
+    coefficients = {"c": c, "criticality": criticality}
+    return NormalForm("PD", coefficients, f"{criticality} period doubling", vectors, {"c": error})
+
+
+def flip_predictor(jet: Jet) -> DoubledPredictor:
+    """The doubled orbit for a jet with one active parameter; with multiplier -1 + gamma dp, p2 = -c/gamma.
+
+    Where the multiplier does not cross with speed (gamma zero to its estimated error), p2 = 0.
+    """
+    manifold = flip_manifold(jet)
+    gamma = manifold.g((1, 1), 0).real
+    crosses = abs(gamma) > TRUST * manifold.magnitude((1, 1), 0)
+    p2 = -manifold.g((3,), 0).real / gamma if crosses else 0.0
+    return DoubledPredictor(manifold.right[0].real, manifold.h(2).real, manifold.h(0, 1).real, p2)
+
+
+def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
+    """The centre manifold of w -> e^{i theta} w; without theta, of the complex pair nearest to the unit circle."""
+    if theta is None:
+        upper = [value for value in eigenvalues(jet.A) if value.imag > 0.0]
+        if not upper:
+            raise ValueError("no complex multipliers: this is not a Neimark-Sacker point (a neutral saddle has none)")
+        theta = float(np.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
+    value = np.exp(1j * theta)
+    pair = null_pair(jet.A - value * np.eye(jet.n), complex(value))
+    return CentreManifold(jet, [pair, conjugate(pair)])
+
+
+def neimark_sacker(jet: Jet, theta: float | None = None) -> NormalForm:
+    """NS: d of w -> e^{i theta} w (1 + d |w|^2); Re d decides.
+
+    d = e^{-i theta} <p, C(q,q,q*) + 2 B(q, (1 - A)^-1 B(q,q*)) + B(q*, (e^{2 i theta} - A)^-1 B(q,q))>/2. Supercritical
+    (Re d < 0): the invariant circle lies where the fixed point has the extra pair of unstable multipliers, and takes
+    over its stability. `resonance` names a strong resonance (3 or 4) where theta is one to 1e-6; d then decides nothing.
+    """
+    manifold = circle_manifold(jet, theta)
+    value = manifold.values[0]
+    d = manifold.g((2, 1), 0) / value
+    error = TRUST * manifold.magnitude((2, 1), 0)
+    criticality = sense(d.real, error)
+    coefficients = {"theta": float(np.angle(value)), "d": parts(d), "criticality": criticality}
+    for order in (3, 4):
+        if abs(value**order - 1.0) < 1e-6:
+            coefficients["resonance"] = order
+    vectors = {"q": manifold.right[0], "p": manifold.left[0]}
+    return NormalForm("NS", coefficients, f"{criticality} Neimark-Sacker point", vectors, {"d": error})
