@@ -238,9 +238,14 @@ def _merge(found: list[Verified | str], frame: Frame) -> list[Verified | str]:
 
 def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     """Unit tangents of the branches through y: the null vector of J, or at a branch point those of the reduced equation."""
-    f, jacobian = local.linearise(y)
+    _, jacobian = local.linearise(y)
     _, singular, right = np.linalg.svd(jacobian)
-    if singular[-1] > 1e-9 * max(singular[0], 1e-300):
+    size = max(float(singular[0]), 1e-300)
+    if singular[-1] > 1e-6 * size and local.n > 1:
+        return [right[-1]]
+    # all of J may vanish at the point: its size is also what it grows to over one unit of length
+    size = max(size, float(np.linalg.norm(local.hessian(y, right[-1]))), float(np.linalg.norm(local.hessian(y, right[-2]))))
+    if singular[-1] > 1e-9 * size:
         return [right[-1]]
     return crossing_tangents(local, y) or [right[-1]]
 

@@ -97,6 +97,8 @@ def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:
         step = np.linalg.solve(matrix, -f / scale)
     except np.linalg.LinAlgError:
         step = np.linalg.lstsq(matrix, -f / scale, rcond=1e-12)[0]
+        if np.linalg.norm(matrix @ step + f / scale) > 0.5 * np.linalg.norm(f / scale):
+            return None  # no direction reduces the residual: a minimum of |f| that is no solution
     return scale * step if np.all(np.isfinite(step)) else None
 
 
