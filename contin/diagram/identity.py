@@ -14,7 +14,7 @@ from contin.continuation.settings import Settings
 from contin.problems.symmetry import apply_symmetry
 
 SAME = 1e-6  # scaled distance of a point from a curve
-PARALLEL = 0.99  # cosine of two tangents
+PARALLEL = 0.9999  # cosine of two tangents, which are exact at labelled points
 
 
 def wrapped(difference: Array, periods: Array) -> Array:

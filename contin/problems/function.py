@@ -41,8 +41,8 @@ class FunctionSymmetry:
 class FunctionProblem:
     """F(u, p) = 0, as a flow u' = F(u, p), or the fixed points of a map u -> F(u, p), given by a Python function.
 
-    residual : (u, p) -> (n,), u (n,) and p a mapping of parameter names to values. Where it takes complex u and p and is
-        analytic, derivatives that are not given come from complex steps; otherwise from differences of high order.
+    residual : (u, p) -> (n,), u (n,) and p a mapping of parameter names to values. Where it takes complex u and p and
+        is analytic, derivatives that are not given come from complex steps; otherwise from differences of high order.
     u0 : (n,) guess of a solution at `parameters`, {name: value}.
     jacobian : (u, p) -> dF/du. What it returns decides the method: an (n, n) array (dense); a scipy.sparse matrix (one
         factorisation a Newton step, bordered systems by block elimination); a scipy.sparse.linalg.LinearOperator
@@ -99,7 +99,7 @@ class FunctionProblem:
         self.state_names = tuple(states) if states is not None else default
         clash = sorted(set(self.state_names) & set(self.parameter_names))
         if clash:
-            raise InputError(f"{', '.join(clash)} names both a state and a parameter; name the states with states=[...]")
+            raise InputError(f"{', '.join(clash)}: both a state and a parameter; name the states with states=[...]")
         self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
         self.ranges = dict(ranges or {})
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
@@ -134,7 +134,7 @@ class FunctionProblem:
 
         return FunctionSystem(self)
 
-    # what verbs and reports ask of a model ------------------------------------------------------------------------------
+    # what verbs and reports ask of a model --------------------------------------------------------------------------
 
     @property
     def states(self) -> tuple[Named, ...]:

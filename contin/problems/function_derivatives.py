@@ -1,9 +1,9 @@
-"""Derivatives of a user's function along straight lines: by complex steps where it is analytic, else by high-order differences.
+"""Derivatives of a user's function along straight lines: complex steps where it is analytic, else high-order differences.
 
-phi(t) = F(z + t v), z = (u, p). With F analytic and written so that it takes complex arguments, the Taylor coefficients of
-phi come from the trapezoidal rule on a circle of relative radius r = 0.1 (Fornberg 1981): an error of about k! 1e-16 / r^k,
-none for the first derivative (a complex step). Otherwise central stencils of order 6 to 8 are used, on the user's
-Jacobian where there is one (one order less to difference).
+phi(t) = F(z + t v), z = (u, p). With F analytic and written so that it takes complex arguments, the Taylor coefficients
+of phi come from the trapezoidal rule on a circle of relative radius r = 0.1 (Fornberg 1981): an error of about
+k! 1e-16 / r^k, none for the first derivative (a complex step). Otherwise central stencils of order 6 to 8 are used, on
+the user's Jacobian where there is one (one order less to difference).
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Lines:
         return total / h**k
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
-        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure derivatives, or one if all are equal."""
+        """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""
         k = len(directions)
         if k == 1:
             return self.first(u, p, directions[0])

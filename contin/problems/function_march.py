@@ -30,7 +30,7 @@ class DenseLinearisation:
 
 @dataclass(frozen=True, eq=False)
 class DenseMarch:
-    """A problem with `linearise`, `linear_part`, `is_map` and `angle_periods`, as `contin.continuation.march` takes it."""
+    """A problem with `linearise`, `linear_part`, `is_map`, `angle_periods`, as `contin.continuation.march` takes it."""
 
     problem: Any
 

@@ -54,7 +54,7 @@ class FunctionSystem:
     def _named(self, p: NDArray[Any]) -> dict[str, Any]:
         return dict(zip(self.parameter_names, p.tolist(), strict=True))
 
-    # values -------------------------------------------------------------------------------------------------------------
+    # values ---------------------------------------------------------------------------------------------------------
 
     def raw(self, u: NDArray[Any], p: NDArray[Any]) -> NDArray[Any]:
         """F(u, p) (n,), real or complex, as the user's function gives it."""
@@ -98,13 +98,14 @@ class FunctionSystem:
         named = ", ".join(f"{k} = {v:.10g}" for k, v in self._named(np.asarray(p, dtype=float)).items())
         return f"not finite at this point: component {bad[0]} of the residual, at u = ({where}), {named}"
 
-    # derivatives --------------------------------------------------------------------------------------------------------
+    # derivatives ----------------------------------------------------------------------------------------------------
 
     @cached_property
     def lines(self) -> Lines:
         """Directional derivatives by complex steps or differences."""
         u0, p0 = self.model.start_point()
-        sizes = np.concatenate([np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)])
+        states, others = np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)
+        sizes = np.concatenate([states, others])
         analytic = is_analytic(self.raw, u0, p0, sizes)
         return Lines(self.raw, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
 

@@ -7,7 +7,7 @@ import numpy as np
 from contin.abi import Array
 from contin.problems.scaled import ScaledSystem
 
-PARALLEL = 0.999  # cosine from which a direction is the branch's own
+PARALLEL = 0.9999  # cosine from which a direction is the branch's own
 
 
 def reduced_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:

@@ -14,7 +14,7 @@ from contin.problems import defining, special
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 
-PARALLEL = 0.999  # cosine between tangents from which two branches are the same
+PARALLEL = 0.9999  # cosine between tangents from which two branches are the same
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
