@@ -10,6 +10,7 @@ from contin._version import __version__
 
 _EXPORTS = {
     "ContinError": "contin.errors",
+    "FunctionProblem": "contin.problems.function",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
     "load": "contin.model.registry",

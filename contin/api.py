@@ -13,6 +13,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Seed, Watcher, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.problems.function import FunctionProblem
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
@@ -20,13 +21,13 @@ _compiled: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
 
 
 def compiled(model: Any) -> Any:
-    """The machine code of a model, made once per model object."""
+    """The machine code of a model (of a user function: its derivatives), made once per model object."""
     from contin.lowering import compile_system
 
     try:
         return _compiled[model]
     except (KeyError, TypeError):
-        system = compile_system(model)
+        system = model.system() if isinstance(model, FunctionProblem) else compile_system(model)
         try:
             _compiled[model] = system
         except TypeError:  # an object that cannot be a weak key is compiled anew
@@ -58,7 +59,8 @@ def continuation(
 ) -> Branch:
     """Follow the branch through `start` while `parameter` varies in `range`, and label its special points.
 
-    start : an `Equilibrium`, or a seed from `point.switch()` (a list of seeds: its first is followed).
+    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()` (a list of seeds:
+        its first is followed).
     range : (lo, hi); default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
@@ -91,6 +93,8 @@ def as_seed(start: Any, parameter: str) -> Seed:
     """What can start a continuation, as a seed with `parameter` free."""
     if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
         return as_seed(start[0], parameter)
+    if isinstance(start, FunctionProblem):
+        start = equilibrium(start)
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:
             raise InputError(f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead")

@@ -1,4 +1,4 @@
-"""Derivatives of a user's function along straight lines: complex steps where it is analytic, else high-order differences.
+"""Derivatives of a user's function along straight lines: complex steps where analytic, else high-order differences.
 
 phi(t) = F(z + t v), z = (u, p). With F analytic and written so that it takes complex arguments, the Taylor coefficients
 of phi come from the trapezoidal rule on a circle of relative radius r = 0.1 (Fornberg 1981): an error of about
