@@ -147,7 +147,8 @@ def _differentiate(
         slope = slopes.get(node)
         if slope is None:
             slope = slopes[node] = SLOPES[op](node)
-        result = _sum([mul(s, differentials[a]) for s, a in zip(slope, args, strict=True) if a in differentials])
+        # the inner factors first: then they stay a common beginning of the outer products
+        result = _sum([mul(differentials[a], s) for s, a in zip(slope, args, strict=True) if a in differentials])
     else:
         return  # conditions
     if result is not ZERO:
