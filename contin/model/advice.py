@@ -72,8 +72,10 @@ def closest(word: str, known: Iterable[str]) -> str:
     """ "did you mean 'beta'?", or an empty text."""
     candidates = list(known)
     folded = {name.lower(): name for name in candidates}
-    cutoff = 0.5 if len(word) <= 5 else 0.6
-    matches = [folded[m] for m in get_close_matches(word.lower(), folded, n=3, cutoff=cutoff)]
+    lower = word.lower()
+    near = get_close_matches(lower, folded, n=3, cutoff=0.75)
+    far = near or get_close_matches(lower, folded, n=3, cutoff=0.5 if len(word) <= 5 else 0.6)
+    matches = [folded[m] for m in far]
     if not matches:
         return ""
     return f"did you mean {' or '.join(repr(m) for m in matches)}?"

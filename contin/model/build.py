@@ -9,7 +9,7 @@ from contin.errors import InputError
 from contin.model import schema
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate, evaluate_all
-from contin.model.expression import Expression
+from contin.model.expression import Expression, is_condition
 from contin.model.inline import Formulas
 from contin.model.lexer import canonical_name
 from contin.model.naming import check_label, check_names
@@ -64,6 +64,7 @@ def start_from_mapping(model: Model, mapping: Mapping[str, Any]) -> Start:
     formulas = Formulas(problems, [*model.state_names, *model.parameter_names], {})
     formulas.functions = dict(model.functions)
     formulas.definitions = dict(model.definitions)
+    formulas.conditions = {n for n, e in model.definitions.items() if is_condition(e)}
     reader = _StartReader(formulas, list(model.state_names), list(model.parameter_names), problems)
     start = reader.read("", data, ())
     problems.raise_if_any()

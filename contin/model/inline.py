@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from contin.errors import ExpressionError
-from contin.model.expression import Expression, is_condition, number, substitute, symbol, symbols_in
+from contin.model.expression import Expression, is_condition, mask_of, number, substitute, symbol, symbols_in
 from contin.model.lexer import canonical_name, is_name, tokenize
 from contin.model.order import CircleError, dependency_order
 from contin.model.parser import Operand, parse_operand
@@ -27,23 +27,22 @@ class Formulas:
         self.definitions: dict[str, Expression] = {}
         self.conditions: set[str] = set()
         self.budget = Budget()
-        self.symbols = {name: symbol(name) for name in symbols}
+        self.names = {name: symbol(name) for name in symbols}  # with the definitions, as they become known
         self.unavailable = unavailable
 
     @property
     def scope(self) -> Scope:
         """What equations and observables may use."""
-        names = {**self.symbols, **self.definitions}
-        return Scope(names, self.functions, frozenset(self.conditions), self.unavailable, self.budget)
+        return Scope(self.names, self.functions, self.conditions, self.unavailable, self.budget)
 
     def scope_of(self, names: list[str], hidden: Mapping[str, str]) -> Scope:
         """The scope in which only `names`, and definitions made of them alone, mean something."""
         allowed = {name: symbol(name) for name in names}
-        known = set(names)
-        usable = {n: e for n, e in self.definitions.items() if known.issuperset(symbols_in([e]))}
+        known = mask_of(names)
+        usable = {n: e for n, e in self.definitions.items() if e.mask | known == known}
         reasons = {n: f"{n} depends on states, which have no value here" for n in self.definitions if n not in usable}
         table = {**usable, **allowed}
-        return Scope(table, self.functions, frozenset(self.conditions), {**reasons, **hidden}, self.budget)
+        return Scope(table, self.functions, self.conditions, {**reasons, **hidden}, self.budget)
 
     def read(self, value: Any, path: Path, scope: Scope) -> Expression:
         """One formula whose value is a number; after a mistake, the number 1."""
@@ -142,7 +141,7 @@ class Formulas:
         inner = Scope(
             {**(outer.names or {}), **arguments},
             self.functions,
-            outer.conditions - set(parameters),
+            self.conditions.difference(parameters),
             self.unavailable,
             self.budget,
         )
@@ -152,7 +151,7 @@ class Formulas:
 
     def _definition(self, name: str, key: str, body: Any) -> None:
         operand = self.read_operand(body, ("definitions", key), self.scope)
-        self.definitions[name] = operand.node
+        self.definitions[name] = self.names[name] = operand.node
         if operand.condition:
             self.conditions.add(name)
 

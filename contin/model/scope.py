@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
 from contin.errors import ExpressionError
 from contin.model.expression import Expression, postorder, substitute, symbol
 
-NODE_BUDGET: Final = 2_000_000  # nodes that reading one model may build
+NODE_BUDGET: Final = 500_000  # nodes that reading one model may build
 
 
 class Budget:
     """Counts the work of reading one model, so that formulas that grow exponentially end with a message."""
 
-    def __init__(self, nodes: int = NODE_BUDGET) -> None:
-        self.nodes = nodes
-        self.left = nodes
+    def __init__(self) -> None:
+        self.nodes = self.left = NODE_BUDGET
 
     def spend(self, nodes: int, position: int) -> None:
         self.left -= nodes
@@ -64,6 +63,6 @@ class Scope:
 
     names: Mapping[str, Expression] | None = None
     functions: Mapping[str, Function] = field(default_factory=dict)
-    conditions: frozenset[str] = frozenset()
+    conditions: Collection[str] = frozenset()
     unavailable: Mapping[str, str] = field(default_factory=dict)
     budget: Budget = field(default_factory=Budget)

@@ -32,6 +32,10 @@ class Source(ABC):
         `key` asks for the key instead of the value; `span` is a part of the text `value` that stands there.
         """
 
+    @abstractmethod
+    def full_path(self, path: Path) -> Path:
+        """The path from the top of the file."""
+
 
 @dataclass(frozen=True)
 class CallSource(Source):
@@ -42,6 +46,9 @@ class CallSource(Source):
     def locate(self, path: Path, key: bool, value: str | None, span: Span | None) -> tuple[tuple[int, int], str, str]:
         snippet = "" if value is None or span is None else carets("      ", value, span.start, span.end)
         return (0, 0), self.name, snippet
+
+    def full_path(self, path: Path) -> Path:
+        return path
 
 
 @dataclass(frozen=True)
@@ -72,6 +79,9 @@ class YamlSource(Source):
             place = _inside(self.text, marks.value, value, span)
         return self.at(place)
 
+    def full_path(self, path: Path) -> Path:
+        return path
+
     def at(self, place: Span) -> tuple[tuple[int, int], str, str]:
         """The same for a part of the file's text."""
         begin = self.text.rfind("\n", 0, place.start) + 1
@@ -92,6 +102,9 @@ class PartSource(Source):
     def locate(self, path: Path, key: bool, value: str | None, span: Span | None) -> tuple[tuple[int, int], str, str]:
         return self.whole.locate(self.prefix + path, key, value, span)
 
+    def full_path(self, path: Path) -> Path:
+        return self.whole.full_path(self.prefix + path)
+
 
 class Problems:
     """Collects what is wrong with one input, so that several mistakes are reported at once."""
@@ -105,7 +118,7 @@ class Problems:
     ) -> None:
         """Note a mistake at `path`: at its key, its value, or the part `span` of the formula `value`."""
         order, heading, snippet = self.source.locate(path, key, value, span)
-        shown = path_text(path)
+        shown = path_text(self.source.full_path(path))
         text = f"{heading}: {shown}: {message}" if shown else f"{heading}: {message}"
         self.found.append((order, len(self.found), printable(text) + (f"\n{snippet}" if snippet else "")))
 

@@ -146,6 +146,8 @@ class _Reader:
         plain = event.style in (None, "")
         written = self.source.text[span.start : span.end]
         trimmed = Span(span.start, span.start + len(written.rstrip())) if plain else span
+        if plain and not written and self.stack and self.stack[-1].key_span is not None:
+            trimmed = self.stack[-1].key_span  # nothing is written: show the key
         if self.expects_key():
             self.take_key(event.value, trimmed)
             if event.anchor:
