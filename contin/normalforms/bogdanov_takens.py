@@ -8,8 +8,8 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import normalise, singular_vectors, solve
-from contin.normalforms.result import TRUST, NormalForm
-from contin.normalforms.static import state, static_matrix
+from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.static import quadratic_error, state, static_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +36,12 @@ def jordan_chain(matrix: Real) -> JordanChain:
     return JordanChain(q0, q1, p0, p1)
 
 
-def bogdanov_takens(jet: Jet) -> NormalForm:
+def bogdanov_takens(jet: Jet, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
     """BT: a = <p1,B(q0,q0)>/2 and b = <p0,B(q0,q0)> + <p1,B(q0,q1)> of w0' = w1, w1' = a w0^2 + b w0 w1.
 
-    Kuznetsov, Elements, 3rd ed., sec. 8.7 (the length of q0 fixes both). Where both vanish to their estimated errors, as a reflection w -> -w demands, `kind` is 'Z2-symmetric' and the cubic coefficients of
-    w1' = a3 w0^3 + b3 w0^2 w1 are added: a3 = <p1, C(q0,q0,q0) + 3 B(q0,h20)>/6,
+    Kuznetsov, Elements, 3rd ed., sec. 8.7 (the length of q0 fixes both). Where both vanish to their estimated errors,
+    as a reflection w -> -w demands, `kind` is 'Z2-symmetric' and the cubic coefficients of w1' = a3 w0^3 + b3 w0^2 w1
+    are added: a3 = <p1, C(q0,q0,q0) + 3 B(q0,h20)>/6,
     b3 = <p0, C(q0,q0,q0) + 3 B(q0,h20)>/2 + <p1, C(q0,q0,q1) + 2 B(q0,h11) + B(q1,h20)>/2 with A h20 = -B(q0,q0),
     A h11 = h20 - B(q0,q1).
     """
@@ -50,8 +51,9 @@ def bogdanov_takens(jet: Jet) -> NormalForm:
     if jet.kind == "map":
         raise ValueError("a double multiplier 1 of a map is a 1:1 resonance (R1), not BT")
     a, b = 0.5 * float(chain.p1 @ B00), float(chain.p0 @ B00 + chain.p1 @ B01)
-    error_a = TRUST * 0.5 * float(np.abs(chain.p1) @ np.abs(B00))
-    error_b = TRUST * float(np.abs(chain.p0) @ np.abs(B00) + np.abs(chain.p1) @ np.abs(B01))
+    error_a = 0.5 * quadratic_error(jet, chain.p1, chain.q0, chain.q0, state_error)
+    error_b = quadratic_error(jet, chain.p0, chain.q0, chain.q0, state_error)
+    error_b += quadratic_error(jet, chain.p1, chain.q0, chain.q1, state_error)
     coefficients: dict[str, object] = {"a": a, "b": b}
     zero_a, zero_b = abs(a) <= error_a, abs(b) <= error_b
     if zero_a and zero_b:

@@ -8,10 +8,8 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.reduction import Reduction, reduce
-from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.result import STATE_ERROR, TRUST, NormalForm
 from contin.normalforms.static import quadratic_error, state
-
-STATE_ERROR = 1e-10  # default estimate of the error of u0, in the units of the states
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +51,7 @@ def branch_point(
     (b20, b11), (_, a02) = r.T2[0]
     a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
     errors = {
-        "b20": _b20_error(jet, r, state_error),
+        "b20": quadratic_error(jet, p, q, q, state_error),
         "b30": TRUST * _b30_size(jet, r),
     }
     discriminant = b11 * b11 - a02 * b20
@@ -127,19 +125,6 @@ def _alignment(r: Reduction, y: Real, known: Real) -> float:
 
 def _length(r: Reduction, y: Real) -> float:
     return float(np.linalg.norm(y @ r.lifted))
-
-
-def _b20_error(jet: Jet, r: Reduction, state_error: float | Real) -> float:
-    """Rounding in <p, B(q, q)>, plus sum_i |<p, C(q, q, e_i)>| times the error of u_i."""
-    q, p = r.right[:, 0], r.left[:, 0]
-    lengths = np.broadcast_to(np.asarray(state_error, dtype=float), (jet.n,))
-    eye = np.eye(jet.n)
-    drift = sum(
-        length * abs(float(p @ jet.form(state(jet, q), state(jet, q), state(jet, e))))
-        for length, e in zip(lengths, eye, strict=True)
-        if length > 0
-    )
-    return quadratic_error(jet, p, q) + float(drift)
 
 
 def _b30_size(jet: Jet, r: Reduction) -> float:

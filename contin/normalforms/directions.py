@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from contin.normalforms.branching import STATE_ERROR, Direction, branch_point, simple_directions
+from contin.normalforms.branching import Direction, branch_point, simple_directions
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.multiple import CONTINUUM, multiple_directions, scaling_of
 from contin.normalforms.reduction import Reduction, kernel_dimension, reduce
-from contin.normalforms.result import NormalForm
+from contin.normalforms.result import STATE_ERROR, NormalForm
 
 
 def branch_directions(

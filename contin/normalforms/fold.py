@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from contin.normalforms.homological import CentreManifold
-from contin.normalforms.jet import Jet
-from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.jet import Jet, Real
+from contin.normalforms.result import STATE_ERROR, TRUST, NormalForm
 from contin.normalforms.static import quadratic_error, state, static_pair
 
 
-def fold(jet: Jet) -> NormalForm:
+def fold(jet: Jet, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
     """LP: a = <p, B(q, q)>/2 of w' = a w^2 (map: w -> w + a w^2).
 
     a != 0 where the branch turns like a parabola. Kuznetsov, Elements, 3rd ed., sec. 5.4.1, with |q| = <p, q> = 1.
@@ -18,7 +18,7 @@ def fold(jet: Jet) -> NormalForm:
     pair = static_pair(jet)
     q, p = pair.right, pair.left
     a = 0.5 * float(np.vdot(p, jet.form(state(jet, q), state(jet, q))))
-    error = quadratic_error(jet, p, q)
+    error = 0.5 * quadratic_error(jet, p, q, q, state_error)
     words = "fold" if abs(a) > error else "fold, quadratic coefficient zero to its estimated error (cusp)"
     return NormalForm("LP", {"a": a}, words, {"q": q, "p": p}, {"a": error})
 

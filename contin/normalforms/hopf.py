@@ -66,7 +66,8 @@ def hopf(jet: Jet, omega: float | None = None) -> NormalForm:
 
     G21 = <p, C(q,q,q*) + B(q*,h20) + 2 B(q,h11)>, h20 = (2 i omega - A)^-1 B(q,q), h11 = -A^-1 B(q,q*).
     Supercritical (l1 < 0): the cycles surround the equilibrium where it has the extra pair of unstable eigenvalues, and
-    take over its stability. Kuznetsov, Elements, 3rd ed., sec. 5.4.1. `degenerate` where l1 is zero to its estimated error.
+    take over its stability. `degenerate` where l1 is zero to its estimated error.
+    Kuznetsov, Elements, 3rd ed., sec. 5.4.1.
     """
     manifold = hopf_manifold(jet, omega)
     omega = float(manifold.values[0].imag)

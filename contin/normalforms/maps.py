@@ -83,7 +83,7 @@ def neimark_sacker(jet: Jet, theta: float | None = None) -> NormalForm:
 
     d = e^{-i theta} <p, C(q,q,q*) + 2 B(q, (1 - A)^-1 B(q,q*)) + B(q*, (e^{2 i theta} - A)^-1 B(q,q))>/2. Supercritical
     (Re d < 0): the invariant circle lies where the fixed point has the extra pair of unstable multipliers, and takes
-    over its stability. `resonance` names a strong resonance (3 or 4) where theta is one to 1e-6; d then decides nothing.
+    over its stability. `resonance` names a strong resonance (3 or 4) where theta is one; d then decides nothing.
     """
     manifold = circle_manifold(jet, theta)
     value = manifold.values[0]

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from contin.normalforms.branching import STATE_ERROR, Direction
+from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
 from contin.normalforms.polynomial_roots import Root, sphere_roots
 from contin.normalforms.reduction import Reduction
+from contin.normalforms.result import STATE_ERROR
 from contin.normalforms.static import quadratic_error
 
 OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
@@ -41,12 +42,7 @@ def scaling_of(r: Reduction, state_error: float | Real = STATE_ERROR) -> str:
     if np.any(np.abs(r.a01) > OUTSIDE * (np.abs(r.left.T) @ np.abs(slope))):
         return "fold"
     quadratic = np.abs(r.T2[:, : r.k, : r.k])
-    cubic = np.abs(r.T3[:, : r.k, : r.k, : r.k])
-    errors = [
-        max(quadratic_error(r.jet, r.left[:, j], r.right[:, i]) for i in range(r.k))
-        + float(np.max(state_error)) * r.k * float(cubic[j].max())
-        for j in range(r.k)
-    ]
+    errors = [max(quadratic_error(r.jet, r.left[:, j], q, q, state_error) for q in r.right.T) for j in range(r.k)]
     return "cubic" if np.all(quadratic.max(axis=(1, 2)) <= 2.0 * np.array(errors)) else "quadratic"
 
 

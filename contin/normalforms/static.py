@@ -6,7 +6,7 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real, Vector, lift
 from contin.normalforms.linear import EigenPair, null_pair
-from contin.normalforms.result import TRUST
+from contin.normalforms.result import STATE_ERROR, TRUST
 
 ROUNDING = 1e-13  # some hundred roundings
 
@@ -26,27 +26,35 @@ def state(jet: Jet, vector: Vector) -> Vector:
     return lift(vector, jet.parameters)
 
 
-def quadratic_error(jet: Jet, p: Vector, q: Vector) -> float:
-    """Estimated error of <p, B(q, q)>: cancellation over the components, and rounding within them."""
-    whole = np.abs(p) @ np.abs(jet.form(state(jet, q), state(jet, q)))
-    return TRUST * float(whole) + ROUNDING * form_size(jet, p, q)
+def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: float | Real = STATE_ERROR) -> float:
+    """Estimated error of <p, B(v, w)>: cancellation over the components, rounding within them, and the error of u0.
+
+    An error e of the states (a length, or one for each state) enters through the third derivative, as
+    sum_i e_i |<p, C(v, w, e_i)>|.
+    """
+    dv, dw = state(jet, v), state(jet, w)
+    whole = np.abs(p) @ np.abs(jet.form(dv, dw))
+    lengths = np.broadcast_to(np.asarray(state_error, dtype=float), (jet.n,))
+    eye = np.eye(jet.n)
+    drift = sum(lengths[i] * abs(np.vdot(p, jet.form(dv, dw, state(jet, eye[i])))) for i in np.flatnonzero(lengths))
+    return TRUST * float(whole) + ROUNDING * form_size(jet, p, v, w) + float(drift)
 
 
-def form_size(jet: Jet, p: Vector, q: Vector) -> float:
-    """sum |p_i| |q_j| |q_k| |B_i(e_j, e_k)|: the scale of the rounding error of <p, B(q, q)>.
+def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
+    """sum |p_i| |v_j| |w_k| |B_i(e_j, e_k)|: the scale of the rounding error of <p, B(v, w)>.
 
     Up to n = 12 every entry of B enters; beyond, sums over one index (n evaluations) stand for them.
     """
     n = jet.n
     eye = np.eye(n)
     weights = np.abs(p)
-    used = np.flatnonzero(np.abs(q) > 1e-14 * np.abs(q).max())
     if n > 12:
-        rows = [np.abs(jet.form(state(jet, eye[j]), state(jet, q))) * abs(q[j]) for j in used]
+        rows = [np.abs(jet.form(state(jet, eye[j]), state(jet, w))) * abs(v[j]) for j in range(n) if v[j] != 0]
         return float(sum(weights @ row for row in rows))
     total = 0.0
-    for a, j in enumerate(used):
-        for k in used[: a + 1]:
-            entry = np.abs(jet.form(state(jet, eye[j]), state(jet, eye[k])))
-            total += (1.0 if j == k else 2.0) * abs(q[j] * q[k]) * float(weights @ entry)
+    for j in range(n):
+        for k in range(j + 1):
+            size = abs(v[j] * w[k]) + (abs(v[k] * w[j]) if k < j else 0.0)
+            if size > 0.0:
+                total += size * float(weights @ np.abs(jet.form(state(jet, eye[j]), state(jet, eye[k]))))
     return total

@@ -6,9 +6,10 @@ import numpy as np
 
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import CyclePredictor, conjugate, critical_pair
-from contin.normalforms.jet import Jet
+from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import null_pair
-from contin.normalforms.result import TRUST, NormalForm, parts
+from contin.normalforms.result import STATE_ERROR, NormalForm, parts
+from contin.normalforms.static import quadratic_error
 
 
 def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
@@ -17,7 +18,7 @@ def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     return CentreManifold(jet, [null_pair(jet.A), pair, conjugate(pair)])
 
 
-def zero_hopf(jet: Jet, omega: float | None = None) -> NormalForm:
+def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
     """ZH: the coefficients of Kuznetsov, Elements, 3rd ed., secs. 8.5 and 8.7.4,
 
         w0' = G200 w0^2/2 + G011 |w1|^2 + G300 w0^3/6 + G111 w0 |w1|^2
@@ -30,14 +31,15 @@ def zero_hopf(jet: Jet, omega: float | None = None) -> NormalForm:
     (a reflection w0 -> -w0), `case` says Hopf-pitchfork and s, theta, E are left out.
     """
     manifold = zero_hopf_manifold(jet, omega)
-    g = manifold.g
+    g, q0, p0 = manifold.g, manifold.right[0].real, manifold.left[0].real
+    q1, p1 = manifold.right[1], manifold.left[1]
     G200, G011 = 2.0 * g((2, 0, 0), 0).real, g((0, 1, 1), 0).real
     G300, G111 = 6.0 * g((3, 0, 0), 0).real, g((1, 1, 1), 0).real
     G110, G210, G021 = g((1, 1, 0), 1), 2.0 * g((2, 1, 0), 1), 2.0 * g((0, 2, 1), 1)
     errors = {
-        "G200": 2.0 * TRUST * manifold.magnitude((2, 0, 0), 0),
-        "G011": TRUST * manifold.magnitude((0, 1, 1), 0),
-        "G110": TRUST * manifold.magnitude((1, 1, 0), 1),
+        "G200": quadratic_error(jet, p0, q0, q0, state_error),
+        "G011": quadratic_error(jet, p0, q1, q1.conj(), state_error),
+        "G110": quadratic_error(jet, p1, q0, q1, state_error),
     }
     coefficients: dict[str, object] = {
         "omega": float(manifold.values[1].imag),
@@ -61,12 +63,7 @@ def zero_hopf(jet: Jet, omega: float | None = None) -> NormalForm:
         torus = "a torus branches off the cycles" if s * theta < 0 else "no torus"
         case = f"s = {s}, theta {'>' if theta > 0 else '<'} 0: {torus}"
     coefficients["case"] = case
-    vectors = {
-        "q0": manifold.right[0].real,
-        "p0": manifold.left[0].real,
-        "q": manifold.right[1],
-        "p": manifold.left[1],
-    }
+    vectors = {"q0": q0, "p0": p0, "q": q1, "p": p1}
     return NormalForm("ZH", coefficients, f"zero-Hopf point, {case}", vectors, errors)
 
 
@@ -74,8 +71,8 @@ def torus_predictor(jet: Jet, omega: float | None = None) -> tuple[CyclePredicto
     """Cycles on the Neimark-Sacker curve that starts at a ZH point; the jet has two active parameters.
 
     With dp = rho^2 p2 and w0 = rho^2 v on the cycle |w1| = rho, the leading orders of w0' = 0, |w1|' = 0 and of the
-    zero trace are three linear equations for (p2, v). Returns the cycle and the rate r of its slow modulation, which has
-    frequency r rho (real where s theta < 0; 0.0 elsewhere: the curve is one of neutral saddle cycles).
+    zero trace are three linear equations for (p2, v). Returns the cycle and the rate r of its slow modulation, which
+    has frequency r rho (real where s theta < 0; 0.0 elsewhere: the curve is one of neutral saddle cycles).
     Kuznetsov, Meijer, Govaerts and Sautois, Physica D 237 (2008) 3061.
     """
     if jet.parameters != 2:
