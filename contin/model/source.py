@@ -11,6 +11,7 @@ from contin.errors import InputError
 
 Path = tuple[Union[str, int], ...]  # ("parameters", "delta", "value")
 MAX_SHOWN: Final = 20  # messages in one error
+MAX_FOUND: Final = 200  # mistakes after which reading stops
 _WIDTH: Final = 100  # characters of a source line in a message
 
 
@@ -119,8 +120,13 @@ class Problems:
         """Note a mistake at `path`: at its key, its value, or the part `span` of the formula `value`."""
         order, heading, snippet = self.source.locate(path, key, value, span)
         shown = path_text(self.source.full_path(path))
-        text = f"{heading}: {shown}: {message}" if shown else f"{heading}: {message}"
+        self.add_text(order, f"{heading}: {shown}: {message}" if shown else f"{heading}: {message}", snippet)
+
+    def add_text(self, order: tuple[int, int], text: str, snippet: str) -> None:
+        """Note a mistake whose message is complete; `order` is its line and column."""
         self.found.append((order, len(self.found), printable(text) + (f"\n{snippet}" if snippet else "")))
+        if len(self.found) >= MAX_FOUND:
+            self.raise_if_any()
 
     def __bool__(self) -> bool:
         return bool(self.found)
@@ -130,7 +136,8 @@ class Problems:
         if self.found:
             texts = [text for _, _, text in sorted(self.found)]
             if len(texts) > MAX_SHOWN:
-                texts = [*texts[:MAX_SHOWN], f"... and {len(texts) - MAX_SHOWN} more"]
+                more = f"{'at least ' * (len(texts) >= MAX_FOUND)}{len(texts) - MAX_SHOWN} more"
+                texts = [*texts[:MAX_SHOWN], f"... and {more}"]
             raise InputError("\n".join(texts))
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 from contin.errors import InputError
 from contin.model.source import Marks, Path, Problems, Span, YamlSource
@@ -133,7 +133,7 @@ class _Reader:
         except Exception as error:  # noqa: BLE001  the parser fails in many ways on broken text
             self.fail(None, f"not valid YAML: {str(error).splitlines()[0] if str(error) else type(error).__name__}")
 
-    def fail(self, span: Span | None, message: str) -> None:
+    def fail(self, span: Span | None, message: str) -> NoReturn:
         heading, snippet = self.source.name, ""
         if span is not None:
             _, heading, snippet = self.source.at(span)
@@ -154,10 +154,19 @@ class _Reader:
                 self.anchors[event.anchor] = (event.value, 1)
             return
         self.count(1, span)
-        value = _resolve(event.value) if plain else event.value
+        value = _resolve(event.value) if plain else self.whole_characters(event.value, span)
         if event.anchor:
             self.anchors[event.anchor] = (value, 1)
         self.put(value, trimmed)
+
+    def whole_characters(self, value: str, span: Span) -> str:
+        """JSON writes characters beyond 16 bits as two escapes; put the halves together."""
+        if not any("\ud800" <= c <= "\udfff" for c in value):
+            return value
+        try:
+            return value.encode("utf-16", "surrogatepass").decode("utf-16")
+        except UnicodeDecodeError:
+            self.fail(span, "half of a character: a \\u escape between \\ud800 and \\udfff without its partner")
 
     def open(self, event: Any, span: Span, container: dict[str, Any] | list[Any]) -> None:
         if event.tag is not None:
@@ -195,9 +204,9 @@ class _Reader:
         if key in top.first:
             row = self.source.at(top.first[key])[0][0]
             self.marks.setdefault((*top.path, key), Marks(span, span))
-            _, heading, snippet = self.source.at(span)
-            message = f"{heading}: the key {key!r} is already on line {row}; remove one of them\n{snippet}"
-            self.problems.found.append((self.source.at(span)[0], len(self.problems.found), message))
+            order, heading, snippet = self.source.at(span)
+            message = f"{heading}: the key {key!r} is already on line {row}; remove one of them"
+            self.problems.add_text(order, message, snippet)
         top.first.setdefault(key, span)
         top.key, top.key_span = key, span
 

@@ -200,6 +200,20 @@ def test_scalars_are_those_of_yaml_1_2():
     }  # fmt: skip
 
 
+def test_json_with_escapes_is_read_as_json_reads_it():
+    import json
+
+    value = {"title": "a \U0001f600 and µ", "x": [1, 2.5, None, True], "tab": "a\tb"}
+    assert read_text(json.dumps(value)).data == value
+    with pytest.raises(InputError, match="half of a character"):
+        read_text('{"title": "\\ud83d"}')
+
+
+def test_a_file_of_mistakes_stops_being_read():
+    lines = "".join(f"  x: {i}\n" for i in range(5_000))
+    assert message(f"contin: 1\nname: m\nstates:\n{lines}").endswith("... and at least 180 more")
+
+
 def test_formulas_that_double_at_every_step_stop_at_the_budget(monkeypatch):
     monkeypatch.setattr(scope, "NODE_BUDGET", 20_000)
     functions = {"f0(x)": "sin(x)*x + 1"} | {f"f{i}(x)": f"f{i - 1}(x + 1)*f{i - 1}(x^2)" for i in range(1, 60)}
