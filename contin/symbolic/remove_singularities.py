@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 from contin.model.expression import Expression, add, if_, mul, numeric_value, postorder, rebuild
+from contin.symbolic.arguments import regular_in_argument
 from contin.symbolic.centres import LARGEST, LOCAL, Centre, centres
 from contin.symbolic.polynomials import polynomial_quotient
 from contin.symbolic.series import NotAnalyticError, expand, is_zero
@@ -41,6 +42,10 @@ def _regular_product(product: Expression) -> Expression:
     factors = product.args if product.op == "mul" else (product,)
     bottoms = [f for f in factors if _denominator(f) is not None]
     tops = [f for f in factors if f.mask and _denominator(f) is None]
+    if any(top.mask & bottom.mask for top in tops for bottom in bottoms):
+        found = regular_in_argument(product)
+        if found is not None:
+            return _regular_product(found) if found.op == "mul" else found
     for bottom in bottoms:
         base = bottom.args[0]
         partners = [top for top in tops if top.mask & base.mask]
