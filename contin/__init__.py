@@ -3,7 +3,9 @@
 The verbs are imported when they are first used (PEP 562), so `import contin` takes a few milliseconds.
 """
 
+import sys as _sys
 from importlib import import_module as _import_module
+from types import ModuleType as _ModuleType
 from typing import Any
 
 from contin._version import __version__
@@ -13,7 +15,11 @@ _EXPORTS = {
     "FunctionProblem": "contin.problems.function",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
+    "continuation": "contin.api",
+    "diagram": "contin.api",
+    "equilibrium": "contin.api",
     "load": "contin.model.registry",
+    "walk": "contin.api",
 }
 
 __all__ = ["__version__", *_EXPORTS]
@@ -29,3 +35,17 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+class _Package(_ModuleType):
+    """The verbs `continuation` and `diagram` share their names with subpackages: as attributes of `contin` they win.
+
+    Importing a subpackage sets it as an attribute of its parent; `from contin.continuation... import` does not need that.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _EXPORTS and isinstance(value, _ModuleType)):
+            super().__setattr__(name, value)
+
+
+_sys.modules[__name__].__class__ = _Package
