@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 PASSES: Final[Mapping[str, tuple[str, str]]] = {
-    "average": ("contin.symbolic", "average"),
+    "average": ("contin.symbolic.averaging", "average"),
 }
 """Name in the file -> module and function; the options written in the file are its keyword arguments."""
 

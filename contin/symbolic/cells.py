@@ -1,0 +1,239 @@
+"""One turn of an oscillation cut where a piecewise function changes formula.
+
+Along x = r cos(phi), y = -omega r sin(phi) the cuts and their order depend on the amplitude r: `regions` lists the
+intervals of r in which they do not, and for each of them the arcs of the turn with the formula that holds on each.
+The order is decided with the default parameters; `Region.assumptions` of the whole says what that presumes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+from contin.model.evaluate import evaluate_all
+from contin.model.expression import ONE, ZERO, Expression, substitute
+from contin.symbolic.switching_lines import PLANE, Circle, Line, X, Y, number_of, state_comparisons, switching_sets
+from contin.symbolic.sympy_bridge import sympy_symbol, to_sympy
+
+Sympy = Any
+SAME = 1e-9  # radii and angles closer than this are one
+RADIUS = "@r"
+"""The amplitude in averages, before it gets the name of a state."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A point of the turn: cos(phi), sin(phi), phi as sympy formulas in r and the parameters, and phi as a number."""
+
+    cos: Sympy
+    sin: Sympy
+    phi: Sympy
+    number: float
+    exact: bool  # a multiple of a quarter turn
+
+
+@dataclass(frozen=True)
+class Arc:
+    """The piece of the turn from `start` to `stop` (counterclockwise), on which the function is `formula`."""
+
+    start: Cut
+    stop: Cut
+    formula: Expression
+
+
+@dataclass(frozen=True)
+class Region:
+    """Amplitudes between `low` and `high` (None: no bound), as sympy formulas and as numbers."""
+
+    low: Sympy | None
+    high: Sympy | None
+    numbers: tuple[float, float]
+    arcs: tuple[Arc, ...]
+
+    @property
+    def sample(self) -> float:
+        """An amplitude inside."""
+        low, high = self.numbers
+        return 0.5 * (low + high) if math.isfinite(high) else 1.7 * low + (1.0 if low == 0 else 0.0)
+
+
+def regions(
+    function: Expression, omega: Expression, values: Mapping[str, float], positive: tuple[str, ...]
+) -> list[Region]:
+    """The regions of amplitude of a one-oscillator function, from r = 0 outwards; arcs with formula 0 are left out."""
+    lines, circles = switching_sets(function, omega, values, positive)
+    radii = _critical_radii(lines, circles, omega, values, positive)
+    bounds: list[tuple[Sympy | None, float]] = [(None, 0.0), *radii, (None, math.inf)]
+    found: list[Region] = []
+    for (low, a), (high, b) in zip(bounds, bounds[1:], strict=False):
+        region = Region(low, high, (a, b), ())
+        arcs = _arcs(function, lines, omega, region.sample, values, positive)
+        if found and _alike(found[-1].arcs, arcs):  # nothing changes at this radius
+            found[-1] = Region(found[-1].low, high, (found[-1].numbers[0], b), found[-1].arcs)
+        else:
+            found.append(Region(low, high, (a, b), arcs))
+    return found
+
+
+def _alike(one: Sequence[Arc], other: Sequence[Arc]) -> bool:
+    return len(one) == len(other) and all(
+        a.formula is b.formula and (a.start.phi, a.stop.phi) == (b.start.phi, b.stop.phi)
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _critical_radii(
+    lines: Sequence[Line],
+    circles: Sequence[Circle],
+    omega: Expression,
+    values: Mapping[str, float],
+    positive: tuple[str, ...],
+) -> list[tuple[Sympy, float]]:
+    """Amplitudes at which an oscillation touches a line, passes an intersection of two, or is a circle; ascending."""
+    import sympy
+
+    w = to_sympy(omega, positive)
+    candidates = [c.radius for c in circles]
+    candidates += [sympy.Abs(e.c) / sympy.sqrt(e.a**2 + e.b**2 * w**2) for e in lines]
+    for one, two in combinations(lines, 2):
+        determinant = sympy.simplify(one.a * two.b - two.a * one.b)
+        if determinant != 0 and not (one.c == 0 and two.c == 0):
+            x = (one.b * two.c - two.b * one.c) / determinant
+            y = (two.a * one.c - one.a * two.c) / determinant
+            candidates.append(sympy.sqrt(x**2 + y**2 / w**2))
+    found: list[tuple[Sympy, float]] = []
+    for candidate in candidates:
+        radius = _positive(sympy.simplify(candidate), values)
+        value = number_of(radius, values)
+        if value > SAME and not any(abs(value - other) <= SAME * value for _, other in found):
+            found.append((radius, value))
+    return sorted(found, key=lambda pair: pair[1])
+
+
+def _positive(radius: Sympy, values: Mapping[str, float]) -> Sympy:
+    """|c| without its bars, for the sign that c has with the default parameters."""
+    import sympy
+
+    return radius.replace(sympy.Abs, lambda inner: inner if number_of(inner, values) >= 0 else -inner)
+
+
+def _arcs(
+    function: Expression,
+    lines: Sequence[Line],
+    omega: Expression,
+    radius: float,
+    values: Mapping[str, float],
+    positive: tuple[str, ...],
+) -> tuple[Arc, ...]:
+    cuts = _cuts(lines, omega, radius, values, positive)
+    w = number_of(to_sympy(omega, positive), values)
+    pieces: list[list[Any]] = []
+    for start, stop in zip(cuts, [*cuts[1:], _shifted(cuts[0])], strict=True):
+        middle = 0.5 * (start.number + stop.number)
+        point = {**values, X: radius * math.cos(middle), Y: -w * radius * math.sin(middle)}
+        formula = resolved(function, point)
+        if pieces and pieces[-1][2] is formula:
+            pieces[-1][1] = stop
+        else:
+            pieces.append([start, stop, formula])
+    if len(pieces) > 1 and pieces[-1][2] is pieces[0][2]:  # one arc over the end of the list
+        pieces[0][0] = _shifted(pieces.pop()[0], -1)
+    return tuple(Arc(*piece) for piece in pieces if piece[2] is not ZERO)
+
+
+def resolved(function: Expression, point: Mapping[str, float]) -> Expression:
+    """The formula that holds at a point: conditions in x and y decided, those in parameters alone left."""
+    comparisons = state_comparisons(function)
+    truth = evaluate_all(comparisons, point)
+    return substitute([function], {c: ONE if t else ZERO for c, t in zip(comparisons, truth, strict=True)})[0]
+
+
+def _cuts(
+    lines: Sequence[Line], omega: Expression, radius: float, values: Mapping[str, float], positive: tuple[str, ...]
+) -> list[Cut]:
+    """All points where the oscillation of this amplitude crosses a line, in order; at least one."""
+    found: list[Cut] = []
+    for line in lines:
+        for cut in _crossings(line, omega, radius, values, positive):
+            if not any(abs(math.remainder(cut.number - other.number, 2 * math.pi)) <= SAME for other in found):
+                found.append(cut)
+    return sorted(found, key=lambda cut: cut.number) or [quarter(0)]
+
+
+def quarter(k: int) -> Cut:
+    """phi = k pi/2"""
+    import sympy
+
+    cos, sin = ((1, 0), (0, 1), (-1, 0), (0, -1))[k % 4]
+    return Cut(sympy.Integer(cos), sympy.Integer(sin), k * sympy.pi / 2, k * math.pi / 2, True)
+
+
+def _shifted(cut: Cut, turns: int = 1) -> Cut:
+    import sympy
+
+    return Cut(cut.cos, cut.sin, cut.phi + 2 * turns * sympy.pi, cut.number + 2 * turns * math.pi, cut.exact)
+
+
+def _crossings(
+    line: Line, omega: Expression, radius: float, values: Mapping[str, float], positive: tuple[str, ...]
+) -> list[Cut]:
+    """a x + b y + c = D r cos(phi + delta) + c with D cos(delta) = a, D sin(delta) = b omega."""
+    import sympy
+
+    w = to_sympy(omega, positive)
+    a, b, c = line.numbers
+    w_number = number_of(w, values)
+    size = math.hypot(a, b * w_number)
+    if size == 0 or abs(c) >= size * radius:
+        return []
+    if line.c == 0 and (line.a == 0 or line.b == 0):
+        return [quarter(0), quarter(2)] if line.a == 0 else [quarter(1), quarter(3)]
+    r = sympy_symbol(RADIUS, positive=True)
+    length = sympy.sqrt(line.a**2 + line.b**2 * w**2)
+    level = sympy.simplify(-line.c / (length * r))
+    other = sympy.sqrt(1 - level**2)
+    cos_delta, sin_delta = sympy.simplify(line.a / length), sympy.simplify(line.b * w / length)
+    delta, delta_number = _angle(sympy, line, cos_delta, sin_delta), math.atan2(b * w_number, a)
+    cuts = []
+    for sign in (1, -1):
+        beta = sign * math.acos(-c / (size * radius))
+        phi = sign * sympy.acos(level) - delta
+        number = beta - delta_number
+        turns = -math.floor(number / (2 * math.pi) + SAME)
+        cuts.append(
+            Cut(
+                level * cos_delta + sign * other * sin_delta,
+                sign * other * cos_delta - level * sin_delta,
+                phi + 2 * turns * sympy.pi,
+                number + 2 * math.pi * turns,
+                False,
+            )
+        )
+    return cuts
+
+
+def _angle(sympy: Any, line: Line, cos_delta: Sympy, sin_delta: Sympy) -> Sympy:
+    if line.b == 0:
+        return sympy.Integer(0) if line.numbers[0] > 0 else sympy.pi
+    if line.a == 0:
+        return sympy.pi / 2 if line.numbers[1] > 0 else -sympy.pi / 2
+    return sympy.atan2(sin_delta, cos_delta)
+
+
+def assumptions(found: Sequence[Region], values: Mapping[str, float]) -> list[str]:
+    """What the order of the critical radii presumes about parameters: '0 < x1 < x2', or nothing where they are numbers."""
+    from contin.model.printing import to_text
+    from contin.symbolic.sympy_bridge import from_sympy
+
+    radii = [region.high for region in found if region.high is not None]
+    if not any(radius.free_symbols for radius in radii):
+        return []
+    return [" < ".join(["0", *(to_text(from_sympy(radius)) for radius in radii)])]
+
+
+def is_piecewise(function: Expression) -> bool:
+    """True where a condition on x or y chooses the formula."""
+    return bool(state_comparisons(function)) and bool(function.mask & PLANE)

@@ -1,0 +1,252 @@
+"""Averages of a function of one oscillator over a turn, as formulas in its amplitude r.
+
+    S(r) = <f(r cos phi, -omega r sin phi) sin phi>,    C(r) = <f(r cos phi, -omega r sin phi) cos phi>
+
+Closed where `trig_integrals` has a rule, otherwise a Gauss rule; piece by piece in r where conditions make it so. Each
+closed form is compared with a Gauss rule before it is used.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from contin.model.expression import ONE, ZERO, Expression, add, compare, if_, mul, postorder, substitute, symbol
+from contin.symbolic.cells import RADIUS, Arc, Region, assumptions, quarter, regions
+from contin.symbolic.gauss_rule import arc_rule, rule_size, sampled_averages, turn_rule
+from contin.symbolic.sampling import sample
+from contin.symbolic.switching_lines import PLANE, X, Y
+from contin.symbolic.sympy_bridge import BridgeError, all_to_sympy, from_sympy, sympy_symbol, to_sympy
+from contin.symbolic.terms import additive_terms, without_kinks
+from contin.symbolic.tidy import tidy
+from contin.symbolic.trig_integrals import trig_integral
+
+AGREES: Final = 1e-9  # closed form and Gauss rule, relative to the largest value
+SHORT: Final = 60  # nodes of a formula that is worth simplifying
+R: Final = symbol(RADIUS)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What an average is taken with: the frequency, the parameters' default values, and the largest amplitude for
+    which quadratures are checked."""
+
+    omega: Expression
+    values: Mapping[str, float]
+    reach: float = 4.0
+
+    @property
+    def positive(self) -> tuple[str, ...]:
+        """Parameters that closed forms may take as positive."""
+        return tuple(name for name, value in self.values.items() if value > 0)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """S and C for amplitudes below `high` (None: for all larger ones) and above the piece before."""
+
+    high: Expression | None
+    bound: float
+    sin: Expression
+    cos: Expression
+    arcs: tuple[Arc, ...] = ()
+    nodes: int = 0  # of the Gauss rule on an arc; 0: closed form
+
+
+@dataclass(frozen=True)
+class RadialAverage:
+    """S(r) and C(r), from r = 0 outwards; `presumes` are the conditions on parameters under which the forms hold."""
+
+    pieces: tuple[Piece, ...]
+    presumes: tuple[str, ...] = ()
+
+    def sin(self, radius: Expression = R) -> Expression:
+        """S(r)"""
+        return self.chain(lambda piece: piece.sin, radius)
+
+    def cos(self, radius: Expression = R) -> Expression:
+        """C(r)"""
+        return self.chain(lambda piece: piece.cos, radius)
+
+    def chain(self, part: Callable[[Piece], Expression], radius: Expression = R) -> Expression:
+        """`part` of the pieces as one conditional formula in r."""
+        value = part(self.pieces[-1])
+        for piece in reversed(self.pieces[:-1]):
+            assert piece.high is not None
+            value = if_(compare("<", R, piece.high), part(piece), value)
+        return substitute([value], {R: radius})[0]
+
+    @property
+    def is_zero(self) -> bool:
+        """True where both averages vanish at all amplitudes."""
+        return all(p.sin is ZERO and p.cos is ZERO for p in self.pieces)
+
+
+def average_over_turn(function: Expression, setting: Setting) -> RadialAverage:
+    """S and C of one function of `switching_lines.X` and `.Y`.
+
+    Raises
+    ------
+    InputError
+        A condition's sign changes cannot be located, or no quadrature is accurate enough.
+    """
+    function = without_kinks(function, PLANE)
+    parity = _parity(function, setting)
+    if parity > 0:
+        return RadialAverage((Piece(None, math.inf, ZERO, ZERO),))
+    found = regions(function, setting.omega, setting.values, setting.positive)
+    pieces, presumes = [], assumptions(found, setting.values)
+    for region in found:
+        piece, needs = _piece(region, setting, parity < 0)
+        pieces.append(piece)
+        presumes += [n for n in needs if n not in presumes and f" {n[:-4]} " not in " ".join([*presumes, ""])]
+    return RadialAverage(tuple(pieces), tuple(presumes))
+
+
+def _parity(function: Expression, setting: Setting) -> int:
+    """-1 where f(-x, -y) = -f(x, y), 1 where f(-x, -y) = f(x, y), otherwise 0; sampled, at random parameters too."""
+    chance = np.random.default_rng(7)
+    shape = 40
+    env: dict[str, Any] = {n: v * chance.uniform(0.7, 1.3, shape) for n, v in setting.values.items()}
+    x, y = (chance.uniform(-setting.reach, setting.reach, shape) for _ in range(2))
+    there = sample([function], {**env, X: x, Y: y})[0]
+    back = sample([function], {**env, X: -x, Y: -y})[0]
+    if not (np.all(np.isfinite(there)) and np.all(np.isfinite(back))):
+        return 0
+    size = 1e-12 * max(float(np.max(np.abs(there))), 1e-300)
+    return next((sign for sign in (1, -1) if np.max(np.abs(back - sign * there)) <= size), 0)
+
+
+def _piece(region: Region, setting: Setting, odd: bool) -> tuple[Piece, list[str]]:
+    high = None if region.high is None else from_sympy(region.high)
+    bound = region.numbers[1]
+    if not region.arcs:
+        return Piece(high, bound, ZERO, ZERO), []
+    arcs, fold = _half(region.arcs) if odd else (region.arcs, 1)
+    radii = _radii(region, setting.reach)
+    closed = _closed(arcs, setting, fold)
+
+    def rule(n: int) -> tuple[Expression, Expression]:
+        if _is_whole(region.arcs):
+            return turn_rule(region.arcs[0].formula, setting.omega, R, n, odd)
+        return arc_rule(arcs, setting.omega, R, n, fold)
+
+    def values(n: int) -> Any:
+        return sampled_averages(rule(n), radii, setting.values)
+
+    if closed is not None:
+        sin, cos, needs = closed
+        own, coarse, fine = sampled_averages((sin, cos), radii, setting.values), values(48), values(64)
+        scale = max(float(np.max(np.abs(fine))), 1e-300)
+        # the rule checks the closed form as far as it is accurate itself
+        allowed = AGREES * scale + 10 * float(np.max(np.abs(coarse - fine)))
+        if np.all(np.isfinite(own)) and np.max(np.abs(own - fine)) <= allowed:
+            return Piece(high, bound, sin, cos, region.arcs), needs
+    n = rule_size(values)
+    return Piece(high, bound, *rule(n), region.arcs, n), []
+
+
+def _is_whole(arcs: Sequence[Arc]) -> bool:
+    return len(arcs) == 1 and arcs[0].stop.number - arcs[0].start.number > 6.28
+
+
+def _half(arcs: tuple[Arc, ...]) -> tuple[tuple[Arc, ...], int]:
+    """For an odd function: the arcs of one half turn, and 2; all arcs and 1 where they do not come in pairs."""
+    if _is_whole(arcs):
+        return (Arc(quarter(0), quarter(2), arcs[0].formula),), 2
+    half = tuple(a for a in arcs if (0.5 * (a.start.number + a.stop.number)) % (2 * math.pi) < math.pi - 1e-9)
+    return (half, 2) if 2 * len(half) == len(arcs) else (arcs, 1)
+
+
+def _radii(region: Region, reach: float) -> Any:
+    """Sample amplitudes inside a region; in the last one up to `reach`."""
+    low, high = region.numbers
+    if not math.isfinite(high):
+        high = max(reach, 2.0 * low, 1.0)
+    return low + (high - low) * np.array([0.037, 0.21, 0.43, 0.64, 0.83, 0.99])
+
+
+def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expression, Expression, list[str]] | None:
+    """(S, C, what they presume) in closed form, or None."""
+    import sympy
+
+    omega = to_sympy(setting.omega, setting.positive)
+    x, y, r = sympy_symbol(X), sympy_symbol(Y), sympy_symbol(RADIUS, positive=True)
+    sums: list[list[tuple[Expression, Any]]] = [[], []]
+    needs: set[str] = set()
+    for formula in dict.fromkeys(arc.formula for arc in arcs):
+        own = [arc for arc in arcs if arc.formula is formula]
+        for coefficient, term in additive_terms(formula, PLANE):
+            try:
+                both = trig_integral(to_sympy(term, setting.positive), x, y, r, omega, own)
+            except (sympy.PolynomialError, NotImplementedError, ZeroDivisionError):
+                return None
+            if both is None:
+                return None
+            for total, value in zip(sums, both, strict=True):
+                total.append((coefficient, fold * value / (2 * sympy.pi)))
+    results = []
+    for total in sums:
+        collected: dict[Expression, Any] = {}
+        for coefficient, value in total:
+            factor, rest = (coefficient, ONE) if not coefficient.is_number else (ONE, coefficient)
+            collected[factor] = collected.get(factor, 0) + value * to_sympy(rest)
+        terms = []
+        for coefficient, value in collected.items():
+            value = tidy(value, r)
+            if value.has(sympy.I, sympy.zoo, sympy.nan, sympy.oo):
+                return None
+            needs |= _presumed(sympy, value, r)
+            try:
+                terms.append(mul(coefficient, from_sympy(value)))
+            except BridgeError:
+                return None
+        results.append(add(*terms) if terms else ZERO)
+    return results[0], results[1], [f"{name} > 0" for name in sorted(needs)]
+
+
+def _presumed(sympy: Any, value: Any, r: Any) -> set[str]:
+    """Parameters under roots, logarithms and arc tangents: there their sign was used."""
+    names: set[str] = set()
+    for node in sympy.preorder_traversal(value):
+        irrational = node.is_Pow and not node.exp.is_integer
+        if irrational or isinstance(node, (sympy.log, sympy.atan, sympy.acos)):
+            names |= {s.name for s in node.free_symbols if s.is_positive and s != r}
+    return names
+
+
+def combined(parts: Sequence[tuple[Expression, RadialAverage]], positive: Collection[str] = ()) -> RadialAverage:
+    """sum of c * average, on the common refinement of their pieces."""
+    if not parts:
+        return RadialAverage((Piece(None, math.inf, ZERO, ZERO),))
+    bounds: dict[float, Expression | None] = {}
+    for _, average in parts:
+        for piece in average.pieces:
+            bounds.setdefault(piece.bound, piece.high)
+    pieces: list[Piece] = []
+    for bound in sorted(bounds):
+        chosen = [(c, next(p for p in a.pieces if p.bound >= bound * (1 - 1e-12))) for c, a in parts]
+        sin, cos = (_collected([(c, getattr(p, part)) for c, p in chosen], positive) for part in ("sin", "cos"))
+        arcs = tuple(arc for _, p in chosen for arc in p.arcs)
+        nodes = max(p.nodes for _, p in chosen)
+        if pieces and pieces[-1].sin is sin and pieces[-1].cos is cos:
+            pieces.pop()
+        pieces.append(Piece(bounds[bound], bound, sin, cos, arcs, nodes))
+    presumes = dict.fromkeys(p for _, average in parts for p in average.presumes)
+    return RadialAverage(tuple(pieces), tuple(presumes))
+
+
+def _collected(terms: Sequence[tuple[Expression, Expression]], positive: Collection[str]) -> Expression:
+    """sum of c * f; closed forms with numeric factors are put together and simplified."""
+    products = [(mul(c, f), c.is_number and len(postorder([f])) < SHORT) for c, f in terms if f is not ZERO]
+    plain = [p for p, short in products if short]
+    if len(plain) > 1:
+        import sympy
+
+        total = sympy.Add(*all_to_sympy(plain, (*positive, RADIUS)))
+        plain = [from_sympy(tidy(total, sympy_symbol(RADIUS, positive=True)))]
+    return add(*(p for p, short in products if not short), *plain)

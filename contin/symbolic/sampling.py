@@ -1,0 +1,83 @@
+"""Values of expressions at many points at once, for the checks that a pass makes of its own results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.model.expression import Expression, numeric_value, postorder
+
+Array = NDArray[np.float64]
+
+
+def sample(expressions: Iterable[Expression], env: Mapping[str, Any]) -> list[Array]:
+    """Values where the symbols are numbers or arrays of one shape; NaN and infinities as in machine code."""
+    roots = list(expressions)
+    values: dict[Expression, Any] = {}
+    with np.errstate(all="ignore"):
+        for node in postorder(roots):
+            if node.op == "symbol":
+                values[node] = np.asarray(env[str(node.value)], dtype=float)
+            elif node.op == "number":
+                values[node] = np.float64(float(numeric_value(node)))
+            elif node.op == "pi":
+                values[node] = np.float64(np.pi)
+            else:
+                values[node] = _OPERATIONS[node.op](*(values[a] for a in node.args))
+    shape = np.broadcast_shapes(*(np.shape(v) for v in env.values())) if env else ()
+    return [np.array(np.broadcast_to(np.asarray(values[root], dtype=float), shape)) for root in roots]
+
+
+def _total(*x: Any) -> Any:
+    total = x[0]
+    for term in x[1:]:
+        total = total + term
+    return total
+
+
+def _product(*x: Any) -> Any:
+    product = x[0]
+    for factor in x[1:]:
+        product = product * factor
+    return product
+
+
+def _all(*x: Any) -> Any:
+    return np.logical_and.reduce(np.broadcast_arrays(*x))
+
+
+def _any(*x: Any) -> Any:
+    return np.logical_or.reduce(np.broadcast_arrays(*x))
+
+
+_OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
+    "add": _total,
+    "mul": _product,
+    "pow": np.float_power,
+    "if": lambda c, a, b: np.where(np.asarray(c) != 0, a, b),
+    "<": np.less,
+    "<=": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+    "and": _all,
+    "or": _any,
+    "not": np.logical_not,
+    "min": np.minimum,
+    "max": np.maximum,
+    "abs": np.abs,
+    "sign": np.sign,
+    "heaviside": lambda x: np.heaviside(x, 0.5),
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    **{
+        name: getattr(np, name)
+        for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()
+    },
+}
