@@ -51,7 +51,7 @@ def _cause(node: Expression, values: Mapping[Expression, float]) -> str:
         if x == 0 and exponent < 0:
             return f"division by zero, {first}"
         if x < 0 and exponent != math.floor(exponent):
-            return f"a broken power of a negative number, {first}"
+            return f"a power that is no integer, of a negative number, {first}"
         if is_division(node) and numeric_value(args[1]) == -1:
             return f"overflow, {first}"
         return f"overflow, {first} to the power {exponent:.6g}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -81,10 +81,12 @@ class Model:
         for f in fields(self):
             if f.name in parts:
                 value = parts[f.name]
-            elif callable(f.default_factory):
+            elif f.default_factory is not MISSING:
                 value = f.default_factory()
-            else:
+            elif f.default is not MISSING:
                 value = f.default
+            else:
+                raise TypeError(f"a model needs {f.name}")
             object.__setattr__(self, f.name, value)
 
     def __hash__(self) -> int:

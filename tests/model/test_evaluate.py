@@ -71,7 +71,7 @@ def test_values_follow_ieee_arithmetic_and_never_raise():
         ("3*log(y)", "equation x: 'log(y)' is not a number: logarithm of a negative number, 'y' = -2"),
         ("sqrt(y - 1)^2", "'sqrt(y - 1)' is not a number: square root of a negative number, 'y - 1' = -3"),
         ("exp(1000*x)/2", "'exp(1000*x)' is infinite: overflow, '1000*x' = 3000"),
-        ("(y)^1.5", "'y^1.5' is not a number: a broken power of a negative number, 'y' = -2"),
+        ("(y)^1.5", "'y^1.5' is not a number: a power that is no integer, of a negative number, 'y' = -2"),
         ("asin(x)", "asin outside [-1, 1], 'x' = 3"),
         ("1/(x - 3)^2 if x > 0 else log(y)", "'1/(x - 3)^2' is infinite: division by zero, 'x - 3' = 0"),
     ],

@@ -170,6 +170,8 @@ def test_parts_can_be_exchanged(everything):
     assert half != everything
     with pytest.raises(TypeError, match="no part equation"):
         everything.replace(equation=())
+    with pytest.raises(TypeError, match="needs states"):
+        Model.from_parts(name="m", parameters=(), equations=())
 
 
 def test_a_newer_format_is_refused_as_such():
