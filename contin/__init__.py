@@ -15,6 +15,7 @@ _EXPORTS = {
     "FunctionProblem": "contin.problems.function",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
+    "average": "contin.symbolic.averaging",
     "continuation": "contin.api",
     "diagram": "contin.api",
     "equilibrium": "contin.api",
