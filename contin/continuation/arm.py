@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, isolate, resolve_dip
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.problem import Adaptive, Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
@@ -95,7 +95,13 @@ class Arm:
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
-            if chunk.stop is Stop.RESCALE:
+            if isinstance(self.problem, Adaptive):
+                renewal = self.problem.renew(origin, before, self.loop, frame, self.settings)
+                self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
+                origin, before = renewal.origin, renewal.before
+                if renewal.last is not None:
+                    yield _single(renewal.last, self.scale)
+            elif chunk.stop is Stop.RESCALE:
                 origin, before = self._rescale(origin, before)
 
     def _position(self, sample: Sample) -> str:
@@ -124,12 +130,17 @@ class Arm:
         if crossed is None:
             return None
         beyond, point = crossed
-        marks = ()
+        marks: tuple[Row, ...] = ()
         if point is not None and not self._is_known(point):
             self.known.append(point)
             marks = (Row(1, 0.0, point, beyond.tangent),)
         piece = Piece(
-            beyond.z[None], beyond.tangent[None], np.array([beyond.unstable]), beyond.eigenvalues[None], self.scale, marks
+            beyond.z[None],
+            beyond.tangent[None],
+            np.array([beyond.unstable]),
+            beyond.eigenvalues[None],
+            self.scale,
+            marks,
         )
         return beyond, piece
 
@@ -183,24 +194,29 @@ class Arm:
         marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in found]
         marked += self._hits(chunk, z, frame, marked)
         marked.sort(key=lambda r: (r.before, r.length))
-        return Piece(
-            z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations
-        )
+        return Piece(z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations)
 
     def _mirror(self, found: list[Found]) -> Found | None:
         """The branch point at which the branch meets its own mirror image; ends the arm."""
         if not self.symmetries or self.end is not None:
             return None
         for f in found:
-            if f.point.type == "BP" and self.problem.reverses(f.point.z, f.sample.tangent * self.scale, self.symmetries):
+            if f.point.type == "BP" and self.problem.reverses(
+                f.point.z, f.sample.tangent * self.scale, self.symmetries
+            ):
                 where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
-                self.end = End("joined", f"met its own mirror image at the branch point {where}", {"at": float(f.point.z[-1])})
+                self.end = End(
+                    "joined", f"met its own mirror image at the branch point {where}", {"at": float(f.point.z[-1])}
+                )
                 return f
         return None
 
     def _is_known(self, point: Verified) -> bool:
         return any(
-            k.type == point.type and np.linalg.norm((k.z - point.z) / self.scale) < SAME_POINT for k in self.known
+            k.type == point.type
+            and k.z.size == point.z.size
+            and np.linalg.norm((k.z - point.z) / self.scale) < SAME_POINT
+            for k in self.known
         )
 
     def _at_bound(self, stretch: Stretch, beyond: Sample) -> Sample:
@@ -266,7 +282,14 @@ class Arm:
             return
         where = self._position(chunk.sample(-1))
         advice = chunk.detail or self.problem.describe_failure(chunk.z[-1])
-        self.end = End("corrector", f"corrector failed at {where} at the smallest step ({self.settings.min_step:.0e}). {advice}")
+        self.end = End(
+            "corrector", f"corrector failed at {where} at the smallest step ({self.settings.min_step:.0e}). {advice}"
+        )
+
+
+def _single(sample: Sample, scale: Array) -> Piece:
+    """One row."""
+    return Piece(sample.z[None], sample.tangent[None], np.array([sample.unstable]), sample.eigenvalues[None], scale)
 
 
 def _without_last(chunk: Chunk) -> Chunk:

@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.branch import End
 from contin.continuation.settings import Settings
 
 
@@ -91,14 +92,50 @@ class Verified:
     also: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Renewal:
+    """A new metric (and mesh) and the samples of an arm in it; or why the arm ends here, and its last row."""
+
+    scale: Array
+    origin: Sample
+    before: Sample | None
+    loop: Sample | None
+    end: End | None = None
+    last: Sample | None = None  # a row to append: where a family of orbits shrinks, the Hopf point
+
+
+@runtime_checkable
+class Adaptive(Protocol):
+    """A problem whose unknowns change their meaning along a branch (a mesh that follows the solution)."""
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        """Called after every chunk: see whether the branch ends, and adapt metric and mesh."""
+
+
 class Problem(Protocol):
     """What a problem offers to the engine; `Any` users should read `contin.problems.equilibrium` as the model answer."""
 
-    kind: str
-    locus: str | None  # for curves in two parameters: the type of the points on it
-    parameters: tuple[str, ...]  # the varying one(s), the last unknown first
-    angle_periods: Array  # (N - 1,), 0 for unknowns that are not angles
-    maximum_chunk: int
+    @property
+    def kind(self) -> str:
+        """equilibrium | fixed-point | orbit | bvp | locus"""
+
+    @property
+    def locus(self) -> str | None:
+        """For curves in two parameters: the type of the points on it."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The varying one(s), the last unknown first."""
+
+    @property
+    def angle_periods(self) -> Array:
+        """(N - 1,), 0 for unknowns that are not angles."""
+
+    @property
+    def maximum_chunk(self) -> int:
+        """Most points a march may accept before it returns, so that a chunk lasts about 50 ms at most."""
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         """Scale of every unknown at the start of a run."""

@@ -27,7 +27,9 @@ class Rows:
     def __len__(self) -> int:
         return self._length
 
-    def add_block(self, z: Array, tangents: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]) -> None:
+    def add_block(
+        self, z: Array, tangents: Array, unstable: NDArray[np.int64], eigenvalues: NDArray[np.complex128]
+    ) -> None:
         if len(z):
             self._blocks.append((z, tangents, unstable, eigenvalues))
             self._length += len(z)
@@ -55,7 +57,7 @@ class Rows:
         self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
 
     def joined(self) -> Block:
-        """All rows as four arrays; eigenvalues are padded with NaN where blocks have different numbers of them."""
+        """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end, unknowns at the front."""
         width = max(block[3].shape[1] for block in self._blocks)
         padded = []
         for block in self._blocks:
@@ -63,5 +65,19 @@ class Rows:
             if values.shape[1] < width:
                 values = np.hstack([values, np.full((len(values), width - values.shape[1]), np.nan + 0j)])
             padded.append(values)
-        z, tangents, unstable = (np.concatenate([block[k] for block in self._blocks]) for k in range(3))
+        z, tangents = _stacked([block[0] for block in self._blocks]), _stacked([block[1] for block in self._blocks])
+        unstable = np.concatenate([block[2] for block in self._blocks])
         return z, tangents, unstable.astype(int), np.concatenate(padded)
+
+
+def _stacked(blocks: list[Array]) -> Array:
+    """Blocks of rows below each other, NaN in front of shorter ones (the parameter stays last)."""
+    width = max(block.shape[1] for block in blocks)
+    if all(block.shape[1] == width for block in blocks):
+        return np.concatenate(blocks)
+    whole = np.full((sum(len(block) for block in blocks), width), np.nan)
+    row = 0
+    for block in blocks:
+        whole[row : row + len(block), width - block.shape[1] :] = block
+        row += len(block)
+    return whole

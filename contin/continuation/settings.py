@@ -21,6 +21,8 @@ class Settings:
     max_angle : degrees; a step whose tangent turns by more is repeated with half the length.
     tolerance : length of the last Newton correction of a point (labelled points do not depend on it: they are
         verified to full precision).
+    intervals : number of mesh intervals of an orbit; by default as many as its error needs.
+    points : Gauss points an interval (collocation of order 2 points at the mesh points).
     """
 
     step: float = 0.01
@@ -29,6 +31,8 @@ class Settings:
     steps: int = 20_000
     max_angle: float = 15.0
     tolerance: float = 1e-9
+    intervals: int | None = None
+    points: int = 4
 
     def __post_init__(self) -> None:
         for name in ("step", "min_step", "max_step", "max_angle", "tolerance"):
@@ -39,6 +43,10 @@ class Settings:
             raise InputError(f"settings.min_step must be in (0, max_step = {self.max_step}]; got {self.min_step}")
         if isinstance(self.steps, bool) or not isinstance(self.steps, int) or self.steps < 0:
             raise InputError(f"settings.steps must be a whole number >= 0; got {self.steps!r}")
+        for name, least in (("intervals", 3), ("points", 2)):
+            count = getattr(self, name)
+            if count is not None and (isinstance(count, bool) or not isinstance(count, int) or count < least):
+                raise InputError(f"settings.{name} must be a whole number >= {least}; got {count!r}")
         if self.max_angle >= 90:
             raise InputError(f"settings.max_angle must be below 90 degrees; got {self.max_angle}")
 

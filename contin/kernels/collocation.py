@@ -1,0 +1,249 @@
+"""Collocation equations of a periodic orbit and their Jacobian at a point z = (u at the nodes, T, mesh, p).
+
+    u'(x) = T f(u(x), p [, t = T x])  at the Gauss points of every interval,   u(1) = u(0) + winding,
+    phase condition  sum of weights * <u - reference, reference'> = 0   (forced systems: T = multiple * forcing period),
+    arclength        <tangent, (z - z0) / scale> = length.
+
+Layout of z: u at the N m + 1 nodes (n values each), T, the lengths h_1 .. h_N of the intervals (sum 1; they are carried
+along, never solved for), p. So a point knows its own mesh.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+
+from contin.kernels.compile import call3, call4, kernel
+
+Equations = namedtuple(
+    "Equations",
+    [
+        "value",  # addresses: (u, p, F)
+        "jacobian",  # (u, p, F, J)
+        "forcing",  # (u, p, T, dT): the forcing period and its derivatives, 0 for an autonomous system
+        "multiple",  # orbits of this many forcing periods
+        "n",
+        "m",
+        "active",  # index of the varying parameter
+        "values",  # (m, m + 1) basis at the Gauss points
+        "slopes",
+        "gauss",
+        "weights",
+        "winding",  # (n,) what angles gain in one period
+    ],
+)
+
+Points = namedtuple(
+    "Points",
+    [
+        "u",  # (m + 1, n, N) node values, interval by interval
+        "at",  # (m, n, N) values at the Gauss points
+        "f",  # (m, n, N)
+        "fu",  # (m, n, n, N)
+        "fp",  # (m, n, N)
+        "ft",  # (m, n, N) time derivative (forced systems)
+        "phase",  # (m + 1, n, N) row of the phase condition
+        "phase_right",  # (1,) its value at the reference
+        "F",
+        "J",
+        "p",  # (m_p,) all parameters (and t), its own copy
+    ],
+)
+
+
+@kernel
+def new_points(n, m, intervals, p):
+    """Memory for values at the Gauss points of one mesh."""
+    return Points(
+        np.zeros((m + 1, n, intervals)),
+        np.zeros((m, n, intervals)),
+        np.zeros((m, n, intervals)),
+        np.zeros((m, n, n, intervals)),
+        np.zeros((m, n, intervals)),
+        np.zeros((m, n, intervals)),
+        np.zeros((m + 1, n, intervals)),
+        np.zeros(1),
+        np.zeros(n),
+        np.zeros((n, n + p.size)),
+        p.copy(),
+    )
+
+
+@kernel
+def set_phase(e, w, reference, sizes):
+    """Phase condition with respect to `reference` (layout of z): row of weights at the nodes, and its right-hand side."""
+    n, m = e.n, e.m
+    intervals = w.u.shape[2]
+    w.phase_right[0] = 0.0
+    for j in range(m + 1):
+        for k in range(n):
+            for i in range(intervals):
+                w.u[j, k, i] = reference[(i * m + j) * n + k]
+    w.phase[:, :, :] = 0.0
+    total = 0.0
+    for c in range(m):
+        for k in range(n):
+            inverse = e.weights[c] / (sizes[k] * sizes[k])
+            for i in range(intervals):
+                slope = 0.0
+                here = 0.0
+                for j in range(m + 1):
+                    slope += e.slopes[c, j] * w.u[j, k, i]
+                    here += e.values[c, j] * w.u[j, k, i]
+                slope *= inverse
+                total += slope * here
+                for j in range(m + 1):
+                    w.phase[j, k, i] += slope * e.values[c, j]
+    w.phase_right[0] = total
+
+
+@kernel
+def evaluate(e, w, z, with_jacobian):
+    """f (and its Jacobian) at all Gauss points; False where something is not finite."""
+    n, m = e.n, e.m
+    intervals = w.u.shape[2]
+    nodes = (intervals * m + 1) * n
+    period = z[nodes]
+    w.p[e.active] = z[z.size - 1]
+    for j in range(m + 1):
+        for k in range(n):
+            for i in range(intervals):
+                w.u[j, k, i] = z[(i * m + j) * n + k]
+    for c in range(m):
+        for k in range(n):
+            for i in range(intervals):
+                w.at[c, k, i] = e.values[c, 0] * w.u[0, k, i]
+            for j in range(1, m + 1):
+                x = e.values[c, j]
+                for i in range(intervals):
+                    w.at[c, k, i] += x * w.u[j, k, i]
+    here = np.empty(n)
+    total = 0.0
+    start = 0.0
+    time_column = n + w.p.size - 1
+    for i in range(intervals):
+        h = z[nodes + 1 + i]
+        for c in range(m):
+            for k in range(n):
+                here[k] = w.at[c, k, i]
+            if e.forcing != 0:
+                w.p[w.p.size - 1] = period * (start + h * e.gauss[c])
+            if with_jacobian:
+                call4(e.jacobian, here, w.p, w.F, w.J)
+                for k in range(n):
+                    for q in range(n):
+                        value = w.J[k, q]
+                        w.fu[c, k, q, i] = value
+                        total += value
+                    value = w.J[k, n + e.active]
+                    w.fp[c, k, i] = value
+                    total += value
+                    if e.forcing != 0:
+                        w.ft[c, k, i] = w.J[k, time_column]
+                        total += w.J[k, time_column]
+            else:
+                call3(e.value, here, w.p, w.F)
+            for k in range(n):
+                w.f[c, k, i] = w.F[k]
+                total += w.F[k]
+        start += h
+    return np.isfinite(total)
+
+
+@kernel
+def forcing_period(e, w, z):
+    """(period, its derivative by the varying parameter) of a forced system's orbit."""
+    w.p[e.active] = z[z.size - 1]
+    period = np.empty(1)
+    derivatives = np.empty((1, w.J.shape[1]))
+    call4(e.forcing, w.F, w.p, period, derivatives)
+    return e.multiple * period[0], e.multiple * derivatives[0, w.F.size + e.active]
+
+
+@kernel
+def residual(e, w, z, right, jump, border):
+    """Minus the residual: right (m n + 2, N) collocation, jump (n,) periodicity, border[0] phase. Needs `evaluate`."""
+    n, m = e.n, e.m
+    intervals = w.u.shape[2]
+    nodes = (intervals * m + 1) * n
+    period = z[nodes]
+    for c in range(m):
+        for k in range(n):
+            r = c * n + k
+            for i in range(intervals):
+                right[r, i] = z[nodes + 1 + i] * period * w.f[c, k, i] - e.slopes[c, 0] * w.u[0, k, i]
+            for j in range(1, m + 1):
+                x = e.slopes[c, j]
+                for i in range(intervals):
+                    right[r, i] -= x * w.u[j, k, i]
+    for k in range(n):
+        jump[k] = z[k] + e.winding[k] - z[nodes - n + k]
+    if e.forcing != 0:
+        wanted, _ = forcing_period(e, w, z)
+        border[0] = wanted - period
+    else:
+        total = w.phase_right[0]
+        for j in range(m + 1):
+            for k in range(n):
+                for i in range(intervals):
+                    total -= w.phase[j, k, i] * w.u[j, k, i]
+        border[0] = total
+
+
+@kernel
+def fill(e, w, z, tangent, scale, local, border):
+    """The matrix: `local` of `Factors`, border (2, 2) coefficients of T and p. Needs `evaluate` with the Jacobian."""
+    n, m = e.n, e.m
+    intervals = w.u.shape[2]
+    nodes = (intervals * m + 1) * n
+    period = z[nodes]
+    inner = (m - 1) * n
+    left, right = inner, inner + n
+    last = z.size - 1
+    for j in range(m + 1):
+        column = left if j == 0 else (right if j == m else (j - 1) * n)
+        for c in range(m):
+            value = e.values[c, j] * period
+            slope = e.slopes[c, j]
+            for k in range(n):
+                for q in range(n):
+                    for i in range(intervals):
+                        local[c * n + k, column + q, i] = -value * z[nodes + 1 + i] * w.fu[c, k, q, i]
+                for i in range(intervals):
+                    local[c * n + k, column + k, i] += slope
+        for k in range(n):
+            for i in range(intervals):
+                local[m * n, column + k, i] = w.phase[j, k, i]
+                t = 0.0
+                if j < m or i == intervals - 1:
+                    index = (i * m + j) * n + k
+                    t = tangent[index] / scale[index]
+                local[m * n + 1, column + k, i] = t
+    for c in range(m):
+        for k in range(n):
+            for i in range(intervals):
+                local[c * n + k, right + n, i] = -z[nodes + 1 + i] * w.f[c, k, i]
+                local[c * n + k, right + n + 1, i] = -z[nodes + 1 + i] * period * w.fp[c, k, i]
+    if e.forcing != 0:
+        start = 0.0
+        for i in range(intervals):
+            h = z[nodes + 1 + i]
+            for c in range(m):
+                t = period * (start + h * e.gauss[c])
+                for k in range(n):
+                    local[c * n + k, right + n, i] -= h * t * w.ft[c, k, i]
+            start += h
+    for q in range(2):
+        for c in range(2):
+            for i in range(intervals):
+                local[m * n + q, right + n + c, i] = 0.0
+    border[0, 0] = 0.0
+    border[0, 1] = 0.0
+    if e.forcing != 0:
+        for column in range(inner + 2 * n):
+            for i in range(intervals):
+                local[m * n, column, i] = 0.0
+        _, derivative = forcing_period(e, w, z)
+        border[0, 0] = 1.0
+        border[0, 1] = -derivative
+    border[1, 0] = tangent[nodes] / scale[nodes]
+    border[1, 1] = tangent[last] / scale[last]

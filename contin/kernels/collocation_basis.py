@@ -1,0 +1,73 @@
+"""Orthogonal collocation on one interval: Gauss points, Lobatto nodes, and the matrices between them.
+
+A piece of the solution is the polynomial of degree m through its values at m + 1 Gauss-Lobatto nodes of [0, 1] (the ends
+are shared with the neighbours). The differential equation holds at the m Gauss points. Then the error is of order m + 1
+inside the intervals and of order 2 m at their ends (de Boor and Swartz 1973). Lobatto nodes, and not equidistant ones,
+because their quadrature weights are positive for every m: they make the diagonal metric in which lengths are measured.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import factorial
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from contin.abi import Array
+from contin.errors import InputError
+
+LARGEST = 7  # points an interval; beyond that rounding in the top derivative spoils the error estimate
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Matrices of the m-point scheme on [0, 1]; u holds values at the m + 1 nodes."""
+
+    m: int
+    nodes: Array  # (m + 1,) Gauss-Lobatto, 0 and 1 included
+    node_weights: Array  # (m + 1,) quadrature with them, all positive, sum 1
+    gauss: Array  # (m,)
+    gauss_weights: Array  # (m,)
+    values: Array  # (m, m + 1): values @ u at the Gauss points
+    slopes: Array  # (m, m + 1): slopes @ u, derivative at the Gauss points
+    top: Array  # (m + 1,): top @ u, the m-th derivative (constant)
+    error: float  # largest |u - exact| inside an interval of length h is about error * h^(m + 1) |u^(m + 1)|
+
+
+@lru_cache(maxsize=8)
+def basis(m: int) -> Basis:
+    """The scheme with m Gauss points an interval, 2 <= m <= 7."""
+    if not 2 <= m <= LARGEST:
+        raise InputError(f"settings.points (Gauss points an interval) must be in 2 .. {LARGEST}; got {m}")
+    gauss, weights = legendre.leggauss(m)
+    gauss, weights = 0.5 * (gauss + 1.0), 0.5 * weights
+    top_legendre = np.zeros(m + 1)
+    top_legendre[m] = 1.0
+    inner = np.sort(np.real(legendre.legroots(legendre.legder(top_legendre))))
+    x = np.concatenate([[-1.0], inner, [1.0]])
+    nodes = 0.5 * (x + 1.0)
+    node_weights = 1.0 / (m * (m + 1) * legendre.legval(x, top_legendre) ** 2)
+    values, slopes = np.zeros((m, m + 1)), np.zeros((m, m + 1))
+    top = np.zeros(m + 1)
+    for j in range(m + 1):
+        lagrange = _lagrange(nodes, j)
+        values[:, j] = lagrange(gauss)
+        slopes[:, j] = lagrange.deriv()(gauss)
+        top[j] = lagrange.deriv(m)(0.5)
+    defect = np.polynomial.Polynomial.fromroots(gauss).integ()
+    sampled = defect(np.linspace(0.0, 1.0, 401)) - defect(0.0)
+    error = float(np.max(np.abs(sampled))) / factorial(m)
+    return Basis(m, nodes, node_weights, gauss, weights, values, slopes, top, error)
+
+
+def interpolation(m: int, at: Array) -> Array:
+    """(len(at), m + 1): values at points `at` of [0, 1] from the values at the nodes."""
+    nodes = basis(m).nodes
+    return np.stack([_lagrange(nodes, j)(at) for j in range(m + 1)], axis=1)
+
+
+def _lagrange(nodes: Array, j: int) -> np.polynomial.Polynomial:
+    others = np.delete(nodes, j)
+    return np.polynomial.Polynomial.fromroots(others) / float(np.prod(nodes[j] - others))

@@ -1,0 +1,38 @@
+"""Error of a collocation solution, from the jumps of its top derivative between intervals."""
+
+import math
+
+from contin.kernels.compile import kernel
+
+
+@kernel
+def mesh_error(z, n, m, intervals, top, constant, sizes, density):
+    """Estimated largest error inside an interval, relative to `sizes` (n,); density (N,) receives |u^(m + 1)|.
+
+    The m-th derivative is constant on an interval; its differences between neighbours give u^(m + 1). The error at the
+    mesh points themselves (and of T and p) is of order 2 m, much smaller.
+    """
+    nodes = (intervals * m + 1) * n
+    density[:] = 0.0
+    for k in range(n):
+        previous = 0.0
+        for j in range(m + 1):
+            previous += top[j] * z[((intervals - 1) * m + j) * n + k]
+        h_previous = z[nodes + intervals]
+        previous /= h_previous**m
+        for i in range(intervals):
+            h = z[nodes + 1 + i]
+            here = 0.0
+            for j in range(m + 1):
+                here += top[j] * z[(i * m + j) * n + k]
+            here /= h**m
+            jump = 2.0 * abs(here - previous) / ((h + h_previous) * sizes[k])
+            before = i - 1 if i > 0 else intervals - 1
+            density[before] = max(density[before], jump)
+            density[i] = max(density[i], jump)
+            previous = here
+            h_previous = h
+    largest = 0.0
+    for i in range(intervals):
+        largest = max(largest, constant * z[nodes + 1 + i] ** (m + 1) * density[i])
+    return largest if math.isfinite(largest) else math.inf

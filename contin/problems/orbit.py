@@ -1,0 +1,328 @@
+"""Families of periodic orbits by orthogonal collocation, as a continuation problem in one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.settings import Settings
+from contin.continuation.departure import Seed
+from contin.kernels.collocation_basis import basis
+from contin.problems import special
+from contin.problems.orbit_forcing import ForcingPeriod
+from contin.problems.orbit_layout import Profile, extrema, make_scale, profile_of, sizes_of
+
+MESH_TOLERANCE = 5e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
+PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
+CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
+PROBE_TOLERANCE = 1e-10
+DWELLING = 0.35  # part of the period spent slowly from which growing periods are watched closely
+_STOPS = (
+    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
+)  # fmt: skip
+_TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitProblem:
+    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbit_layout`.
+
+    system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
+    `active` varies.  points : Gauss points an interval.  winding : what each state gains in one period (rotations).
+    intervals : fixed number of mesh intervals, or None.  multiple : forcing periods in one orbit of a forced system.
+    """
+
+    system: Any
+    base: Array
+    active: int
+    winding: Array
+    points: int = 4
+    intervals: int | None = None
+    multiple: int = 1
+    tolerance: float = MESH_TOLERANCE
+    forcing: ForcingPeriod | None = None
+    origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
+    angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
+
+    kind = "orbit"
+    locus = None
+    maximum_chunk = 60
+
+    def __post_init__(self) -> None:
+        if self.system.is_forced and self.forcing is None:
+            object.__setattr__(self, "forcing", ForcingPeriod.of(self.system))
+
+    @property
+    def n(self) -> int:
+        return int(self.system.n)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.system.parameter_names[self.active],)
+
+    @property
+    def is_map(self) -> bool:
+        """Stability is decided by multipliers."""
+        return True
+
+    def with_active(self, name: str, z: Array) -> OrbitProblem:
+        """The same orbits with another parameter free; the present one is frozen at its value in z."""
+        base = self.base.copy()
+        base[self.active] = z[-1]
+        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
+
+    def profile(self, z: Array) -> Profile:
+        return profile_of(z, self.n, self.points)
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
+        p = np.zeros(self.system.p_size)
+        p[: len(self.base)] = self.base
+        p[self.active] = z[-1]
+        return p
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found = self.system.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    @cached_property
+    def equations(self) -> Any:
+        """The kernels' view of the equations."""
+        from contin.kernels.collocation import Equations
+
+        scheme = basis(self.points)
+        return Equations(
+            self.system.value_address, self.system.jacobian_address, 0 if self.forcing is None else self.forcing.address,
+            self.multiple, self.n, self.points, self.active, scheme.values, scheme.slopes, scheme.gauss,
+            scheme.gauss_weights, np.asarray(self.winding, dtype=float),
+        )  # fmt: skip
+
+    @property
+    def autonomous(self) -> bool:
+        return self.forcing is None
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric that belongs to z's mesh."""
+        return sizes_of(scale, self.profile(z).h, self.n, self.points)
+
+    def is_constant(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is an equilibrium."""
+        u = self.profile(z).u
+        return bool(np.all(np.ptp(u, axis=0) <= CONSTANT * self.sizes(z, scale))) and not self.winding.any()
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = bounds[1] - bounds[0]
+        if not np.isfinite(width):
+            width = max(1.0, abs(float(z[-1])))
+        profile = self.profile(z)
+        return make_scale(profile.h, self.points, self.state_sizes(profile), PERIOD_SCALE * profile.period, width)
+
+    def state_sizes(self, profile: Profile) -> Array:
+        """Typical size of every state on an orbit: its largest modulus, an angle's amplitude."""
+        largest = np.abs(profile.u).max(axis=0)
+        periods = self.system.model.periods(self.constants())
+        largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
+        floor = 1e-6 * max(float(largest.max()), 1e-300)
+        return np.where(largest > floor, largest, np.where(largest > 0.0, floor, 1.0))
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        from contin.problems.orbit_linear import branch_tangents
+
+        return branch_tangents(self, z, scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        from contin.kernels import collocation_march as kernel
+
+        n, size, rows = self.n, origin.z.size, limit + 1
+        z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
+        unstable = np.zeros(rows, np.int64)
+        re, im, lengths, errors = np.empty((rows, n)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows)
+        info = np.zeros(6)
+        z[0], t[0] = origin.z, origin.tangent
+        profile = self.profile(origin.z)
+        sizes = self.sizes(origin.z, frame.scale)
+        controls = np.array([
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
+            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._error_limit(profile, sizes),
+            self._period_limit(profile, frame.scale),
+        ])  # fmt: skip
+        scheme = basis(self.points)
+        free = n - 1 if self.autonomous else n
+        none = np.empty(0)
+        reason = kernel.march(
+            self.equations, self.full_parameters(origin.z), frame.scale, sizes, np.array(bounds, dtype=float), controls,
+            limit, scheme.top, scheme.error, origin.tangent if before is None else before.tangent,
+            np.zeros(kernel.TESTS) if before is None else before.tests,
+            none if loop is None else loop.z, none if loop is None else loop.tangent,
+            z, t, tests, unstable, re, im, lengths, errors, np.full((free, free), np.nan), info,
+        )  # fmt: skip
+        stop, m = _STOPS[reason], int(info[0]) + 1
+        detail = ""
+        if stop is Stop.NOT_FINITE:
+            nearby = self.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
+            p = self.full_parameters(np.array([nearby.parameter]))
+            detail = next((text for u in nearby.u if (text := self.system.explain(u, p))), "")
+        return Chunk(
+            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
+            float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
+        )  # fmt: skip
+
+    def _error_limit(self, profile: Profile, sizes: Array) -> float:
+        from contin.problems.orbit_mesh import estimate
+
+        error, _ = estimate(profile, sizes)
+        return max(self.tolerance, 3.0 * error)
+
+    def _period_limit(self, profile: Profile, scale: Array) -> float:
+        """The period at which a march returns: soon, where the orbit already lingers somewhere."""
+        position = profile.u.size
+        limit = 2.0 * float(scale[position])
+        if self.autonomous and dwelling(profile, self.sizes(profile.vector(), scale)) > DWELLING:
+            limit = min(limit, 1.1 * profile.period)
+        return limit
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if length == 0.0 and self.is_constant(base.z, frame.scale):
+            return None
+        return self._probe(base.z, base.tangent, length, guess, frame, min(settings.tolerance, PROBE_TOLERANCE))
+
+    def _probe(
+        self, z0: Array, tangent: Array, length: float, guess: Array, frame: Frame, tolerance: float
+    ) -> Sample | None:
+        from contin.kernels import collocation_march as kernel
+
+        n = self.n
+        z, t, tests = np.empty(z0.size), np.empty(z0.size), np.empty(kernel.TESTS)
+        re, im = np.empty(n), np.zeros(n)
+        free = n - 1 if self.autonomous else n
+        count = kernel.probe(
+            self.equations, z0, tangent, length, guess, self.full_parameters(z0), frame.scale,
+            self.sizes(z0, frame.scale), tolerance, frame.reference, z, t, tests, re, im, np.full((free, free), np.nan),
+        )  # fmt: skip
+        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros_like(scale)
+        fixed[-1] = 1.0
+        z0 = guess.copy()
+        z0[-1] = value
+        found = self._probe(z0, fixed, 0.0, z0, Frame(scale), 1e-12)
+        if found is None:
+            return None
+        found.z[-1] = value
+        return found.z
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        from contin.problems.orbit_events import explain
+
+        return explain(a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        from contin.problems.orbit_events import verify
+
+        return verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        from contin.problems.orbit_events import verify_compound
+
+        return verify_compound(self, a, b, frame)
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        return False
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+        names = self.system.parameter_names
+        columns: dict[str, Array] = {names[self.active]: z[:, -1].copy(), "period": np.empty(len(z))}
+        functions = [*self.system.state_names, *self.system.observable_names]
+        low, high = np.empty((len(z), len(functions))), np.empty((len(z), len(functions)))
+        padding = np.argmax(~np.isnan(z), axis=1) if len(z) else np.empty(0, int)
+        for skipped in np.unique(padding):
+            chosen = np.flatnonzero(padding == skipped)
+            part = z[chosen][:, skipped:]
+            first = self.profile(part[0])
+            u = part[:, : first.u.size].reshape(len(part), -1, self.n)
+            columns["period"][chosen] = part[:, first.u.size]
+            low[chosen], high[chosen] = extrema(self._functions(u, part[:, -1]), self.points)
+        for k, name in enumerate(functions):
+            columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
+        return columns
+
+    def _functions(self, u: Array, parameter: Array) -> Array:
+        """States and observables at nodes u (R, K, n), (R, K, k)."""
+        if not self.system.observable_names:
+            return u
+        rows, nodes, n = u.shape
+        p = np.tile(self.full_parameters(np.zeros(1)), (rows * nodes, 1))
+        p[:, self.active] = np.repeat(parameter, nodes)
+        observed = self.system.observables(np.ascontiguousarray(u.reshape(-1, n)), p)
+        return np.concatenate([u, np.asarray(observed).reshape(rows, nodes, -1)], axis=2)
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        functions = [*self.system.state_names, *self.system.observable_names]
+        return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        from contin.problems.orbit_switch import switch
+
+        return switch(self, point, parameter)
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        from contin.problems.orbit_renewal import renew
+
+        return renew(self, origin, before, loop, frame, settings)
+
+    def describe_failure(self, z: Array) -> str:
+        from contin.problems.orbit_mesh import estimate
+
+        profile = self.profile(z)
+        for u in profile.u:
+            text = self.system.explain(u, self.full_parameters(z))
+            if text:
+                return str(text)
+        error, _ = estimate(profile, self.state_sizes(profile))
+        if error > 100.0 * self.tolerance:
+            return (
+                f"The mesh of {profile.intervals} intervals does not resolve the orbit (estimated error {error:.1e}): it is "
+                "very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this point."
+            )
+        return "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are smooth here."
+
+
+def dwelling(profile: Profile, sizes: Array) -> float:
+    """Part of the period during which the orbit moves at less than a twentieth of its mean speed."""
+    steps = np.linalg.norm(np.diff(profile.u, axis=0) / sizes, axis=1)
+    lengths = np.diff(profile.times)
+    speed = steps / lengths
+    return float(lengths[speed < 0.05 * float(steps.sum())].sum())
+
+
+TYPE_OF = _TYPES
+assert set(special.TEST_OF) >= {"LP", "BP", "PD"}

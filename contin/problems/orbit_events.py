@@ -1,0 +1,120 @@
+"""Special orbits: what a change between two samples means, and its verification."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems import special
+
+RESIDUAL_LIMIT = 1e-7  # scaled
+UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
+CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
+TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Types that account for every sign change and for the change of the unstable count.
+
+    A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation error, so
+    the count may lag behind the test by that much.
+    """
+    found = special.explain(True, a, b)
+    if found is not None:
+        return tuple(TYPES[t] for t in found)
+    folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    moved = abs(a.unstable - b.unstable)
+    lagging = min(_distance_from_one(a), _distance_from_one(b)) < UNRESOLVED
+    if not (pairs or flips) and moved <= 2 and lagging:
+        if branches:
+            return ("BPC",)
+        return ("LPC",) if folds else ()
+    return None
+
+
+def _distance_from_one(sample: Sample) -> float:
+    """Of the nontrivial multiplier nearest to 1 (the trivial one stands first; without it nothing is gained)."""
+    others = sample.eigenvalues[1:]
+    return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
+
+
+def multipliers_at(problem: Any, z: Array) -> NDArray[np.complex128]:
+    """Multipliers of an orbit, the trivial one of an autonomous system first."""
+    from contin.kernels.collocation_march import stability
+
+    re, im = np.empty(problem.n), np.zeros(problem.n)
+    if not stability(problem.equations, z, problem.full_parameters(z), re, im):
+        return np.full(problem.n, np.nan, complex)
+    return np.asarray(re + 1j * im)
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
+    from contin.problems.orbit_defining import solve_special
+
+    theta = 0.0
+    if type_ in ("NS", "neutral"):
+        pair = special._critical_pair(_nontrivial(problem, near.eigenvalues), True)
+        if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
+            return "" if type_ == "neutral" else "NS: the two multipliers that cross are real"
+        if type_ == "neutral":
+            return "a pair of multipliers touches the unit circle without a change of the unstable count"
+        theta = float(np.angle(pair))
+    solved = solve_special(problem, type_, near.z, frame.scale, theta)
+    if solved is None:
+        return f"{type_} not verified: Newton on its defining system did not converge"
+    if not solved.residual <= RESIDUAL_LIMIT:
+        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+    if type_ == "NS" and abs(solved.theta - theta) > 0.3:
+        return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
+    values = multipliers_at(problem, solved.z)
+    others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
+    rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
+    point = Verified(
+        type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
+        vectors={"right": solved.right, "left": solved.left, "theta": solved.theta},
+    )  # fmt: skip
+    return _with_normal_form(problem, point, frame.scale)
+
+
+def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
+    from contin.problems.orbit_normal_form import normal_form
+
+    return replace(point, normal_form=normal_form(problem, point, scale))
+
+
+def _nontrivial(problem: Any, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return values[1:] if problem.autonomous else values
+
+
+def _without_critical(values: NDArray[np.complex128], type_: str, theta: float) -> NDArray[np.complex128]:
+    targets = {"LPC": (1.0,), "BPC": (1.0,), "PD": (-1.0,), "NS": (np.exp(1j * theta), np.exp(-1j * theta))}[type_]
+    left = list(values)
+    for target in targets:
+        if left:
+            left.pop(int(np.argmin([abs(v - target) for v in left])))
+    return np.array(left, complex)
+
+
+def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    """Everything that happens at one place: each kind of change is tried by itself."""
+    found: list[Verified | str] = []
+    folds, branches, _, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    if branches:
+        found.append(verify(problem, "BPC", a, frame))
+    elif folds:
+        found.append(verify(problem, "LPC", a, frame))
+    if flips:
+        found.append(verify(problem, "PD", a, frame))
+    values = _nontrivial(problem, a.eigenvalues)
+    if any(v.imag > 1e-6 and abs(abs(v) - 1.0) < CRITICAL for v in values):
+        found.append(verify(problem, "NS", a, frame))
+    if not found and a.unstable != b.unstable and branches == folds:
+        found.append(verify(problem, "BPC", a, frame))
+    return found

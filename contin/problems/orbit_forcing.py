@@ -1,0 +1,23 @@
+"""The forcing period of a periodically forced model as machine code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, eq=False)
+class ForcingPeriod:
+    """(u, p, T, dT) at `address`; holds the code that it points into."""
+
+    address: int
+    code: Any
+
+    @classmethod
+    def of(cls, system: Any) -> ForcingPeriod:
+        """Of a compiled forced model."""
+        from contin.lowering.machine import compile_routines
+        from contin.lowering.routines import jacobian_routine
+
+        code = compile_routines([jacobian_routine("forcing", [system.model.forcing.period], system.layout)])
+        return cls(code.addresses["forcing"], code)

@@ -1,0 +1,132 @@
+"""How an orbit is stored in one vector z: node values, period, mesh, parameter; and what is read off it.
+
+z = (u at the N m + 1 nodes, T, h_1 .. h_N, p). The interval lengths are part of z, so every point of a branch knows its
+own mesh and the engine needs to know of none. Rows of a finished branch are padded with NaN on the left to a common
+length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis, interpolation
+
+SAMPLES = 17  # points of an interval at which an extremum is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """An orbit: values u (N m + 1, n) at the nodes of a mesh with interval lengths h (N,), over the scaled time [0, 1]."""
+
+    m: int
+    u: Array
+    period: float
+    h: Array
+    parameter: float
+
+    @property
+    def n(self) -> int:
+        return self.u.shape[1]
+
+    @property
+    def intervals(self) -> int:
+        return len(self.h)
+
+    @property
+    def mesh(self) -> Array:
+        """Ends of the intervals, (N + 1,), from 0 to 1."""
+        return np.concatenate([[0.0], np.cumsum(self.h)])
+
+    @property
+    def times(self) -> Array:
+        """Scaled times of the nodes, (N m + 1,)."""
+        inside = self.mesh[:-1, None] + self.h[:, None] * basis(self.m).nodes[None, :-1]
+        return np.append(inside.ravel(), 1.0)
+
+    @property
+    def weights(self) -> Array:
+        """Quadrature weights of the nodes, (N m + 1,), sum 1."""
+        return node_weights(self.h, self.m)
+
+    def vector(self) -> Array:
+        """z."""
+        return np.concatenate([self.u.ravel(), [self.period], self.h, [self.parameter]])
+
+    def at(self, times: Array) -> Array:
+        """Values at scaled times in [0, 1], (len(times), n)."""
+        mesh = self.mesh
+        i = np.clip(np.searchsorted(mesh, times, side="right") - 1, 0, self.intervals - 1)
+        local = np.clip((times - mesh[i]) / self.h[i], 0.0, 1.0)
+        nodes = i[:, None] * self.m + np.arange(self.m + 1)
+        return np.asarray(np.einsum("tj,tjk->tk", interpolation(self.m, local), self.u[nodes]))
+
+    def on_mesh(self, h: Array) -> Profile:
+        """The same orbit on another mesh (interpolated)."""
+        empty = Profile(self.m, np.empty((len(h) * self.m + 1, self.n)), self.period, h, self.parameter)
+        return Profile(self.m, self.at(empty.times), self.period, h, self.parameter)
+
+
+def node_weights(h: Array, m: int) -> Array:
+    """Weights of all nodes for integrals over [0, 1]."""
+    weights = np.zeros(len(h) * m + 1)
+    local = h[:, None] * basis(m).node_weights
+    weights[:-1] = local[:, :-1].ravel()
+    weights[m::m] += local[:, -1]
+    return weights
+
+
+def profile_of(z: Array, n: int, m: int) -> Profile:
+    """Read z (NaN padding on the left is dropped)."""
+    z = z[np.argmax(~np.isnan(z)) :]
+    intervals = (z.size - n - 2) // (m * n + 1)
+    nodes = (intervals * m + 1) * n
+    return Profile(m, z[:nodes].reshape(-1, n), float(z[nodes]), z[nodes + 1 : -1], float(z[-1]))
+
+
+def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) -> Array:
+    """The metric: z / scale has Euclidean length^2 = mean over time and states of (u / sizes)^2 + (T / period)^2 + (p / parameter)^2."""
+    n = len(sizes)
+    nodes = np.sqrt(n) * sizes[None, :] / np.sqrt(node_weights(h, m))[:, None]
+    return np.concatenate([nodes.ravel(), [period], np.ones(len(h)), [parameter]])
+
+
+def sizes_of(scale: Array, h: Array, n: int, m: int) -> Array:
+    """The states' sizes that `make_scale` was given."""
+    return scale[:n] * np.sqrt(node_weights(h, m)[0] / n)
+
+
+def extrema(values: Array, m: int) -> tuple[Array, Array]:
+    """Smallest and largest value over the orbit of each of k functions.
+
+    values : (R, N m + 1, k) at the nodes. The polynomial pieces next to the extreme node are searched, (R, k) each.
+    """
+    return -_largest(-values, m), _largest(values, m)
+
+
+def _largest(values: Array, m: int) -> Array:
+    rows, nodes, functions = values.shape
+    top = np.argmax(values, axis=1)  # (R, k)
+    right = np.minimum(top // m, (nodes - 1) // m - 1)
+    left = np.where((top % m == 0) & (top > 0), top // m - 1, right)
+    fine = interpolation(m, np.linspace(0.0, 1.0, SAMPLES))
+    best = np.take_along_axis(values, top[:, None, :], axis=1)[:, 0, :]
+    r, k = np.arange(rows)[:, None], np.arange(functions)[None, :]
+    for interval in (left, right):
+        index = interval[:, :, None] * m + np.arange(m + 1)
+        pieces = values[r[:, :, None], index, k[:, :, None]] @ fine.T  # (R, k, SAMPLES)
+        best = np.maximum(best, _parabola_top(pieces))
+    return best
+
+
+def _parabola_top(y: Array) -> Array:
+    """Largest value of y along its last axis, between samples by the parabola through the three largest neighbours."""
+    i = np.clip(np.argmax(y, axis=-1), 1, y.shape[-1] - 2)[..., None]
+    a, b, c = (np.take_along_axis(y, i + d, axis=-1)[..., 0] for d in (-1, 0, 1))
+    bend = a - 2.0 * b + c
+    safe = np.where(bend < 0.0, bend, -1.0)
+    shift = np.clip(0.5 * (a - c) / safe, -1.0, 1.0)
+    inside = b - 0.25 * (a - c) * shift
+    return np.where((bend < 0.0) & (np.abs(shift) < 1.0), inside, np.maximum(np.maximum(a, b), c))

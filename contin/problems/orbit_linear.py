@@ -1,0 +1,275 @@
+"""The collocation equations of an orbit as sparse matrices, in scaled unknowns; used to verify special points.
+
+Unknowns x = (u at the nodes, T, p), all divided by the metric; rows divided by the states' sizes. `hessian` is the
+derivative of (Jacobian times a vector) by x. The variational equation v' = T f_u v with v(1) = rho v(0) has its own
+matrix, which is singular where rho is a multiplier.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbit_layout import Profile
+
+SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitLinear:
+    """Equations and derivatives at z; the phase condition refers to `reference` (a vector like z on the same mesh)."""
+
+    problem: Any
+    z: Array
+    scale: Array
+    reference: Array
+
+    @cached_property
+    def profile(self) -> Profile:
+        return self.problem.profile(self.z)
+
+    @cached_property
+    def sizes(self) -> Array:
+        return np.asarray(self.problem.sizes(self.z, self.scale))
+
+    @property
+    def nu(self) -> int:
+        """Number of node values."""
+        return int(self.profile.u.size)
+
+    @cached_property
+    def unknowns(self) -> NDArray[np.intp]:
+        """Positions of x in z."""
+        return np.append(np.arange(self.nu + 1), self.z.size - 1)
+
+    @cached_property
+    def units(self) -> Array:
+        """Scale of x."""
+        return self.scale[self.unknowns]
+
+    @cached_property
+    def _points(self) -> Any:
+        from contin.kernels.collocation import evaluate, new_points, set_phase
+
+        problem, profile = self.problem, self.profile
+        w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(self.z))
+        set_phase(problem.equations, w, self.reference, self.sizes)
+        evaluate(problem.equations, w, self.z, True)
+        return w
+
+    @cached_property
+    def residual(self) -> Array:
+        """Scaled equations, (nu + 1,): collocation (interval, point, state), periodicity, phase."""
+        from contin.kernels.collocation import residual
+
+        profile = self.profile
+        n, m, count = profile.n, profile.m, profile.intervals
+        right, jump, border = np.zeros((m * n + 2, count)), np.empty(n), np.zeros(2)
+        residual(self.problem.equations, self._points, self.z, right, jump, border)
+        local = -right[: m * n].T.reshape(count, m, n) / self.sizes
+        return np.concatenate([local.ravel(), -jump / self.sizes, [-border[0] / self._phase_size]])
+
+    @cached_property
+    def _phase_size(self) -> float:
+        if not self.problem.autonomous:
+            return float(self.scale[self.nu])
+        return max(float(np.linalg.norm(self._phase_row * self.units[: self.nu])), 1e-300)
+
+    @cached_property
+    def _phase_row(self) -> Array:
+        profile = self.profile
+        row = np.zeros(profile.u.shape)
+        phase = self._points.phase  # (m + 1, n, N)
+        for j in range(profile.m + 1):
+            row[j : j + (profile.intervals - 1) * profile.m + 1 : profile.m] += phase[j].T
+        return row.ravel()
+
+    @cached_property
+    def jacobian(self) -> Any:
+        """(nu + 1, nu + 2) sparse, scaled."""
+        profile, w = self.profile, self._points
+        h, period = profile.h, profile.period
+        fu = np.moveaxis(w.fu, -1, 0)  # (N, m, n, n)
+        f, fp, ft = (np.moveaxis(a, -1, 0) for a in (w.f, w.fp, w.ft))  # (N, m, n)
+        by_period = f + (0.0 if self.problem.autonomous else period * self._times[:, :, None] * ft)
+        local = self._local(fu, -h * period, True)
+        column_t = -h[:, None, None] * by_period
+        column_p = -(h * period)[:, None, None] * fp
+        return self._assemble(local, column_t, column_p, periodic=True, phase=True)
+
+    @cached_property
+    def _times(self) -> Array:
+        """Scaled times of the Gauss points, (N, m)."""
+        profile = self.profile
+        return profile.mesh[:-1, None] + profile.h[:, None] * basis(profile.m).gauss
+
+    def _local(self, matrices: NDArray[Any], factor: Array, with_slopes: bool) -> NDArray[Any]:
+        """Blocks (N, m, n, m + 1, n): slopes x identity + factor values x matrices."""
+        scheme = basis(self.profile.m)
+        blocks = np.einsum("i,cj,ickq->ickjq", factor, scheme.values, matrices)
+        if with_slopes:
+            blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(self.profile.n))
+        return blocks
+
+    @cached_property
+    def _pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        profile = self.profile
+        n, m, count = profile.n, profile.m, profile.intervals
+        i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
+        return (i * m * n + r).ravel(), (i * m * n + c).ravel()
+
+    def _assemble(
+        self, local: NDArray[Any], column_t: Any, column_p: Any, *, periodic: bool, phase: bool, rho: complex = 1.0
+    ) -> Any:
+        """Scaled sparse matrix; without columns T and p a square (nu, nu) one for the variational equation."""
+        from scipy import sparse
+
+        profile, nu = self.profile, self.nu
+        n = profile.n
+        rows, columns = self._pattern
+        row_list, column_list, values = [rows], [columns], [local.ravel()]
+        collocation = nu - n
+        width = nu
+        if column_t is not None:
+            width = nu + 2
+            everywhere = np.arange(collocation)
+            row_list += [everywhere, everywhere]
+            column_list += [np.full(collocation, nu), np.full(collocation, nu + 1)]
+            values += [column_t.ravel(), column_p.ravel()]
+        height = nu + (1 if phase else 0)
+        if periodic:
+            k = np.arange(n)
+            row_list += [collocation + k, collocation + k]
+            column_list += [nu - n + k, k]
+            values += [np.ones(n), np.full(n, -rho)]
+        if phase:
+            if self.problem.autonomous:
+                row_list.append(np.full(nu, nu))
+                column_list.append(np.arange(nu))
+                values.append(self._phase_row)
+            else:
+                _, derivative = self._forcing
+                row_list.append(np.array([nu, nu]))
+                column_list.append(np.array([nu, nu + 1]))
+                values.append(np.array([1.0, -derivative]))
+        matrix = sparse.coo_matrix(
+            (np.concatenate(values), (np.concatenate(row_list), np.concatenate(column_list))), shape=(height, width)
+        )
+        row_units = np.tile(1.0 / self.sizes, height // n + 1)[:height]
+        if phase:
+            row_units[-1] = 1.0 / self._phase_size
+        return (sparse.diags(row_units) @ matrix.tocsr() @ sparse.diags(self.units[:width])).tocsc()
+
+    @property
+    def _forcing(self) -> tuple[float, float]:
+        from contin.kernels.collocation import forcing_period
+
+        period, derivative = forcing_period(self.problem.equations, self._points, self.z)
+        return float(period), float(derivative)
+
+    def hessian(self, v: NDArray[Any], variational: bool = False) -> Any:
+        """d (J v) / d x for v (nu + 2,) scaled, (nu + 1, nu + 2) sparse; variational: of the matrix of v' = T f_u v, (nu, nu + 2)."""
+        profile, w = self.profile, self._points
+        n, m, count = profile.n, profile.m, profile.intervals
+        h, period = profile.h, profile.period
+        scheme = basis(m)
+        raw = v[: self.nu] * self.units[: self.nu]
+        by_period = 0.0 if variational else v[self.nu] * self.units[self.nu]
+        by_parameter = 0.0 if variational else v[self.nu + 1] * self.units[self.nu + 1]
+        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
+        at = np.einsum("cj,ijk->ick", scheme.values, raw.reshape(-1, n)[nodes])
+        states = np.moveaxis(w.at, -1, 0)
+        direction = np.zeros((count, m, n + self.problem.system.p_size), v.dtype)
+        direction[:, :, :n] = at
+        direction[:, :, n + self.problem.active] = by_parameter
+        if not self.problem.autonomous:
+            direction[:, :, -1] = by_period * self._times
+        second = self._second_derivatives(states, direction)  # (N, m, n, n + p_size)
+        first = self._first_derivatives()
+        along = np.einsum("icka,ica->ick", first, direction)
+        combined = period * second + by_period * first
+        local = self._local(combined[:, :, :, :n], -h, False)
+        timing = 0.0 if self.problem.autonomous else self._times[:, :, None] * combined[:, :, :, -1]
+        column_t = -h[:, None, None] * (along + timing)
+        column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
+        return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
+
+    def _assemble_second(self, local: NDArray[Any], column_t: Any, column_p: Any, height: int) -> Any:
+        from scipy import sparse
+
+        nu, collocation = self.nu, self.nu - self.profile.n
+        rows, columns = self._pattern
+        everywhere = np.arange(collocation)
+        values = [local.ravel(), np.asarray(column_t).ravel(), np.asarray(column_p).ravel()]
+        row_index = np.concatenate([rows, everywhere, everywhere])
+        column_index = np.concatenate([columns, np.full(collocation, nu), np.full(collocation, nu + 1)])
+        matrix = sparse.coo_matrix((np.concatenate(values), (row_index, column_index)), shape=(height, nu + 2))
+        row_units = np.tile(1.0 / self.sizes, height // self.profile.n + 1)[:height]
+        return (sparse.diags(row_units) @ matrix.tocsr() @ sparse.diags(self.units)).tocsr()
+
+    def _first_derivatives(self) -> Array:
+        """f_z at the Gauss points, (N, m, n, n + p_size); only the columns of u, the active parameter and t."""
+        w, n = self._points, self.profile.n
+        first = np.zeros((self.profile.intervals, self.profile.m, n, n + self.problem.system.p_size))
+        first[:, :, :, :n] = np.moveaxis(w.fu, -1, 0)
+        first[:, :, :, n + self.problem.active] = np.moveaxis(w.fp, -1, 0)
+        if not self.problem.autonomous:
+            first[:, :, :, -1] = np.moveaxis(w.ft, -1, 0)
+        return first
+
+    def _second_derivatives(self, states: Array, direction: NDArray[Any]) -> NDArray[Any]:
+        """D^2 f[direction, .] at the Gauss points, (N, m, n, n + p_size)."""
+        system, profile = self.problem.system, self.profile
+        p = self.problem.full_parameters(self.z)
+        out = np.empty((*direction.shape[:2], profile.n, direction.shape[2]), direction.dtype)
+        for i in range(profile.intervals):
+            for c in range(profile.m):
+                if not self.problem.autonomous:
+                    p[-1] = profile.period * self._times[i, c]
+                out[i, c] = system.gradient(states[i, c], p, direction[i, c])
+        return out
+
+    def variational(self, rho: complex) -> Any:
+        """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
+        profile, w = self.profile, self._points
+        local = self._local(np.moveaxis(w.fu, -1, 0), -profile.h * profile.period, True)
+        if isinstance(rho, complex):
+            local = local.astype(complex)
+        return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)
+
+    def variational_by_angle(self, rho: complex, v: NDArray[Any]) -> NDArray[Any]:
+        """d (variational matrix v) / d theta, rho = exp(i theta), (nu,)."""
+        n = self.profile.n
+        out = np.zeros(self.nu, complex)
+        out[-n:] = -1j * rho * v[:n] * self.units[:n] / self.sizes
+        return out
+
+
+def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
+    """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
+    from contin.problems.orbit_defining import Bordered, crossing
+
+    linear = OrbitLinear(problem, z, scale, z)
+    jacobian = linear.jacobian
+    two = Bordered.of(jacobian, 2)
+    v, _, left = two.solve()
+    v = np.linalg.qr(v)[0]
+    if float(np.linalg.norm(jacobian @ v)) < SINGULAR * float(abs(jacobian).max()):
+        tangents = crossing(linear, v, left[:, 0])
+        if tangents:
+            return [embed(linear, t) for t in tangents]
+    v, _, _ = Bordered.of(jacobian, 1).solve()
+    return [embed(linear, v[:, 0])]
+
+
+def embed(linear: OrbitLinear, x: Array) -> Array:
+    """A direction in x as one in z (the mesh does not move), of unit length."""
+    out = np.zeros(linear.z.size)
+    out[linear.unknowns] = x
+    return out / float(np.linalg.norm(out))

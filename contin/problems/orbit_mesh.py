@@ -1,0 +1,64 @@
+"""Mesh adaption: intervals placed so that each has the same error, and as many as the tolerance needs.
+
+The error of an interval is c h^(m + 1) |u^(m + 1)| (see `contin.kernels.collocation_mesh`), so the mesh is right where h is
+proportional to |u^(m + 1)|^(-1 / (m + 1)) (de Boor 1974; Russell and Christiansen 1978; AUTO does the same at a fixed number).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbit_layout import Profile
+
+SMALLEST, LARGEST = 10, 400  # number of intervals
+FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
+MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
+
+
+@dataclass(frozen=True, eq=False)
+class MeshChoice:
+    """Interval lengths, and the error that they are expected to leave."""
+
+    h: Array
+    error: float
+
+
+def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
+    """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval."""
+    from contin.kernels.collocation_mesh import mesh_error
+
+    scheme = basis(profile.m)
+    density = np.empty(profile.intervals)
+    error = mesh_error(
+        profile.vector(), profile.n, profile.m, profile.intervals, scheme.top, scheme.error, sizes, density
+    )
+    return float(error), density
+
+
+def choose_mesh(profile: Profile, sizes: Array, tolerance: float, fixed: int | None) -> MeshChoice:
+    """A mesh for this orbit with the error below `tolerance`, or with `fixed` intervals."""
+    order = profile.m + 1
+    error, density = estimate(profile, sizes)
+    if not np.isfinite(error) or not density.any():
+        h = np.full(fixed or max(profile.intervals, SMALLEST), 0.0)
+        h[:] = 1.0 / len(h)
+        return MeshChoice(h, error)
+    monitor = _smoothed(density ** (1.0 / order), profile.h)
+    monitor = np.maximum(monitor, FLOOR * float(monitor @ profile.h))
+    total = float(monitor @ profile.h)
+    constant = basis(profile.m).error
+    needed = int(np.ceil(total * (constant / (MARGIN * tolerance)) ** (1.0 / order)))
+    count = fixed or min(max(needed, SMALLEST), LARGEST)
+    cumulated = np.concatenate([[0.0], np.cumsum(monitor * profile.h)]) / total
+    mesh = np.interp(np.linspace(0.0, 1.0, count + 1), cumulated, profile.mesh)
+    return MeshChoice(np.diff(mesh), constant * (total / count) ** order)
+
+
+def _smoothed(values: Array, h: Array) -> Array:
+    """Averaged with both neighbours (periodic): the estimate is rough, and lengths should change gradually."""
+    around = (np.roll(values * h, 1) + 2.0 * values * h + np.roll(values * h, -1)) / (np.roll(h, 1) + 2.0 * h + np.roll(h, -1))
+    return np.maximum(around, 0.5 * values)

@@ -1,0 +1,127 @@
+"""Where families of periodic orbits start: at a Hopf point, or at an orbit that is already known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.settings import Settings
+from contin.continuation.departure import Seed
+from contin.problems.orbit import PERIOD_SCALE, OrbitProblem
+from contin.problems.orbit_layout import Profile, make_scale, sizes_of
+
+HOPF_INTERVALS = 20  # a small cycle is a sine
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit:
+    """An orbit at fixed parameters p: the start of a continuation."""
+
+    system: Any
+    profile: Profile
+    p: Array
+    winding: Array
+    multiple: int = 1
+
+    @property
+    def period(self) -> float:
+        return self.profile.period
+
+    def problem(self, parameter: str, intervals: int | None = None) -> OrbitProblem:
+        """The continuation problem with this parameter free."""
+        active = list(self.system.parameter_names).index(parameter)
+        return OrbitProblem(self.system, self.p, active, self.winding, self.profile.m, intervals, self.multiple)
+
+    def seed(self, parameter: str) -> Seed:
+        problem = self.problem(parameter)
+        return Seed(problem, replace(self.profile, parameter=float(self.p[problem.active])).vector())
+
+    def __str__(self) -> str:
+        low, high = self.profile.u.min(axis=0), self.profile.u.max(axis=0)
+        names = self.system.state_names
+        states = ", ".join(f"{k} in [{a:.6g}, {b:.6g}]" for k, a, b in zip(names, low, high, strict=True))
+        return f"periodic orbit of period {self.period:.10g}, {states}"
+
+
+def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The family of cycles born at a Hopf point of equilibria, with the direction and curvature of its normal form."""
+    from contin.normalforms.hopf import hopf_predictor
+    from contin.problems.describe import jet_at
+
+    if parameter != equilibria.parameters[0]:
+        equilibria = equilibria.with_active(parameter, point.z)
+    cycles = hopf_predictor(jet_at(equilibria, point.z, point.scale[:-1]), float(point.vectors["omega"]))
+    n, m = equilibria.n, Settings().points
+    period = 2.0 * np.pi / cycles.omega
+    h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
+    rest = Profile(m, np.tile(point.z[:-1], (HOPF_INTERVALS * m + 1, 1)), period, h, float(point.z[-1]))
+    phases = 2.0 * np.pi * rest.times
+    first = 2.0 * (np.exp(1j * phases)[:, None] * cycles.q).real
+    second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
+    scale = make_scale(h, m, point.scale[:-1] / np.sqrt(n), PERIOD_SCALE * period, float(point.scale[-1]))
+    zeros = np.zeros(len(h))
+    d = np.concatenate([first.ravel(), [0.0], zeros, [0.0]]) / scale
+    shift = -2.0 * period * cycles.omega2 / cycles.omega
+    k = np.concatenate([second.ravel(), [shift], zeros, [2.0 * cycles.p2[0]]]) / scale
+    norm = float(np.linalg.norm(d))
+    d, k = d / norm, k / norm**2
+    k = k - float(k @ d) * d
+    base = equilibria.base.copy()
+    base[equilibria.active] = point.z[-1]
+    problem = OrbitProblem(
+        equilibria.system, base, equilibria.active, np.zeros(n), m, origin=(float(point.z[-1]), point.z[:-1].copy())
+    )
+    multipliers = _multipliers_of_rest(point, cycles.omega, period)
+    return [Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)]
+
+
+def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tuple[int, Any]:
+    """Unstable count (the critical pair not counted) and multipliers exp(l T) of the equilibrium as an orbit."""
+    values = np.asarray(point.eigenvalues)
+    order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
+    others = values[order[2:]]
+    with np.errstate(over="ignore"):
+        multipliers = np.concatenate([[1.0, 1.0], np.exp(others * period)]).astype(complex)
+    return int(np.sum(others.real > 0.0)), multipliers
+
+
+def configured(seed: Seed, settings: Settings) -> Seed:
+    """The seed on the mesh that the settings ask for: number of Gauss points, fixed number of intervals."""
+    problem: OrbitProblem = seed.problem
+    if problem.points == settings.points and settings.intervals is None:
+        return seed
+    profile = problem.profile(seed.z)
+    h = profile.h
+    if settings.intervals is not None and settings.intervals != len(h):
+        h = np.diff(np.interp(np.linspace(0, 1, settings.intervals + 1), np.linspace(0, 1, len(h) + 1), profile.mesh))
+    changed = replace(problem, points=settings.points, intervals=settings.intervals)
+
+    def moved(z: Array) -> Array:
+        old = problem.profile(z)
+        target = Profile(settings.points, np.empty((len(h) * settings.points + 1, old.n)), old.period, h, old.parameter)
+        return replace(target, u=old.at(target.times)).vector()
+
+    if seed.direction is None:
+        return replace(seed, problem=changed, z=moved(seed.z))
+    assert seed.scale is not None
+    sizes = sizes_of(seed.scale, profile.h, profile.n, profile.m)
+    scale = make_scale(h, settings.points, sizes, float(seed.scale[profile.u.size]), float(seed.scale[-1]))
+
+    def direction(d: Array | None) -> Array | None:
+        if d is None:
+            return None
+        raw = d * seed.scale
+        raw[profile.u.size + 1 : -1] = profile.h
+        out = moved(raw)
+        out[-1 - len(h) : -1] = 0.0
+        return np.asarray(out / scale)
+
+    d, k = direction(seed.direction), direction(seed.curvature)
+    assert d is not None
+    norm = float(np.linalg.norm(d))
+    k = None if k is None else k / norm**2
+    return replace(seed, problem=changed, z=moved(seed.z), direction=d / norm, curvature=k, scale=scale)
