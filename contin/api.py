@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, End
+from contin.continuation.departure import Seed, depart
+from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
-from contin.continuation.trace import Seed, Watcher, trace
+from contin.continuation.trace import Watcher, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.function import FunctionProblem
 from contin.problems.start import Equilibrium, converge
@@ -78,15 +81,39 @@ def continuation(
     )
 
 
-def walk(start: Any, parameter: str, range: Range | None = None, **options: Any) -> Iterator[dict[str, Any]]:
-    """The points of `continuation(...)` one by one, as mappings of column values with `label` (None or e.g. 'LP1')."""
-    branch = continuation(start, parameter, range, **options)
-    labels = {point.index: point.label for point in branch.points}
-    for row in np.arange(len(branch)):
-        yield {
-            "label": labels.get(int(row)),
-            **{key: column[row].item() for key, column in branch.columns.items()},
-        }
+def walk(
+    start: Any,
+    parameter: str,
+    range: Range | None = None,
+    *,
+    direction: str = "up",
+    values: Mapping[str, Sequence[float]] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+) -> Iterator[dict[str, Any]]:
+    """The points of one arm as they are computed: mappings of columns, with `label` (a type such as 'LP', or None).
+
+    The start is not repeated. Computing goes chunk by chunk, a little ahead of what is taken; stop whenever you like.
+    """
+    if direction not in ("up", "down"):
+        raise InputError(f"a walk goes one way: direction must be 'up' or 'down'; got {direction!r}")
+    seed = as_seed(start, parameter)
+    problem = seed.problem
+    departure = depart(seed, bounds_of(problem, parameter, range), Settings.of(settings))
+    ready = departure.arm(1 if direction == "up" else -1, targets_of(problem, values))
+    if isinstance(ready, End):
+        return
+    arm, pieces = ready
+    for piece in chain(pieces, arm.pieces()):
+        rows = Rows()
+        rows.add_piece(piece)
+        if not len(rows):
+            continue
+        z, _, unstable, _ = rows.joined()
+        columns = problem.columns(z)
+        labels = {row: point.type for row, point, _ in rows.labelled}
+        for k in np.arange(len(z)):
+            point = {key: column[k].item() for key, column in columns.items()}
+            yield {"label": labels.get(int(k)), **point, "unstable": int(unstable[k]), "stable": bool(unstable[k] == 0)}
 
 
 def as_seed(start: Any, parameter: str) -> Seed:
@@ -97,7 +124,9 @@ def as_seed(start: Any, parameter: str) -> Seed:
         start = equilibrium(start)
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:
-            raise InputError(f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead")
+            raise InputError(
+                f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
+            )
         return start
     if isinstance(start, Equilibrium):
         known = list(start.system.parameter_names)

@@ -40,7 +40,8 @@ class Linearisation(Protocol):
 class Marchable(Protocol):
     """What the Python march needs of a problem."""
 
-    angle_periods: Array
+    @property
+    def angle_periods(self) -> Array: ...
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
         """None where the equations are not finite."""
@@ -101,7 +102,9 @@ def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
 
 
-def probe(problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+def probe(
+    problem: Marchable, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+) -> Sample | None:
     """`Problem.probe` in terms of linearisations."""
     y = (guess - base.z) / frame.scale
     found = correct(problem, base.z, base.tangent, length, y, frame.scale, min(settings.tolerance, 1e-9))
@@ -149,7 +152,9 @@ def march(
         last = rows[-1]
         blocks = 0
         while True:
-            bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
+            bend = (
+                0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
+            )
             found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.newton_tolerance)
             if isinstance(found, str):
                 evaluations += 1
@@ -184,7 +189,9 @@ def march(
         if found.iterations > 3:
             factor = min(factor, 3.0 / found.iterations)
         h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
-        stop, dipped = _what_happened(old, last, sample, h_previous, h_used, bounds, loop, scale, problem.angle_periods, corner)
+        stop, dipped = _what_happened(
+            old, last, sample, h_previous, h_used, bounds, loop, scale, problem.angle_periods, corner
+        )
         if stop is not None:
             return chunk(stop, h, dipped)
         old, h_previous = last, h_used

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
-from contin.continuation.trace import Seed, Watcher, trace
+from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
 from contin.errors import ContinError, InputError
@@ -95,9 +96,7 @@ class Explorer:
                 diagram.notes.append(f"start {name!r} lies on branch {known.name!r}")
             return None
         try:
-            branch = trace(
-                seed, self.bounds, name=name, settings=self.settings, targets=self.targets, watch=self.watch
-            )
+            branch = trace(seed, self.bounds, name=name, settings=self.settings, targets=self.targets, watch=self.watch)
         except ContinError as error:
             diagram.notes.append(f"{name}: {error}")
             return None

@@ -52,7 +52,9 @@ def build_graph(diagram: Diagram) -> MultiGraph:
         nodes = [
             node_at(branch.z[row], periods, *merged[row], float(branch.columns[diagram.parameter][row])) for row in rows
         ]
-        for (first, a), (last, b) in zip(zip(rows, nodes, strict=True), list(zip(rows, nodes, strict=True))[1:], strict=False):
+        for (first, a), (last, b) in zip(
+            zip(rows, nodes, strict=True), list(zip(rows, nodes, strict=True))[1:], strict=False
+        ):
             stable = bool(branch.columns["stable"][(first + last) // 2])
             graph.add_edge(a, b, branch=branch.name, rows=(first, last), stable=stable)
     return graph

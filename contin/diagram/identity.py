@@ -86,5 +86,3 @@ def is_known(branches: Iterable[Branch], problem: Any, z: Array, tangent: Array 
             if lies_on(branch, point, direction, scale):
                 return branch
     return None
-
-

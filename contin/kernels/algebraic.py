@@ -79,7 +79,9 @@ def diagonal_sign(matrix):
 
 
 @kernel
-def correct(address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes):
+def correct(
+    address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes
+):
     """Newton on [F(z0 + D y); tangent . y - h] = 0 from the guess y (in place, with z = z0 + D y).
 
     On success `matrix` holds LU factors at (nearly) the solution and the permutation's sign is returned (+1 or -1).
@@ -148,7 +150,9 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
 
 
 @kernel
-def probe(address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, reference, z, tangent_out, tests, re, im, sizes):
+def probe(
+    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, reference, z, tangent_out, tests, re, im, sizes
+):
     """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there; returns unstable count, -1 or -2 (not finite)."""
     n = z0.size - 1
     y = np.empty(n + 1)
@@ -161,7 +165,26 @@ def probe(address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, r
     for j in range(n + 1):
         z[j] = guess[j]
         y[j] = (guess[j] - z0[j]) / scale[j]
-    sign = correct(address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes)
+    sign = correct(
+        address,
+        is_map,
+        z0,
+        tangent,
+        h,
+        y,
+        z,
+        p,
+        active,
+        scale,
+        tolerance,
+        f,
+        jacobian,
+        matrix,
+        block,
+        pivots,
+        step,
+        sizes,
+    )
     if sign == 0:
         return -1
     if sign == 2:

@@ -56,7 +56,10 @@ def fingerprint(sources: Path) -> str:
 def kernel_cache_folder() -> str:
     """Folder of this version's compiled kernels; a temporary one where the user's cache cannot be written."""
     name = "kernels-" + fingerprint(Path(__file__).parent)
-    for base in (user_cache_folder(), Path(tempfile.gettempdir()) / f"contin-{os.getuid() if hasattr(os, 'getuid') else 0}"):
+    for base in (
+        user_cache_folder(),
+        Path(tempfile.gettempdir()) / f"contin-{os.getuid() if hasattr(os, 'getuid') else 0}",
+    ):
         folder = base / name
         try:
             folder.mkdir(parents=True, exist_ok=True, mode=0o700)

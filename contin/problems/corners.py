@@ -42,9 +42,7 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     return None
 
 
-def cross_corner(
-    problem: Any, last: Sample, frame: Frame, settings: Settings
-) -> tuple[Sample, Verified | None] | None:
+def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
     """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
 
     The nearest switching surface ahead of `last` is solved for together with F = 0; behind it the Jacobian of the other

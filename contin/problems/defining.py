@@ -27,7 +27,8 @@ SAMPLES = 6
 class Local(Protocol):
     """F near a point, in scaled unknowns y (n + 1,), the parameter last."""
 
-    n: int
+    @property
+    def n(self) -> int: ...
 
     def linearise(self, y: Array) -> tuple[Array, Array]:
         """F(y) (n,) and J(y) (n, n + 1)."""

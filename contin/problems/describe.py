@@ -60,4 +60,3 @@ def _normal_form(problem: Any, point: Verified, scale: Array) -> Any:
     from contin.normalforms import maps
 
     return maps.period_doubling(jet) if point.type == "PD" else maps.neimark_sacker(jet, float(point.vectors["omega"]))
-

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
-from contin.continuation.trace import Seed
 from contin.problems import corners, special
 from contin.problems.function_march import DenseMarch
-from contin.problems.scales import state_scales
 from contin.problems.scaled import ScaledSystem
+from contin.problems.scales import state_scales
 
 POLISH_BUDGET = 12
 _NO_TANGENT = np.empty(0)
@@ -79,7 +79,9 @@ class EquilibriumProblem:
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         """The model's own range of a parameter, at the present parameter values."""
-        found = self.system.model.parameter_range(parameter, dict(zip(self.system.parameter_names, self.base, strict=True)))
+        found = self.system.model.parameter_range(
+            parameter, dict(zip(self.system.parameter_names, self.base, strict=True))
+        )
         return None if found is None else (float(found[0]), float(found[1]))
 
     # -- evaluation ---------------------------------------------------------------------------------------------------

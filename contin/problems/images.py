@@ -44,9 +44,14 @@ def image(branch: Branch, symmetry: str) -> Branch:
 
 
 def _mapped_tangents(problem: Any, symmetry: str, z: Array, tangents: Array) -> Array:
-    size = np.max(np.abs(z), axis=1, keepdims=True) / np.maximum(np.max(np.abs(tangents), axis=1, keepdims=True), 1e-300)
+    size = np.max(np.abs(z), axis=1, keepdims=True) / np.maximum(
+        np.max(np.abs(tangents), axis=1, keepdims=True), 1e-300
+    )
     h = STEP * np.maximum(size, 1e-12)
-    forward, backward = apply_symmetry(problem, symmetry, z + h * tangents), apply_symmetry(problem, symmetry, z - h * tangents)
+    forward, backward = (
+        apply_symmetry(problem, symmetry, z + h * tangents),
+        apply_symmetry(problem, symmetry, z - h * tangents),
+    )
     return np.asarray((forward - backward) / (2.0 * h))
 
 

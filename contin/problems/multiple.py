@@ -21,6 +21,4 @@ def reduced_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> 
     jet = DerivativeJet(matrix, lambda d: np.asarray(local.form(y, *d)), 1, kind, np.ones(local.n))  # type: ignore[arg-type]
     known = own if np.any(own) else None
     found = branch_directions(jet, known=known, kernel=corank)
-    return [
-        (d.tangent, 2.0 * d.curvature) for d in found if known is None or abs(float(d.tangent @ own)) < PARALLEL
-    ]
+    return [(d.tangent, 2.0 * d.curvature) for d in found if known is None or abs(float(d.tangent @ own)) < PARALLEL]

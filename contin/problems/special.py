@@ -83,7 +83,9 @@ def _oscillatory(
     """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
     if problem.is_map:
         angle = float(np.angle(pair))
-        solved = defining.critical_pair(local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle, corank)
+        solved = defining.critical_pair(
+            local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle, corank
+        )
     else:
         angle = abs(pair.imag)
         solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, angle, corank)
@@ -94,7 +96,9 @@ def _oscillatory(
     if abs(frequency - angle) > 0.3 * angle:
         return f"{type_} not verified: the frequency moved from {angle:.3g} to {frequency:.3g}"
     target = np.exp(1j * frequency) if problem.is_map else 1j * frequency
-    accepted = _accept(problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target)) * corank))
+    accepted = _accept(
+        problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target)) * corank)
+    )
     if isinstance(accepted, Verified):
         return _with(accepted, vectors={"omega": frequency, "kernel": corank})
     return accepted
@@ -132,7 +136,9 @@ def _branch_point(
         return list(np.argsort(np.abs(values - target))[:corank])
 
     if solved is not None and _singular_throughout(local, solved.y, tangent, corank):
-        return "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
+        return (
+            "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
+        )
     accepted = _accept(problem, "BP", frame, solved, critical)
     if isinstance(accepted, Verified):
         return _with(accepted, vectors={"kernel": corank})
@@ -244,7 +250,9 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     if singular[-1] > 1e-6 * size and local.n > 1:
         return [right[-1]]
     # all of J may vanish at the point: its size is also what it grows to over one unit of length
-    size = max(size, float(np.linalg.norm(local.hessian(y, right[-1]))), float(np.linalg.norm(local.hessian(y, right[-2]))))
+    size = max(
+        size, float(np.linalg.norm(local.hessian(y, right[-1]))), float(np.linalg.norm(local.hessian(y, right[-2])))
+    )
     if singular[-1] > 1e-9 * size:
         return [right[-1]]
     return crossing_tangents(local, y) or [right[-1]]

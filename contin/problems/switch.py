@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.trace import Seed
+from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems import defining, special
 from contin.problems.scaled import ScaledSystem
@@ -20,7 +20,9 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
     if point.type != "BP":
-        raise InputError(f"{point.branch}.{point.label}: only a branch point has another branch of equilibria; this is {point.type}")
+        raise InputError(
+            f"{point.branch}.{point.label}: only a branch point has another branch of equilibria; this is {point.type}"
+        )
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
@@ -102,7 +104,9 @@ def _reach(slope: float, bend: float) -> float:
     """Smallest s > 0 at which |slope s + bend s^2 / 2| = 1."""
     roots = []
     for target in (1.0, -1.0):
-        for root in np.roots([0.5 * bend, slope, -target]) if bend != 0.0 else ([target / slope] if slope != 0.0 else []):
+        for root in (
+            np.roots([0.5 * bend, slope, -target]) if bend != 0.0 else ([target / slope] if slope != 0.0 else [])
+        ):
             if abs(np.imag(root)) < 1e-12 and np.real(root) > 0.0:
                 roots.append(float(np.real(root)))
     return min(roots) if roots else np.inf

@@ -39,9 +39,10 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
         if np.any(np.abs(fixed) > AGREES * reference):
             continue
         moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * STEP)
-        if np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size) and abs(direction[-1]) <= AGREES * abs(
-            direction
-        ).max():
+        if (
+            np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size)
+            and abs(direction[-1]) <= AGREES * abs(direction).max()
+        ):
             found.append(name)
     return tuple(found)
 
@@ -49,7 +50,9 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
 def is_fixed_by(problem: Any, name: str, z: Array) -> bool:
     """True where the symmetry maps the state to itself (modulo angle periods)."""
     difference = _wrapped(apply_symmetry(problem, name, z)[0] - z, problem.angle_periods)
-    return bool(np.all(np.abs(difference) <= AGREES * np.maximum(np.abs(z), 1e-6 * max(float(np.abs(z).max()), 1e-300))))
+    return bool(
+        np.all(np.abs(difference) <= AGREES * np.maximum(np.abs(z), 1e-6 * max(float(np.abs(z).max()), 1e-300)))
+    )
 
 
 def _wrapped(difference: Array, periods: Array) -> Array:

@@ -1,0 +1,184 @@
+"""How a branch sets out: from a seed to the sample and metric that each of its arms marches from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.arm import Arm, Piece
+from contin.continuation.branch import End, Parent
+from contin.continuation.curve import Stretch
+from contin.continuation.isolate import Found, isolate
+from contin.continuation.problem import Frame, Problem, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.continuation.targets import Target
+from contin.errors import InputError, NotFiniteError
+
+NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
+
+
+@dataclass(frozen=True, eq=False)
+class Seed:
+    """Where a branch starts.
+
+    `direction` and `scale` are given for branches born at a special point: the unit tangent there in scaled unknowns.
+    `curvature` is the second-order term of the branch: z(s) = z + scale * (s direction + s^2 curvature / 2).
+    `arms` are the senses to follow: -1 against, +1 along the direction (or the parameter, at an ordinary start).
+    """
+
+    problem: Problem
+    z: Array
+    direction: Array | None = None
+    curvature: Array | None = None
+    scale: Array | None = None
+    arms: tuple[int, ...] = (-1, 1)
+    parent: Parent | None = None
+    symmetries: tuple[str, ...] = ()  # declared symmetries that map one half of the new branch onto the other
+    measured: tuple[int, Any] | None = None  # unstable count and eigenvalues at z, where the seed knows them
+
+    @property
+    def born(self) -> bool:
+        return self.direction is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """A seed made ready: metric, tangent and tests at the start, and the special points that it coincides with."""
+
+    seed: Seed
+    bounds: tuple[float, float]
+    settings: Settings
+    scale: Array
+    start: Sample
+    here: list[Found]
+    known: list[Verified]  # points that are labelled already, shared by both arms
+
+    def arm(self, sense: int, targets: Sequence[Target] = ()) -> tuple[Arm, list[Piece]] | End:
+        """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk; or why there is none."""
+        seed, problem = self.seed, self.seed.problem
+        outward = _outward(seed, self.start, sense, self.bounds)
+        if outward is not None:
+            return outward
+        origin = _origin(seed, self.start, sense, self.scale, self.settings, self.here)
+        if origin is None:
+            where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
+            return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
+        arm = Arm(
+            problem, origin, self.scale.copy(), self.bounds, self.settings, targets, _oriented(self.start, sense),
+            self.known, seed.symmetries,
+        )  # fmt: skip
+        return arm, [_single(origin, self.scale)] if seed.born else []
+
+
+def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:
+    """Check the range and measure the start; raises InputError for a start outside it."""
+    problem = seed.problem
+    parameter = problem.parameters[0]
+    if not bounds[0] < bounds[1]:
+        raise InputError(f"range of {parameter}: the lower bound must be below the upper one; got {list(bounds)}")
+    if not seed.born and not bounds[0] <= seed.z[-1] <= bounds[1]:
+        raise InputError(
+            f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
+        )
+    scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
+    start, here = _first_sample(seed, scale, settings)
+    known = [f.point for f in here]
+    if seed.born:  # the parent is not a label of the branch, should it come back to it
+        known.append(Verified("BP", seed.z, 0.0, 0.0, start.eigenvalues, 0))
+    return Departure(seed, bounds, settings, scale, start, here, known)
+
+
+def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found]]:
+    """The start with tangent and tests, and the special points that it coincides with."""
+    problem = seed.problem
+    if seed.born:
+        assert seed.direction is not None
+        empty = np.full(4, np.nan)
+        return Sample(seed.z, seed.direction, empty, 0, np.empty(0, complex)), []
+    tangents = problem.tangents(seed.z, scale)
+    tangent = max(tangents, key=lambda t: abs(t[-1]))
+    base = Sample(seed.z, _up(tangent), np.full(4, np.nan), 0, np.empty(0, complex))
+    frame = Frame(scale)
+    measured = problem.probe(base, 0.0, seed.z, frame, settings)
+    if measured is not None and len(tangents) == 1:
+        start = replace(measured, z=seed.z, tangent=_up(measured.tangent))
+        if not _suspicious(start):
+            return start, []
+    width = NEAR_START * settings.first_step
+    for _ in range(8):
+        a = problem.probe(base, -width, seed.z - width * scale * base.tangent, frame, settings)
+        b = problem.probe(base, width, seed.z + width * scale * base.tangent, frame, settings)
+        if a is not None and b is not None:
+            break
+        width *= 4
+    else:
+        raise NotFiniteError(f"the branch cannot be followed from the start. {problem.describe_failure(seed.z)}")
+    stretch = Stretch(problem, base, frame, settings)
+    found = [item for item in isolate(stretch, a, b) if isinstance(item, Found)]
+    return replace(b, z=seed.z, tangent=base.tangent), found
+
+
+def _suspicious(start: Sample) -> bool:
+    """A start at or next to a special point: look on both sides of it."""
+    size = np.abs(start.eigenvalues)
+    largest = float(size.max()) if size.size else 0.0
+    return bool(
+        abs(start.tangent[-1]) < 1e-3
+        or np.any(np.abs(start.tests[2:]) < 1e-4)
+        or (largest > 0 and float(np.abs(start.eigenvalues.real).min()) < 1e-4 * largest)
+        or (largest == 0.0)
+    )
+
+
+def _up(tangent: Array) -> Array:
+    """Oriented with the parameter; at a fold with the first unknown that moves."""
+    leading = tangent[-1] if abs(tangent[-1]) > 1e-7 else tangent[np.flatnonzero(np.abs(tangent) > 1e-7)[0]]
+    return tangent if leading > 0 else -tangent
+
+
+def _oriented(sample: Sample, sense: int) -> Sample:
+    if sense > 0:
+        return sample
+    tests = sample.tests.copy()
+    tests[:2] *= -1.0  # dp/ds and det [J; t] turn with the tangent
+    return replace(sample, tangent=-sample.tangent, tests=tests)
+
+
+def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
+    """An arm that would leave the range at once."""
+    value = start.z[-1]
+    rate = sense * start.tangent[-1]
+    if (value >= bounds[1] and rate > 0) or (value <= bounds[0] and rate < 0):
+        return End("bound", f"{seed.problem.parameters[0]} starts on its bound {value:.10g}", {"value": float(value)})
+    return None
+
+
+def _origin(
+    seed: Seed, start: Sample, sense: int, scale: Array, settings: Settings, here: list[Found]
+) -> Sample | None:
+    """The sample an arm marches from: the start itself, or a point just off it where it is special."""
+    problem, frame = seed.problem, Frame(scale)
+    oriented = _oriented(start, sense)
+    if not seed.born and not here:
+        return oriented
+    bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
+    for size in settings.first_step * 10.0 ** -np.arange(1.0, 5.5, 0.5):
+        guess = start.z + scale * (size * oriented.tangent + 0.5 * size**2 * bend)
+        found = problem.probe(oriented, size, guess, frame, settings)
+        if found is None:
+            continue
+        offset = (found.z - start.z) / scale
+        if (
+            float(offset @ oriented.tangent) > 0.9 * float(np.linalg.norm(offset))
+            and found.tangent @ oriented.tangent > 0.8
+        ):
+            return found
+    return None
+
+
+def _single(sample: Sample, scale: Array) -> Piece:
+    return Piece(sample.z[None], sample.tangent[None], np.array([sample.unstable]), sample.eigenvalues[None], scale)
