@@ -8,8 +8,8 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import normalise, singular_vectors, solve
-from contin.normalforms.result import STATE_ERROR, NormalForm
-from contin.normalforms.static import quadratic_error, state, static_matrix
+from contin.normalforms.result import NormalForm
+from contin.normalforms.static import StateError, quadratic_error, state, static_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,12 +22,12 @@ class JordanChain:
     p1: Real
 
 
-def jordan_chain(matrix: Real) -> JordanChain:
+def jordan_chain(matrix: Real, scale: Real | None = None) -> JordanChain:
     """The chain of a double zero eigenvalue; q0's component of largest modulus is positive.
 
     q1 and p0 come from systems bordered by the null vectors, which are regular although the matrix is singular.
     """
-    right, left, _ = singular_vectors(matrix)
+    right, left, _ = singular_vectors(matrix, 1, scale)
     q0, p1 = normalise(right[:, 0].real), normalise(left[:, 0].real)
     q1 = solve(matrix, q0, p1[:, None], q0[:, None])
     p1 = p1 / float(p1 @ q1)
@@ -36,7 +36,7 @@ def jordan_chain(matrix: Real) -> JordanChain:
     return JordanChain(q0, q1, p0, p1)
 
 
-def bogdanov_takens(jet: Jet, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
+def bogdanov_takens(jet: Jet, *, state_error: StateError = None) -> NormalForm:
     """BT: a = <p1,B(q0,q0)>/2 and b = <p0,B(q0,q0)> + <p1,B(q0,q1)> of w0' = w1, w1' = a w0^2 + b w0 w1.
 
     Kuznetsov, Elements, 3rd ed., sec. 8.7 (the length of q0 fixes both). Where both vanish to their estimated errors,
@@ -45,7 +45,7 @@ def bogdanov_takens(jet: Jet, *, state_error: float | Real = STATE_ERROR) -> Nor
     b3 = <p0, C(q0,q0,q0) + 3 B(q0,h20)>/2 + <p1, C(q0,q0,q1) + 2 B(q0,h11) + B(q1,h20)>/2 with A h20 = -B(q0,q0),
     A h11 = h20 - B(q0,q1).
     """
-    chain = jordan_chain(static_matrix(jet))
+    chain = jordan_chain(static_matrix(jet), jet.scale)
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     B00, B01 = jet.form(d0, d0), jet.form(d0, d1)
     if jet.kind == "map":

@@ -8,8 +8,8 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.reduction import Reduction, reduce
-from contin.normalforms.result import STATE_ERROR, TRUST, NormalForm
-from contin.normalforms.static import quadratic_error, state
+from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.static import StateError, quadratic_error, state
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +34,14 @@ class Direction:
 def branch_point(
     jet: Jet,
     *,
-    state_error: float | Real = STATE_ERROR,
+    state_error: StateError = None,
     reduction: Reduction | None = None,
 ) -> NormalForm:
     """BP with a one-dimensional kernel: a01 dp + a02/2 dp^2 + b11 x dp + b20/2 x^2 + b30/6 x^3 = 0 (FORMATS).
 
     Pitchfork where b20 is zero to its estimated error: rounding in <p, B(q, q)> (from the magnitudes of its summands)
-    plus what an error `state_error` of the states (a length, or one for each state) makes through the third derivative.
+    plus what an error `state_error` of the states (a length, or one for each state; by default 1e-10 of their typical
+    sizes) makes through the third derivative.
     Supercritical where b30 < 0: since <p, q> = 1, the reduced equation is the motion on the centre manifold,
     x' = b11 dp x + b30/6 x^3, so x^2 = -6 b11 dp/b30 lies where b11 dp > 0, the side on which the primary branch has
     the extra unstable eigenvalue, and the new branch has x' = -2 b11 dp x there: it takes over the stability.

@@ -10,7 +10,8 @@ from contin.normalforms.branching import Direction, branch_point, simple_directi
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.multiple import CONTINUUM, multiple_directions, scaling_of
 from contin.normalforms.reduction import Reduction, kernel_dimension, reduce
-from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.result import NormalForm
+from contin.normalforms.static import StateError
 
 
 def branch_directions(
@@ -18,7 +19,7 @@ def branch_directions(
     *,
     known: Real | None = None,
     kernel: int | None = None,
-    state_error: float | Real = STATE_ERROR,
+    state_error: StateError = None,
 ) -> list[Direction]:
     """Tangents and curvatures of all branches through a branch point, the known (or primary) one first.
 
@@ -27,7 +28,8 @@ def branch_directions(
     jet : one active parameter; forms of order 1 to 3 are used.
     known : (n + 1,) tangent of the branch at hand, if there is one.
     kernel : dimension of the kernel of F_u (map: F_u - 1); by default counted from its singular values.
-    state_error : estimated error of u0, a length or one for each state (decides whether a quadratic term is zero).
+    state_error : estimated error of u0, a length or one for each state (decides whether a quadratic term is zero);
+        by default 1e-10 of the jet's typical sizes.
 
     Returns
     -------
@@ -47,7 +49,7 @@ def branch_directions(
 
 
 def any_branch_point(
-    jet: Jet, *, kernel: int | None = None, state_error: float | Real = STATE_ERROR, reduction: Reduction | None = None
+    jet: Jet, *, kernel: int | None = None, state_error: StateError = None, reduction: Reduction | None = None
 ) -> NormalForm:
     """BP whatever its kernel: `branch_point` for dimension one, else {kernel, kind: multiple, scaling, branches}."""
     k = kernel or (reduction.k if reduction else kernel_dimension(jet))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from contin.normalforms.homological import CentreManifold
-from contin.normalforms.jet import Jet, Real
-from contin.normalforms.result import STATE_ERROR, TRUST, NormalForm
-from contin.normalforms.static import quadratic_error, state, static_pair
+from contin.normalforms.jet import Jet
+from contin.normalforms.result import TRUST, NormalForm
+from contin.normalforms.static import StateError, quadratic_error, state, static_pair
 
 
-def fold(jet: Jet, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
+def fold(jet: Jet, *, state_error: StateError = None) -> NormalForm:
     """LP: a = <p, B(q, q)>/2 of w' = a w^2 (map: w -> w + a w^2).
 
     a != 0 where the branch turns like a parabola. Kuznetsov, Elements, 3rd ed., sec. 5.4.1, with |q| = <p, q> = 1.

@@ -55,7 +55,7 @@ def bogdanov_takens_unfolding(jet: Jet) -> BogdanovTakensUnfolding:
     """
     if jet.parameters != 2:
         raise ValueError(f"the unfolding needs a jet with two active parameters; this one has {jet.parameters}")
-    chain = jordan_chain(jet.A)
+    chain = jordan_chain(jet.A, jet.scale)
     q0, q1, p0, p1 = chain.q0, chain.q1, chain.p0, chain.p1
     d0, d1 = state(jet, q0), state(jet, q1)
     n = jet.n

@@ -22,7 +22,7 @@ def hopf_hopf_manifold(jet: Jet, omegas: tuple[float, float] | None = None) -> C
         omegas = (eigen_pair(jet.A, upper[0]).value.imag, eigen_pair(jet.A, upper[1]).value.imag)
     pairs = []
     for omega in sorted(omegas, reverse=True):
-        pair = null_pair(jet.A - 1j * omega * np.eye(jet.n), 1j * omega)
+        pair = null_pair(jet.A - 1j * omega * np.eye(jet.n), 1j * omega, jet.scale)
         pairs += [pair, conjugate(pair)]
     return CentreManifold(jet, pairs)
 

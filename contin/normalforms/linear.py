@@ -13,6 +13,7 @@ import numpy as np
 from contin.normalforms.jet import Complex, Real, Vector
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
+NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,16 +55,38 @@ def normalise(q: Vector) -> Vector:
     return unit
 
 
+def balance(matrix: Vector, sweeps: int = 12) -> Real:
+    """Powers of two d for which the rows and columns of diag(1/d) matrix diag(d) have off-diagonal parts of like size.
+
+    Parlett and Reinsch, Numer. Math. 13 (1969) 293: a change of the states' units that the matrix itself suggests.
+    """
+    size = np.abs(matrix) * (1.0 - np.eye(len(matrix)))
+    d = np.ones(len(matrix))
+    for _ in range(sweeps):
+        scaled = size * d / d[:, None]
+        rows, columns = scaled.sum(axis=1), scaled.sum(axis=0)
+        linked = (rows > 0) & (columns > 0)
+        step = np.exp2(np.rint(0.5 * np.log2(np.where(linked, rows, 1.0) / np.where(linked, columns, 1.0)) * 0.5))
+        if np.all(step == 1.0):
+            break
+        d = d * step
+    return d
+
+
 def singular_vectors(matrix: Vector, dimension: int = 1, scale: Real | None = None) -> tuple[Vector, Vector, Real]:
     """Right and left null vectors (columns of two (n, dimension) arrays) and all singular values, equilibrated.
 
-    With the typical sizes of the states, `scale` (n,), the matrix is measured in them. Without, its own entries have to
-    tell, which misleads where a whole row of a singular matrix is nothing but rounding errors.
+    The matrix is first measured in the typical sizes of the states, `scale` (n,), where they are known, else in units
+    that balance it; then rows and columns are equilibrated, which keeps slow equations beside fast ones. Entries below
+    NOISE of the largest do not take part in that: a row of a singular matrix may be nothing but rounding errors.
     """
-    r, c = (1.0 / scale, scale) if scale is not None else equilibrate(matrix)
-    u, s, vh = np.linalg.svd(r[:, None] * matrix * c)
+    d = balance(matrix) if scale is None else scale
+    measured = matrix * d / d[:, None]
+    size = np.abs(measured)
+    r, c = equilibrate(np.where(size > NOISE * size.max(), size, 0.0))
+    u, s, vh = np.linalg.svd(r[:, None] * measured * c)
     order = slice(-1, -dimension - 1, -1)
-    return c[:, None] * vh[order].conj().T, r[:, None] * u[:, order], s
+    return (c * d)[:, None] * vh[order].conj().T, (r / d)[:, None] * u[:, order], s
 
 
 def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -> EigenPair:

@@ -54,7 +54,7 @@ def resonance_1_1(jet: Jet) -> NormalForm:
     The map is the unit-time flow of a BT field with coefficients a and b - 2 a; s = sign(a (b - 2 a)): s < 0 means that
     the invariant circle of the Neimark-Sacker curve is stable on the centre manifold.
     """
-    chain = jordan_chain(jet.A - np.eye(jet.n))
+    chain = jordan_chain(jet.A - np.eye(jet.n), jet.scale)
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     B00, B01 = jet.form(d0, d0), jet.form(d0, d1)
     a, b = 0.5 * float(chain.p1 @ B00), float(chain.p0 @ B00 + chain.p1 @ B01)
@@ -69,7 +69,7 @@ def resonance_1_2(jet: Jet) -> NormalForm:
     The second iterate is the unit-time flow of y1' = y2, y2' = C1 y1^3 + D1 y1^2 y2 with C1 = 4 C, D1 = -2 D - 6 C.
     """
     eye = np.eye(jet.n)
-    chain = jordan_chain(jet.A + eye)
+    chain = jordan_chain(jet.A + eye, jet.scale)
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     h20 = solve(eye - jet.A, jet.form(d0, d0))
     h11 = solve(eye - jet.A, jet.form(d0, d1) + h20)

@@ -36,7 +36,7 @@ class DoubledPredictor:
 
 def flip_manifold(jet: Jet) -> CentreManifold:
     """The centre manifold of w -> -w + ..."""
-    return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0)])
+    return CentreManifold(jet, [null_pair(jet.A + np.eye(jet.n), -1.0, jet.scale)])
 
 
 def period_doubling(jet: Jet) -> NormalForm:
@@ -74,7 +74,7 @@ def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
             raise ValueError("no complex multipliers: this is not a Neimark-Sacker point (a neutral saddle has none)")
         theta = float(np.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
     value = np.exp(1j * theta)
-    pair = null_pair(jet.A - value * np.eye(jet.n), complex(value))
+    pair = null_pair(jet.A - value * np.eye(jet.n), complex(value), jet.scale)
     return CentreManifold(jet, [pair, conjugate(pair)])
 
 

@@ -16,8 +16,7 @@ from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
 from contin.normalforms.polynomial_roots import Root, sphere_roots
 from contin.normalforms.reduction import Reduction
-from contin.normalforms.result import STATE_ERROR
-from contin.normalforms.static import quadratic_error
+from contin.normalforms.static import StateError, quadratic_error
 
 OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
 LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
@@ -25,7 +24,7 @@ CONTINUUM = "solutions form a continuum (a continuous symmetry): one representat
 REPEATED = "repeated direction: higher orders decide whether it is one branch, several or none"
 
 
-def multiple_directions(r: Reduction, *, state_error: float | Real = STATE_ERROR) -> list[Direction]:
+def multiple_directions(r: Reduction, *, state_error: StateError = None) -> list[Direction]:
     """All branches at a branch point with a k-dimensional kernel; curves, so one for each pair +-x.
 
     Primary is the branch along which the parameter moves with speed and the kernel stays nearest to rest.
@@ -36,7 +35,7 @@ def multiple_directions(r: Reduction, *, state_error: float | Real = STATE_ERROR
     return _cubic(r) if scaling == "cubic" else _quadratic(r)
 
 
-def scaling_of(r: Reduction, state_error: float | Real = STATE_ERROR) -> str:
+def scaling_of(r: Reduction, state_error: StateError = None) -> str:
     """Which of the three scalings holds: 'fold', 'quadratic' or 'cubic'."""
     slope = r.jet.form(np.eye(r.jet.n + 1)[-1])
     if np.any(np.abs(r.a01) > OUTSIDE * (np.abs(r.left.T) @ np.abs(slope))):

@@ -10,7 +10,7 @@ from contin.normalforms.directions import any_branch_point
 from contin.normalforms.fold import cusp, fold
 from contin.normalforms.hopf import generalised_hopf, hopf
 from contin.normalforms.hopf_hopf import hopf_hopf
-from contin.normalforms.jet import Jet, Real
+from contin.normalforms.jet import Jet
 from contin.normalforms.map_resonances import (
     chenciner,
     generalised_flip,
@@ -20,7 +20,8 @@ from contin.normalforms.map_resonances import (
     resonance_1_4,
 )
 from contin.normalforms.maps import neimark_sacker, period_doubling
-from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.result import NormalForm
+from contin.normalforms.static import StateError
 from contin.normalforms.zero_hopf import zero_hopf
 
 ORDER: Final[Mapping[str, int]] = {  # highest order of the forms that the type needs
@@ -51,7 +52,7 @@ def normal_form(
     *,
     frequency: float | None = None,
     kernel: int | None = None,
-    state_error: float | Real = STATE_ERROR,
+    state_error: StateError = None,
 ) -> NormalForm:
     """Normal form of a special point of an equilibrium (jet.kind flow) or a fixed point (map) by its type code.
 

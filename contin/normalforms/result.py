@@ -12,7 +12,7 @@ from contin.normalforms.jet import Vector
 # Points are located to about 1e-11 relative and derivatives are exact, so eleven digits can cancel and ten can be
 # trusted to have done so.
 TRUST = 1e-10
-STATE_ERROR = 1e-10  # default estimate of the error of u0, in the units of the states
+STATE_ERROR = 1e-10  # default estimate of the error of u0, as a fraction of the typical sizes of the states
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,8 +21,13 @@ class Compiled(Protocol):
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]: ...
 
 
-def compiled_jet(system: Compiled, u: Real, p: Real, active: Sequence[int] = (), kind: Kind = "flow") -> DerivativeJet:
-    """The jet of a compiled system at (u, p); `active` are the positions of the active parameters in p."""
+def compiled_jet(
+    system: Compiled, u: Real, p: Real, active: Sequence[int] = (), kind: Kind = "flow", scale: Real | None = None
+) -> DerivativeJet:
+    """The jet of a compiled system at (u, p); `active` are the positions of the active parameters in p.
+
+    `scale` (n,): typical sizes of the states, where they are known.
+    """
     n, m = len(u), len(p)
     columns = [*range(n), *(n + i for i in active)]
 
@@ -31,7 +36,7 @@ def compiled_jet(system: Compiled, u: Real, p: Real, active: Sequence[int] = (),
         full[:, columns] = directions
         return np.asarray(system.derivative(u, p, *full), dtype=float)
 
-    return DerivativeJet(np.array(system.jacobian(u, p))[:, :n], derivative, len(active), kind)
+    return DerivativeJet(np.array(system.jacobian(u, p))[:, :n], derivative, len(active), kind, scale)
 
 
 def difference_jet(
@@ -71,4 +76,4 @@ def difference_jet(
     if jacobian is None:
         eye = np.eye(len(z))
         jacobian = np.array([derivative((eye[j],)) for j in range(n)]).T
-    return DerivativeJet(jacobian, derivative, len(z) - n, kind)
+    return DerivativeJet(jacobian, derivative, len(z) - n, kind, np.array(lengths[:n]))

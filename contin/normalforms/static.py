@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from contin.normalforms.jet import Jet, Real, Vector, lift
@@ -9,6 +11,7 @@ from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 
 ROUNDING = 1e-13  # some hundred roundings
+StateError: TypeAlias = float | Real | None  # a length, one for each state, or None: from the jet's typical sizes
 
 
 def static_matrix(jet: Jet) -> Real:
@@ -26,7 +29,14 @@ def state(jet: Jet, vector: Vector) -> Vector:
     return lift(vector, jet.parameters)
 
 
-def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: float | Real = STATE_ERROR) -> float:
+def state_lengths(jet: Jet, state_error: StateError) -> Real:
+    """The estimated error of each state: as given, else STATE_ERROR of the jet's typical sizes (of 1 if unknown)."""
+    if state_error is None:
+        state_error = STATE_ERROR * (np.ones(jet.n) if jet.scale is None else jet.scale)
+    return np.broadcast_to(np.asarray(state_error, dtype=float), (jet.n,))
+
+
+def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: StateError = None) -> float:
     """Estimated error of <p, B(v, w)>: cancellation over the components, rounding within them, and the error of u0.
 
     An error e of the states (a length, or one for each state) enters through the third derivative, as
@@ -34,7 +44,7 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: floa
     """
     dv, dw = state(jet, v), state(jet, w)
     whole = np.abs(p) @ np.abs(jet.form(dv, dw))
-    lengths = np.broadcast_to(np.asarray(state_error, dtype=float), (jet.n,))
+    lengths = state_lengths(jet, state_error)
     eye = np.eye(jet.n)
     drift = sum(lengths[i] * abs(np.vdot(p, jet.form(dv, dw, state(jet, eye[i])))) for i in np.flatnonzero(lengths))
     return TRUST * float(whole) + ROUNDING * form_size(jet, p, v, w) + float(drift)

@@ -6,19 +6,19 @@ import numpy as np
 
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import CyclePredictor, conjugate, critical_pair
-from contin.normalforms.jet import Jet, Real
+from contin.normalforms.jet import Jet
 from contin.normalforms.linear import null_pair
-from contin.normalforms.result import STATE_ERROR, NormalForm, parts
-from contin.normalforms.static import quadratic_error
+from contin.normalforms.result import NormalForm, parts
+from contin.normalforms.static import StateError, quadratic_error
 
 
 def zero_hopf_manifold(jet: Jet, omega: float | None = None) -> CentreManifold:
     """Coordinates (w0 real, w1, conj w1, parameters)."""
-    pair = critical_pair(jet.A, omega)
-    return CentreManifold(jet, [null_pair(jet.A), pair, conjugate(pair)])
+    pair = critical_pair(jet.A, omega, jet.scale)
+    return CentreManifold(jet, [null_pair(jet.A, 0.0, jet.scale), pair, conjugate(pair)])
 
 
-def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: float | Real = STATE_ERROR) -> NormalForm:
+def zero_hopf(jet: Jet, omega: float | None = None, *, state_error: StateError = None) -> NormalForm:
     """ZH: the coefficients of Kuznetsov, Elements, 3rd ed., secs. 8.5 and 8.7.4,
 
         w0' = G200 w0^2/2 + G011 |w1|^2 + G300 w0^3/6 + G111 w0 |w1|^2

@@ -139,6 +139,16 @@ def test_isolated_point_has_no_directions():
     assert simple_directions(reduce(jet, 1)) == []
 
 
+def test_a_row_of_rounding_errors_is_not_taken_for_an_equation():
+    pair = null_pair(np.array([[-1.0, 0.0], [0.0, 3e-17]]))
+    np.testing.assert_allclose(pair.right, [0.0, 1.0], atol=1e-15)
+
+
+def test_slow_and_fast_equations_leave_the_null_vector_accurate():
+    A = np.array([[-1e8, 1e8, 0.0], [1e-3, -2e-3, 1e-3], [0.0, 1.0, -1.0]])  # A (1, 1, 1) = 0
+    np.testing.assert_allclose(null_pair(A).right, np.full(3, 3**-0.5), rtol=1e-14)
+
+
 def test_null_vectors_are_independent_of_units():
     rng = np.random.default_rng(3)
     A = rng.normal(size=(5, 5))
