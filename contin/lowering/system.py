@@ -17,7 +17,7 @@ from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.routines import Layout, form_routine, gradient_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
 from contin.model.expression import Expression, postorder, symbol
-from contin.symbolic.derivatives import sparse_jacobian
+from contin.symbolic.derivatives import derivative, sparse_jacobian
 from contin.symbolic.remove_singularities import remove_singularities
 
 TIME: Final = "t"
@@ -216,15 +216,24 @@ class CompiledSystem:
             return self._pattern
 
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
-        """Which equation is not finite at this point and why, or None where all are finite."""
+        """Which equation, or entry of the Jacobian, is not finite at this point and why; None if all are finite."""
         from contin.model.explain import explain_not_finite
 
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
-        if np.isfinite(self.value(u, p)).all() and np.isfinite(z).all():
+        f, matrix = self.jacobian(u, p)
+        bad_rows = np.flatnonzero(~np.isfinite(f))
+        # states come first: a parameter's column may be infinite without harm while that parameter is fixed
+        bad_entries = np.argwhere(~np.isfinite(matrix.T))
+        if not len(bad_rows) and not len(bad_entries):
             return None
-        point = dict(zip(self.layout.names, z.tolist(), strict=True))
-        reason = explain_not_finite(dict(zip(self.state_names, self._equations, strict=True)), point)
-        return f"not finite at this point: {reason}" if reason else None
+        suspects = dict(zip(self.state_names, self._equations, strict=True))
+        if not len(bad_rows):
+            column, row = bad_entries[0]
+            names = self.state_names[row], self.layout.names[column]
+            suspects = {"d({})/d({})".format(*names): derivative(self._equations[row], names[1])}
+        reason = explain_not_finite(suspects, dict(zip(self.layout.names, z.tolist(), strict=True)))
+        first = self.state_names[bad_rows[0]] if len(bad_rows) else next(iter(suspects))
+        return f"not finite at this point: {reason or f'equation {first}'}"
 
     # compilation
 

@@ -141,6 +141,12 @@ def test_explain_names_the_equation_and_the_reason():
     assert "logarithm of a negative number" in text
 
 
+def test_explain_names_the_entry_of_the_jacobian_where_the_equations_are_finite():
+    text = compiled({"x": "y", "y": "sqrt(x) - y"}).explain([0.0, 1.0], [])
+    assert text.startswith("not finite at this point: equation d(y)/d(x): ")
+    assert "division by zero" in text
+
+
 def test_forced_system_takes_the_time_after_the_parameters():
     system = compiled({"x": "v", "v": "-x + F*cos(w*t)"}, ["F", "w"], forcing="2*pi/w")
     u, (force, w, t) = [0.3, -0.2], (0.7, 1.9, 4.2)
