@@ -19,6 +19,10 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
+    if point.type == "HB":
+        from contin.problems.orbit_start import hopf_seeds
+
+        return hopf_seeds(problem, point, parameter)
     if point.type != "BP":
         raise InputError(
             f"{point.branch}.{point.label}: only a branch point has another branch of equilibria; this is {point.type}"
