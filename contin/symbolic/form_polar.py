@@ -7,7 +7,7 @@ from contin.model.expression import ZERO, Expression, add, call, mul, neg, numbe
 from contin.symbolic.amplitudes import SlowSystem
 from contin.symbolic.complex_formulas import Complex
 from contin.symbolic.forms import AveragedForm, general_parts
-from contin.symbolic.terms import additive_terms
+from contin.symbolic.squared_radius import turn_over_radius
 
 FREQUENCY_SHIFT = "frequency_shift"
 
@@ -58,10 +58,10 @@ def _rates(system: SlowSystem, i: int, r: list[Expression], psi: list[Expression
     own_turn: list[Expression] = []
     for j in equation.radial:
         rates = system.rates(i, j)
-        g, t = rates.sin(r[j]), divided(rates.cos(r[j]), r[j])
+        g = rates.sin(r[j])
         if j == i:
             own_growth.append(g)
-            own_turn.append(t)
+            own_turn.append(turn_over_radius(rates, r[j]))
             continue
         angle = sub(psi[j], psi[i])
         cos, sin = call("cos", angle), call("sin", angle)
@@ -98,30 +98,3 @@ def _ordered(coupling: list[Expression], own: list[Expression]) -> Expression:
     for term in [*coupling, *own]:
         flat += term.args if term.op == "add" else (term,)
     return add(*flat)
-
-
-def divided(formula: Expression, radius: Expression) -> Expression:
-    """formula/radius, divided term by term, inside of conditionals too."""
-    if formula is ZERO:
-        return ZERO
-    if formula.op == "if":
-        from contin.model.expression import if_
-
-        condition, then, otherwise = formula.args
-        return if_(condition, divided(then, radius), divided(otherwise, radius))
-    inverse = power(radius, number(-1))
-    mask = radius.mask
-    terms = [mul(c, _flat_quotient(t, inverse)) for c, t in additive_terms(formula, mask)]
-    return add(*terms)
-
-
-def _flat_quotient(term: Expression, inverse: Expression) -> Expression:
-    """term * 1/r; a denominator that holds r is merged with it."""
-    radius = inverse.args[0] if inverse.op == "pow" else inverse
-    if term.op == "mul":
-        for k, factor in enumerate(term.args):
-            if factor.op == "pow" and factor.args[1] is number(-1) and factor.args[0].op == "mul":
-                if any(f is radius for f in factor.args[0].args):
-                    merged = power(mul(*factor.args[0].args, radius), number(-1))
-                    return mul(*term.args[:k], merged, *term.args[k + 1 :])
-    return mul(term, inverse)

@@ -1,51 +1,85 @@
-"""Averaged rates divided by the amplitude, as functions of R = r^2: what the forms that are smooth at r = 0 need."""
+"""Averaged rates divided by the amplitude: rate(r)/r as a formula in r, or in R = r^2 for the forms smooth at r = 0.
+
+Closed forms are divided term by term; what is left of the form log(1 + R^2)/R is made regular when the model is lowered
+(`remove_singularities`). A quadrature is divided as a whole, with its limit at r = 0.
+"""
 
 from __future__ import annotations
 
-from contin.model.expression import Expression, add, call, compare, if_, mul, number, postorder, power, substitute
+from contin.model.expression import (
+    Expression,
+    add,
+    call,
+    compare,
+    if_,
+    mul,
+    number,
+    power,
+    substitute,
+    symbol,
+)
 from contin.symbolic.cells import RADIUS
-from contin.symbolic.radial import SHORT, R, RadialAverage
+from contin.symbolic.derivatives import derivative
+from contin.symbolic.guards import near_zero
+from contin.symbolic.radial import Piece, R, RadialAverage
 from contin.symbolic.sympy_bridge import from_sympy, sympy_symbol, to_sympy
 from contin.symbolic.terms import additive_terms
 from contin.symbolic.tidy import tidy
 
-SQUARE = "@R"
+SQUARE = symbol("@R")
+MINUS_ONE = number(-1)
+
+
+def turn_over_radius(rates: RadialAverage, radius: Expression) -> Expression:
+    """turn(r)/r."""
+
+    def part(piece: Piece) -> Expression:
+        if piece.nodes:
+            return substitute([_whole(piece.cos)], {SQUARE: power(R, number(2))})[0]
+        return add(*(mul(c, _divided(t)) for c, t in additive_terms(piece.cos, R.mask)))
+
+    return rates.chain(part, radius)
 
 
 def rates_over_radius(rates: RadialAverage, square: Expression) -> tuple[Expression, Expression]:
-    """(growth/r, turn/r) of `SlowSystem.rates` at r^2 = square; conditions r < c become r^2 < c^2."""
+    """(growth/r, turn/r) at r^2 = square; conditions r < c become r^2 < c^2."""
     results = []
-    for part in ("sin", "cos"):
-        value = _over_radius(getattr(rates.pieces[-1], part))
+    for name in ("sin", "cos"):
+        value = _in_square(rates.pieces[-1], name)
         for piece in reversed(rates.pieces[:-1]):
             assert piece.high is not None
-            below = compare("<", _square_symbol(), power(piece.high, number(2)))
-            value = if_(below, _over_radius(getattr(piece, part)), value)
-        results.append(substitute([value], {_square_symbol(): square})[0])
+            value = if_(compare("<", SQUARE, power(piece.high, number(2))), _in_square(piece, name), value)
+        results.append(substitute([value], {SQUARE: square})[0])
     return results[0], results[1]
 
 
-def _square_symbol() -> Expression:
-    from contin.model.expression import symbol
-
-    return symbol(SQUARE)
-
-
-def _over_radius(formula: Expression) -> Expression:
-    """formula(r)/r in R: term by term through sympy where the terms are short, otherwise with r = sqrt(R)."""
+def _in_square(piece: Piece, name: str) -> Expression:
     import sympy
 
-    square = _square_symbol()
-    whole: list[Expression] = []
-    long: list[Expression] = []
+    formula: Expression = getattr(piece, name)
+    if piece.nodes:
+        return _whole(formula)
+    r, big = sympy_symbol(RADIUS, positive=True), sympy_symbol(str(SQUARE.value), positive=True)
+    terms = []
     for c, t in additive_terms(formula, R.mask):
-        if len(postorder([t])) > SHORT or t.op in ("tanh", "sin", "cos", "exp"):
-            long.append(mul(c, t))
-            continue
-        r, big = sympy_symbol(RADIUS, positive=True), sympy_symbol(SQUARE, positive=True)
         value = (to_sympy(t, (RADIUS,)) / r).subs(r, sympy.sqrt(big))
-        whole.append(mul(c, from_sympy(tidy(value, big))))
-    if long:
-        root = call("sqrt", square)
-        whole.append(mul(substitute([add(*long)], {R: root})[0], power(root, number(-1))))
-    return add(*whole)
+        terms.append(mul(c, from_sympy(tidy(value, big))))
+    return add(*terms)
+
+
+def _whole(formula: Expression) -> Expression:
+    """Q(r)/r as Q(sqrt R) sqrt(R)/R, and the slope of Q at r = 0."""
+    root = call("sqrt", SQUARE)
+    limit = substitute([derivative(formula, RADIUS)], {R: number(0)})[0]
+    value = mul(substitute([formula], {R: root})[0], root, power(SQUARE, MINUS_ONE))
+    return if_(near_zero(SQUARE), limit, value)
+
+
+def _divided(term: Expression) -> Expression:
+    """term/r, with a denominator that holds r merged with it."""
+    if term.op == "mul":
+        for k, factor in enumerate(term.args):
+            bottom = factor.args[0] if factor.op == "pow" and factor.args[1] is MINUS_ONE else None
+            if bottom is not None and bottom.op == "mul" and R in bottom.args:
+                return mul(*term.args[:k], power(mul(*bottom.args, R), MINUS_ONE), *term.args[k + 1 :])
+    return mul(term, power(R, MINUS_ONE))
