@@ -46,6 +46,7 @@ class CentreManifold:
         self.m = len(pairs)
         self._h: dict[Index, Complex] = {}
         self._g: dict[Index, dict[int, complex]] = {}
+        self._rhs: dict[Index, tuple[Complex, Real]] = {}
         self._magnitude: dict[tuple[Index, int], float] = {}
 
     def h(self, *index: int) -> Complex:
@@ -70,20 +71,25 @@ class CentreManifold:
             eigenvector: Complex = self.right[unit]
             return eigenvector
         if v not in self._h:
-            self._solve(v)
+            matrix = self.jet.A - self._multiplier(v) * np.eye(self.jet.n)
+            resonant = list(self._normal(v))
+            borders = (self.right[resonant].T, self.left[resonant].T) if resonant else (None, None)
+            self._h[v] = solve(matrix, -self._inhomogeneity(v)[0], *borders)
         return self._h[v]
 
     def _normal(self, v: Index) -> dict[int, complex]:
-        """g_v as {j: value}; the linear part diag(lambda) is not among them."""
+        """g_v as {j: value} for every j that is resonant with v; the linear part diag(lambda) is not among them."""
         unit = self._unit(v)
         if unit is not None and unit < self.m:
             return {}
         if v not in self._g:
             resonant = self._resonant(v)
+            self._g[v] = {}
             if resonant:
-                self._solve(v)
-            else:
-                self._g[v] = {}
+                rhs, sizes = self._inhomogeneity(v)
+                for j in resonant:
+                    self._g[v][j] = complex(np.vdot(self.left[j], rhs))
+                    self._magnitude[v, j] = float(np.abs(self.left[j]) @ sizes)
         return self._g[v]
 
     def _multiplier(self, v: Index) -> complex:
@@ -97,18 +103,13 @@ class CentreManifold:
         near = np.abs(self._multiplier(v) - self.values) <= RESONANCE * scale
         return [int(j) for j in np.flatnonzero(near)]
 
-    def _solve(self, v: Index) -> None:
-        rhs, sizes = self._inhomogeneity(v)
-        matrix = self.jet.A - self._multiplier(v) * np.eye(self.jet.n)
-        resonant = self._resonant(v)
-        self._g[v] = {j: complex(np.vdot(self.left[j], rhs)) for j in resonant}
-        for j in resonant:
-            self._magnitude[v, j] = float(np.abs(self.left[j]) @ sizes)
-        borders = (self.right[resonant].T, self.left[resonant].T) if resonant else (None, None)
-        self._h[v] = solve(matrix, -rhs, *borders)
-
     def _inhomogeneity(self, v: Index) -> tuple[Complex, Real]:
         """R_v - S_v and the sum of the moduli of its summands, component by component."""
+        if v not in self._rhs:
+            self._rhs[v] = self._collect(v)
+        return self._rhs[v]
+
+    def _collect(self, v: Index) -> tuple[Complex, Real]:
         total: Complex = np.zeros(self.jet.n, dtype=np.complex128)
         sizes: Real = np.zeros(self.jet.n)
         term: Complex

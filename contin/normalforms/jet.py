@@ -63,7 +63,9 @@ class DerivativeJet:
         return len(self.A)
 
     def form(self, *directions: Vector) -> Vector:
-        return expand_complex(self._evaluate, directions, self.n)
+        if any(np.iscomplexobj(d) for d in directions):
+            return expand_complex(self._evaluate, directions, self.n)
+        return self._evaluate(directions)
 
     def _evaluate(self, directions: tuple[Real, ...]) -> Real:
         key = tuple(sorted(d.tobytes() for d in directions))
@@ -86,10 +88,10 @@ def expand_complex(evaluate: Callable[[tuple[Real, ...]], Real], directions: tup
             parts.append((direction.imag, 1.0j))
         grown: Counter[tuple[bytes, ...]] = Counter()
         for part, factor in parts:
-            nonzero = np.flatnonzero(part)
-            if len(nonzero) == 0:
+            lead = part[int(np.argmax(part != 0.0))]
+            if lead == 0.0:
                 continue
-            sign = float(np.sign(part[nonzero[0]]))
+            sign = 1.0 if lead > 0.0 else -1.0
             vector = np.array(sign * part, dtype=float) + 0.0  # + 0.0 turns -0.0 into 0.0: one key a vector
             key = vector.tobytes()
             basis[key] = vector

@@ -38,10 +38,12 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
     for _ in range(sweeps):
         scaled = r[:, None] * size * c
         rows, columns = scaled.max(axis=1), scaled.max(axis=0)
-        r_step = np.exp2(-np.rint(0.5 * np.log2(np.where(rows > 0, rows, 1.0))))
-        c_step = np.exp2(-np.rint(0.5 * np.log2(np.where(columns > 0, columns, 1.0))))
-        if np.all(r_step == 1.0) and np.all(c_step == 1.0):
+        both = np.concatenate([rows, columns])
+        both[both == 0.0] = 1.0
+        step = np.exp2(-np.rint(0.5 * np.log2(both)))
+        if not np.any(step != 1.0):
             break
+        r_step, c_step = step[: len(rows)], step[len(rows) :]
         r, c = r * r_step, c * c_step
     return r, c
 

@@ -16,7 +16,7 @@ from contin.normalforms.jet import DerivativeJet, Kind, Real
 class Compiled(Protocol):
     """The part of contin.lowering.CompiledSystem that a jet needs."""
 
-    def jacobian(self, u: ArrayLike, p: ArrayLike) -> Real: ...
+    def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Real, Real]: ...
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]: ...
 
@@ -36,7 +36,7 @@ def compiled_jet(
         full[:, columns] = directions
         return np.asarray(system.derivative(u, p, *full), dtype=float)
 
-    return DerivativeJet(np.array(system.jacobian(u, p))[:, :n], derivative, len(active), kind, scale)
+    return DerivativeJet(np.array(system.jacobian(u, p)[1])[:, :n], derivative, len(active), kind, scale)
 
 
 def difference_jet(
