@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from itertools import chain
 from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
@@ -31,10 +32,8 @@ def compiled(model: Any) -> Any:
         return _compiled[model]
     except (KeyError, TypeError):
         system = model.system() if isinstance(model, FunctionProblem) else compile_system(model)
-        try:
+        with suppress(TypeError):  # an object that cannot be a weak key is compiled anew
             _compiled[model] = system
-        except TypeError:  # an object that cannot be a weak key is compiled anew
-            pass
         return system
 
 
@@ -62,7 +61,8 @@ def continuation(
 ) -> Branch:
     """Follow the branch through `start` while `parameter` varies in `range`, and label its special points.
 
-    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()` (a list of seeds:
+    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()` (a list of
+    seeds:
         its first is followed).
     range : (lo, hi); default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.

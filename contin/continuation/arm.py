@@ -23,7 +23,7 @@ SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """A labelled point in the sequence of rows: it comes before row `before` of its chunk (row 0 is where that began)."""
+    """A labelled point among the rows: it comes before row `before` of its chunk (row 0 is where that began)."""
 
     before: int
     length: float
@@ -238,7 +238,7 @@ class Arm:
             return None
         if np.linalg.norm(self._wrapped(last.z - start.z) / self.scale) > 4 * stretch.distance(stretch.base, last):
             return None
-        low, high = stretch.zero(along, stretch.base, last, 1e-9)
+        _, high = stretch.zero(along, stretch.base, last, 1e-9)
         gap = self._wrapped(high.z - start.z)
         if np.linalg.norm(gap / self.scale) > CLOSED:
             return None
@@ -297,7 +297,8 @@ def _without_last(chunk: Chunk) -> Chunk:
     m = len(chunk) - 1
     return replace(
         chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
-        eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT, next_step=float(chunk.lengths[m]) / 4,
+        eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT,
+        next_step=float(chunk.lengths[m]) / 4,
     )  # fmt: skip
 
 

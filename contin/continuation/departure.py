@@ -58,7 +58,10 @@ class Departure:
     known: list[Verified]  # points that are labelled already, shared by both arms
 
     def arm(self, sense: int, targets: Sequence[Target] = ()) -> tuple[Arm, list[Piece]] | End:
-        """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk; or why there is none."""
+        """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk.
+
+        Or why there is none.
+        """
         seed, problem = self.seed, self.seed.problem
         outward = _outward(seed, self.start, sense, self.bounds)
         if outward is not None:

@@ -1,8 +1,8 @@
 """From "something changed between these two points" to verified special points: isolate, locate, verify.
 
 Between two samples the problem is asked which simple events explain *all* that changed: the signs of the test functions
-and the number of unstable eigenvalues, which are two independent counts. While they do not agree, the interval is halved;
-what is left when it cannot be halved further coincides, and is handed to the problem as one compound event.
+and the number of unstable eigenvalues, which are two independent counts. While they do not agree, the interval is
+halved; what is left when it cannot be halved further coincides, and is handed to the problem as one compound event.
 """
 
 from __future__ import annotations
@@ -109,7 +109,8 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
 def _at_point(stretch: Stretch, near: Sample, a: Sample, b: Sample, point: Verified) -> Sample:
     """`near` with the tangent at the point: of the branches through it, the one that continues a to b.
 
-    Close to a branch point the Jacobian is too small to give a direction, so the nearest sample's own tangent is useless.
+    Close to a branch point the Jacobian is too small to give a direction, so the nearest sample's own tangent is
+    useless.
     """
     s_a, s_b = stretch.length_of(a), stretch.length_of(b)
     s = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
@@ -136,9 +137,11 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
 
 
 def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
-    """A test function came close to zero at `here` without changing sign: find its minimum; two zeros hide where it crosses.
+    """A test function came close to zero at `here` without changing sign: find its minimum; two zeros hide where it
+    crosses.
 
-    Golden-section search with a parabola's step where that helps; ends when the sign changes or the minimum is resolved.
+    Golden-section search with a parabola's step where that helps; ends when the sign changes or the minimum is
+    resolved.
     """
 
     def size(sample: Sample) -> float:

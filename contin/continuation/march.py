@@ -1,7 +1,7 @@
 """The march in plain Python, for problems without a kernel: user functions, sparse and matrix-free systems.
 
-The same steps, guards and reasons to stop as the compiled march (`contin.kernels.algebraic`); what costs time here is the
-problem's own linear algebra, which it offers as a `Linearisation` at a point.
+The same steps, guards and reasons to stop as the compiled march (`contin.kernels.algebraic`); what costs time here
+is the problem's own linear algebra, which it offers as a `Linearisation` at a point.
 """
 
 from __future__ import annotations

@@ -115,7 +115,10 @@ class Adaptive(Protocol):
 
 
 class Problem(Protocol):
-    """What a problem offers to the engine; `Any` users should read `contin.problems.equilibrium` as the model answer."""
+    """What a problem offers to the engine.
+
+    `Any` users should read `contin.problems.equilibrium` as the model answer.
+    """
 
     @property
     def kind(self) -> str:

@@ -57,7 +57,10 @@ class Rows:
         self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
 
     def joined(self) -> Block:
-        """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end, unknowns at the front."""
+        """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end.
+
+        Unknowns at the front.
+        """
         width = max(block[3].shape[1] for block in self._blocks)
         padded = []
         for block in self._blocks:

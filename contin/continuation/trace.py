@@ -186,6 +186,6 @@ def _label(
                 branch=branch,
                 scale=scale,
                 problem=problem,
-            )  # fmt: skip
+            )
         )
     return tuple(points)

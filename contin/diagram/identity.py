@@ -42,8 +42,8 @@ def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tup
 def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bool:
     """True where the point z (with this raw tangent, if given) is on the branch.
 
-    The nearest rows are looked up first; then the curve is solved for beside z, so that the answer does not depend on how
-    densely the branch was sampled.
+    The nearest rows are looked up first; then the curve is solved for beside z, so that the answer does not depend
+    on how densely the branch was sampled.
     """
     problem = branch.problem
     offsets = wrapped(branch.z - z, problem.angle_periods) / scale

@@ -1,7 +1,8 @@
 """Pseudo-arclength march along F(u, p) = 0 in one kernel call; the model is a pointer.
 
 All algebra is done in scaled unknowns y = z / D, z = (u, p), with rows scaled alike: M = [D_u^-1 F_z D ; t^T]. Then the
-metric is Euclidean, the u-block is similar to F_u (its eigenvalues are those of F_u), and rescaling a state by a power of
+metric is Euclidean, the u-block is similar to F_u (its eigenvalues are those of F_u), and rescaling a state by a
+power of
 two changes no bit of the result. One step costs about one evaluation of F and its Jacobian, one LU and one QR.
 
 Test functions of a point (the columns of `tests`):
@@ -33,7 +34,10 @@ RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this
 
 @kernel
 def linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix, block):
-    """Evaluate at z: matrix = [scaled F_z; tangent], block = scaled F_u (for eigenvalues), f = scaled F; False if not finite."""
+    """Evaluate at z: matrix = [scaled F_z; tangent], block = scaled F_u (for eigenvalues), f = scaled F.
+
+    False if not finite.
+    """
     n = f.size
     p[active] = z[n]
     call4(address, z, p, f, jacobian)
@@ -129,7 +133,10 @@ def correct(
 
 @kernel
 def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, near_re, near_im):
-    """Unit tangent, test functions and eigenvalues from the factors in `matrix`; returns the number of unstable ones."""
+    """Unit tangent, test functions and eigenvalues from the factors in `matrix`.
+
+    Returns the number of unstable ones.
+    """
     n = block.shape[0]
     for j in range(n):
         tangent_out[j] = 0.0
@@ -153,7 +160,10 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
 def probe(
     address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, reference, z, tangent_out, tests, re, im, sizes
 ):
-    """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there; returns unstable count, -1 or -2 (not finite)."""
+    """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there.
+
+    Returns unstable count, -1 or -2 (not finite).
+    """
     n = z0.size - 1
     y = np.empty(n + 1)
     f = np.empty(n)
@@ -222,7 +232,8 @@ def march(
     bounds : [lo, hi] of the parameter.  loop_z : start of the branch, or empty when closing is not looked for.
     out_* : one row a point; out_h[k] is the step that led to row k.
     info : [rows beyond row 0, next h, evaluations, log-determinant reference, test that dipped, h that failed]
-    Returns the reason; rows 0 .. info[0] are filled. On EVENT, BOUND, LOOP, DIP and CORNER the last row is beyond the event.
+    Returns the reason; rows 0 .. info[0] are filled. On EVENT, BOUND, LOOP, DIP and CORNER the last row is beyond
+    the event.
     """
     n = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]

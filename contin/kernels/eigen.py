@@ -1,4 +1,7 @@
-"""Eigenvalues of a small real matrix: balancing, Hessenberg form, Francis' double-shift QR (EISPACK balanc, elmhes, hqr)."""
+"""Eigenvalues of a small real matrix: balancing, Hessenberg form, Francis' double-shift QR (EISPACK balanc.
+
+Elmhes, hqr).
+"""
 
 import math
 
@@ -10,7 +13,10 @@ EPSILON = 2.220446049250313e-16
 
 @kernel
 def balance(a):
-    """Diagonal similarity by powers of two that makes row and column norms comparable (in place; eigenvalues unchanged)."""
+    """Diagonal similarity by powers of two that makes row and column norms comparable (in place.
+
+    Eigenvalues unchanged).
+    """
     n = a.shape[0]
     for _ in range(20):
         done = True
@@ -100,7 +106,8 @@ def pair_of_block(a, b, c, d, re, im, k):
 def hessenberg_qr(h, re, im, near_re, near_im):
     """Eigenvalues of the upper Hessenberg matrix `h` (destroyed); returns 0, or 1 where the iteration did not converge.
 
-    near_re, near_im : eigenvalues of a nearby matrix, as this function returned them, or NaN. They are the first shifts:
+    near_re, near_im : eigenvalues of a nearby matrix, as this function returned them, or NaN. They are the first
+    shifts:
     along a branch, where matrices change little from point to point, that saves more than half of the iterations.
     """
     n = h.shape[0]

@@ -1,7 +1,9 @@
 """Defining systems of special points, solved by Newton to full precision (minimally augmented, bordered).
 
-A point z = (u, p) on F(z) = 0, J = [F_u F_p] (n, n + 1), is a fold, branch, Hopf, ... point where some matrix B(z) loses
-rank. B is bordered to a regular matrix, [B b; c^* 0] [V; g] = [0; I]; then g(z) = 0 says that B is singular, V spans its
+A point z = (u, p) on F(z) = 0, J = [F_u F_p] (n, n + 1), is a fold, branch, Hopf, ... point where some matrix B(z)
+loses
+rank. B is bordered to a regular matrix, [B b; c^* 0] [V; g] = [0; I]; then g(z) = 0 says that B is singular, V spans
+its
 null space, and with the left solution w the derivative is dg = -w^* (dB) V (Griewank and Reddien 1984; Govaerts 2000).
 Every function here takes a `Local` system in scaled unknowns, so that borders, tolerances and norms have a meaning.
 """
@@ -148,7 +150,8 @@ def critical_pair(
     local: Local, y: Array, shift: Callable[[float], complex], rate: Callable[[float], complex], angle: float,
     corank: int = 1,
 ) -> Solved | None:  # fmt: skip
-    """F = 0 and F_u - shift(w) I of corank k, w unknown: a Hopf point (shift = i w), a Neimark-Sacker point (e^(iw) - 1).
+    """F = 0 and F_u - shift(w) I of corank k, w unknown: a Hopf point (shift = i w), a Neimark-Sacker point (e^(iw)
+    - 1).
 
     n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w.
     """

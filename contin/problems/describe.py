@@ -26,7 +26,10 @@ def jet_at(problem: Any, z: Array, scale: Array | None = None) -> DerivativeJet:
 
 
 def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    """The point with FORMATS' coefficients and its vectors; unchanged where the type has none or they are not defined."""
+    """The point with FORMATS' coefficients and its vectors.
+
+    Unchanged where the type has none or they are not defined.
+    """
     try:
         form = _normal_form(problem, point, scale[:-1])
     except (ZeroDivisionError, np.linalg.LinAlgError):

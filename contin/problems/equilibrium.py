@@ -96,7 +96,10 @@ class EquilibriumProblem:
         return f, matrix
 
     def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
-        """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state, active parameter), real or complex."""
+        """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state.
+
+        Active parameter), real or complex.
+        """
         n, width = self.n, self.n + len(self.base)
         wide = []
         for d in directions:
@@ -116,7 +119,7 @@ class EquilibriumProblem:
 
     def linear_part(self, z: Array) -> Array:
         """The matrix whose eigenvalues decide stability: f_u."""
-        f, matrix = self.linearise(z)
+        _, matrix = self.linearise(z)
         return matrix[:, : self.n] + (np.eye(self.n) if self.is_map else 0.0)
 
     def scaled(self, scale: Array) -> ScaledSystem:
@@ -152,7 +155,8 @@ class EquilibriumProblem:
         re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
         z[0], t[0] = origin.z, origin.tangent
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
+            settings.newton_tolerance,
             length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
         ])  # fmt: skip
         reason = kernel.march(
@@ -254,7 +258,7 @@ class EquilibriumProblem:
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Everything that is born at a labelled point, for the explorer."""
-        return self.switch(point, parameter) if point.type == "BP" else []
+        return self.switch(point, parameter) if point.type in ("BP", "PD") else []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.switch import switch
@@ -265,14 +269,17 @@ class EquilibriumProblem:
         text = self.system.explain(z[:-1], self.full_parameters(z))
         if text:
             return str(text)
-        f, matrix = self.linearise(z)
+        _, matrix = self.linearise(z)
         values = np.linalg.svd(matrix, compute_uv=False)
         if values[-1] < 1e-9 * values[0]:
             return (
-                "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations are "
-                "dependent (a conserved quantity; fix it by an equation or a parameter)."
+                "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations "
+                "are dependent (a conserved quantity; fix it by an equation or a parameter)."
             )
-        return "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are smooth here."
+        return (
+            "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "
+            "smooth here."
+        )
 
 
 _STOPS = (

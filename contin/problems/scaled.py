@@ -1,7 +1,7 @@
 """A problem in scaled unknowns y = z / scale, with its equations scaled alike: F_i / scale_i.
 
-The u-block of its Jacobian is similar to F_u, so eigenvalues are unchanged; norms, borders and tolerances have a meaning
-whatever the units of the states.
+The u-block of its Jacobian is similar to F_u, so eigenvalues are unchanged; norms, borders and tolerances have a
+meaning whatever the units of the states.
 """
 
 from __future__ import annotations

@@ -24,8 +24,8 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Event types that account for every sign change of a test and for the change of the unstable count.
 
     The two are independent: a fold or branch point moves one real eigenvalue through the critical value, a Hopf or
-    Neimark-Sacker point two. A branch point where the parameter turns (a pitchfork seen from its side branch) moves none
-    or one. None means that one simple event does not account for it all.
+    Neimark-Sacker point two. A branch point where the parameter turns (a pitchfork seen from its side branch) moves
+    none or one. None means that one simple event does not account for it all.
     """
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(b.unstable - a.unstable)
@@ -234,16 +234,19 @@ def _merge(found: list[Verified | str], frame: Frame) -> list[Verified | str]:
     merged: list[Verified | str] = []
     also: list[str] = []
     for item in found:
-        if isinstance(item, Verified) and item.type == "HB":
-            if np.linalg.norm((item.z - real.z) / frame.scale) < 1e-6:
-                also.append("ZH")
-                continue
+        near = isinstance(item, Verified) and np.linalg.norm((item.z - real.z) / frame.scale) < 1e-6
+        if near and isinstance(item, Verified) and item.type == "HB":
+            also.append("ZH")
+            continue
         merged.append(item)
     return [_with(m, also=tuple(also)) if m is real else m for m in merged]
 
 
 def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
-    """Unit tangents of the branches through y: the null vector of J, or at a branch point those of the reduced equation."""
+    """Unit tangents of the branches through y: the null vector of J.
+
+    Or at a branch point those of the reduced equation.
+    """
     _, jacobian = local.linearise(y)
     _, singular, right = np.linalg.svd(jacobian)
     size = max(float(singular[0]), 1e-300)

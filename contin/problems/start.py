@@ -38,8 +38,8 @@ class Equilibrium:
 def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     """Newton from u at fixed p, with the step halved while the (scaled) residual does not fall.
 
-    Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the residual
-    history and the nearest point found where Newton does not converge.
+    Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
+    residual history and the nearest point found where Newton does not converge.
     """
     u = np.array(u, dtype=float)
     problem = EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods)

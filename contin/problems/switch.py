@@ -1,4 +1,7 @@
-"""Branch switching at branch points of equilibria and fixed points: directions, curvature and metric of the new branch."""
+"""Branch switching at branch points of equilibria and fixed points: directions.
+
+Curvature and metric of the new branch.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems import defining, special
+from contin.problems.maps_switch import doubled
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 
@@ -19,13 +23,15 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
+    if point.type == "PD" and problem.is_map:
+        return doubled(problem, point, parameter)
     if point.type == "HB":
         from contin.problems.orbit_start import hopf_seeds
 
         return hopf_seeds(problem, point, parameter)
     if point.type != "BP":
         raise InputError(
-            f"{point.branch}.{point.label}: only a branch point has another branch of equilibria; this is {point.type}"
+            f"{point.branch}.{point.label}: only branch points and period doublings of maps have another branch of equilibria; this is {point.type}"
         )
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale
@@ -37,7 +43,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         local, own = problem.scaled(point.scale), np.zeros_like(own)
     seeds = []
     for direction, curvature in crossing_branches(local, y, own, int(point.vectors.get("kernel", 1))):
-        scale, d, k = _renewed_metric(local, point.z, direction, curvature)
+        scale, d, k = renewed_metric(local, point.z, direction, curvature)
         symmetries = reversing_symmetries(problem, point.z, d * scale)
         arms = (1,) if symmetries else (-1, 1)
         seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries))
@@ -84,8 +90,8 @@ def simple_curvature(local: ScaledSystem, y: Array, d: Array) -> Array:
     return np.asarray(particular - known / slope * rest)
 
 
-def _renewed_metric(local: ScaledSystem, z: Array, d: Array, k: Array) -> tuple[Array, Array, Array]:
-    """Metric for the new branch: states that begin to move get the size they reach when the parameter crosses its range."""
+def renewed_metric(local: ScaledSystem, z: Array, d: Array, k: Array) -> tuple[Array, Array, Array]:
+    """Metric of the new branch: states that begin to move get the size they reach over the parameter's range."""
     old = local.scale
     n = local.n
     reach = _reach(float(d[-1]), float(k[-1]))
