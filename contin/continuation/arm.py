@@ -68,7 +68,7 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         origin, before, length = self.origin, None, 0.0
         step = self.settings.first_step
-        while not self.is_over:
+        while not self.is_over():
             limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
             if limit <= 0:
                 self.end = End("steps", f"all {self.settings.steps} steps used at {self._position(origin)}")
@@ -85,7 +85,7 @@ class Arm:
                 assert piece is not None
             self.accepted += len(piece.z)
             yield piece
-            if self.is_over:
+            if self.is_over():
                 return
             if corner is not None:
                 origin, before, length, step = corner[0], None, 0.0, self.settings.first_step
@@ -104,7 +104,6 @@ class Arm:
             elif chunk.stop is Stop.RESCALE:
                 origin, before = self._rescale(origin, before)
 
-    @property
     def is_over(self) -> bool:
         """True once the arm has an end."""
         return self.end is not None

@@ -29,9 +29,17 @@ CORNER_STEP = 1e-7
 class Linearisation(Protocol):
     """The scaled equations at a point with the border row [tangent]: M = [J; t^T]."""
 
-    residual: Array  # (n,) scaled F
-    sign: float  # of det M, 0 where M is singular
-    log_determinant: float
+    @property
+    def residual(self) -> Array:
+        """Scaled F, (n,)."""
+
+    @property
+    def sign(self) -> float:
+        """Of det M, 0 where M is singular."""
+
+    @property
+    def log_determinant(self) -> float:
+        """log |det M|"""
 
     def solve(self, right: Array) -> Array:
         """M x = right, (n + 1,)."""
