@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
-from contin.normalforms.polynomial_roots import Root, sphere_roots
+from contin.normalforms.polynomial_roots import Root, distance, sphere_roots
 from contin.normalforms.reduction import Reduction
 from contin.normalforms.static import StateError, quadratic_error
 
@@ -143,9 +143,8 @@ def _representatives(roots: list[Root], most: int, mirror: Real) -> list[tuple[R
     while loose:
         front, loose = [loose[0]], loose[1:]
         chosen.append((front[0], CONTINUUM))
-        while front:
-            y = front.pop().y
-            near = [min(np.linalg.norm(y - o.y), np.linalg.norm(y - mirror * o.y)) < LINK for o in loose]
+        while front and loose:
+            near = distance(np.array([o.y for o in loose]), front.pop().y, mirror) < LINK
             front += [o for o, linked in zip(loose, near, strict=True) if linked]
             loose = [o for o, linked in zip(loose, near, strict=True) if not linked]
     return isolated + chosen

@@ -1,4 +1,4 @@
-"""Jets from compiled systems and from differences; the entry by type code; words."""
+"""Jets of compiled systems; the entry by type code; words."""
 
 import numpy as np
 import pytest
@@ -6,12 +6,11 @@ import pytest
 from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.point import ORDER, normal_form
-from contin.normalforms.sources import compiled_jet, difference_jet
+from contin.normalforms.sources import compiled_jet
 from contin.normalforms.words import WORDS, describe
 
 from .formulas import taylor_jet
 from .polynomials import hide, rotation_field
-from .test_static import residual
 
 
 class Cubic:
@@ -56,20 +55,6 @@ def test_conjugate_and_repeated_directions_share_their_evaluations():
     value = jet.form(q, q, q, q.conj(), q.conj())
     assert value[0] == pytest.approx(q[0] ** 3 * np.conj(q[0]) ** 2)
     assert len(calls) <= 6
-
-
-@pytest.mark.parametrize("scale", [1.0, 1e4])
-def test_difference_jet_agrees_with_exact_derivatives(scale):
-    jet, _ = hide(rotation_field(1.7j, {1: -0.5 + 0.3j}), [-0.8], np.random.default_rng(1), 3)
-
-    def function(z):
-        return scale * residual(jet, z / scale)
-
-    rough = difference_jet(function, np.zeros(3), 3, scale=scale)
-    np.testing.assert_allclose(rough.A, jet.A, atol=1e-11)
-    exact, approximate = hopf(jet).coefficients, hopf(rough).coefficients
-    assert approximate["omega"] == pytest.approx(exact["omega"], rel=1e-9)
-    assert complex(*approximate["c1"]) * scale**2 == pytest.approx(complex(*exact["c1"]), rel=1e-6)
 
 
 def test_every_type_with_a_normal_form_has_words_and_an_unknown_type_is_named():

@@ -108,3 +108,26 @@ def test_effort_of_a_two_dimensional_kernel():
     jet = PolynomialJet([add(linear[j], scale(cubes[j], -1.0)) for j in range(2)], 1)
     branch_directions(jet, kernel=2)
     assert jet.calls <= 80
+
+
+@pytest.mark.parametrize("cells", [4, 5])
+def test_all_to_all_coupled_cells_have_every_two_block_branch(cells):
+    # u_j' = p (u_j - mean) + u_j^2 - mean of squares - mean: the kernel is sum u = 0, and branches are the
+    # 2^(cells - 1) - 1 splittings of the cells into two synchronous blocks (Golubitsky and Stewart, The Symmetry
+    # Perspective, sec. 2.6)
+    total = cells + 1
+    u = [variable(j, total) for j in range(cells)]
+    p = variable(cells, total)
+    mean = scale(add(*u), 1 / cells)
+    squares_mean = scale(add(*(multiply(x, x, 9) for x in u)), 1 / cells)
+    field = [
+        add(multiply(p, add(x, scale(mean, -1.0)), 9), multiply(x, x, 9), scale(squares_mean, -1.0), scale(mean, -1.0))
+        for x in u
+    ]
+    found = branch_directions(PolynomialJet(field, 1), state_error=1e-12)
+    assert len(found) == 1 + 2 ** (cells - 1) - 1
+    np.testing.assert_allclose(found[0].tangent, np.eye(total)[-1], atol=1e-9)
+    for d in found[1:]:
+        x, dp = d.tangent[:cells], d.tangent[-1]
+        assert len(np.unique(np.round(x, 6))) == 2
+        np.testing.assert_allclose(dp * x + x * x - np.mean(x * x), 0.0, atol=1e-8)  # dp = 0 for equal blocks
