@@ -42,9 +42,15 @@ def equilibrium(
 ) -> Equilibrium:
     """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
 
+    In a model that declares a rotation, a start that the rotation moves leads to a rotating wave (relative equilibrium):
+    it is solved, and continued, in the frame that turns with it (`contin.symbolic.corotating`).
+
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
+    from contin.symbolic.corotating import frame_for
+
     u, p = model.start_point(start, dict(parameters or {}))
+    model = frame_for(model, u, p)
     return converge(compiled(model), u, p, np.asarray(model.periods(), dtype=float))
 
 

@@ -24,6 +24,7 @@ from contin.model.parts import (
     State,
     Symmetry,
 )
+from contin.model.rotation import check_rotation
 from contin.model.scope import Scope
 from contin.model.shape import check_version, plain, validate
 from contin.model.source import CallSource, Path, Problems, Source
@@ -45,8 +46,10 @@ def parts_from_mapping(
     builder = _Builder(entry, problems)
     parts = builder.parts()
     problems.raise_if_any()
-    if check and parts["symmetries"]:
+    if check and (parts["symmetries"] or parts["rotation"]):
         check_symmetries(parts, problems)
+        if parts["rotation"]:
+            check_rotation(parts, problems)
         problems.raise_if_any()
     return parts
 
@@ -132,6 +135,7 @@ class _Builder:
                 for n, v in entry.observables.items()
             },
             "symmetries": tuple(self.symmetry(n) for n in entry.symmetries),
+            "rotation": self.images(entry.rotation, ("rotation",)),
             "starts": tuple(
                 reader.read(n, {**(s.model_extra or {}), "parameters": s.parameters}, ("starts", n))
                 for n, s in entry.starts.items()
@@ -191,16 +195,20 @@ class _Builder:
         )
 
     def symmetry(self, name: str) -> Symmetry:
+        return Symmetry(name, self.images(self.entry.symmetries[name], ("symmetries", name)))
+
+    def images(self, written: Mapping[str, Any], section: Path) -> dict[str, Expression]:
+        """A formula for each of some states."""
         images: dict[str, Expression] = {}
-        for key, value in self.entry.symmetries[name].items():
-            state, path = canonical_name(key), ("symmetries", name, key)
+        for key, value in written.items():
+            state, path = canonical_name(key), (*section, key)
             if state not in self.states:
                 advice = closest(state, self.states) or f"states are {', '.join(self.states)}"
                 reason = "a parameter; a symmetry maps states" if state in self.parameters else f"not a state: {advice}"
                 self.problems.add(path, f"{state} is {reason}", key=True)
                 continue
             images[state] = self.formulas.read(value, path, self.formulas.scope)
-        return Symmetry(name, images)
+        return images
 
     def averaging(self) -> Averaging | None:
         item = self.entry.averaging

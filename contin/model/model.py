@@ -46,6 +46,7 @@ class Model:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     observables: Mapping[str, Expression] = field(default_factory=dict)
     symmetries: tuple[Symmetry, ...] = ()
+    rotation: Mapping[str, Expression] = field(default_factory=dict)
     starts: tuple[Start, ...] = ()
     averaging: Averaging | None = None
     forcing: Forcing | None = None

@@ -182,6 +182,7 @@ class ModelEntry(_Entry):
     equations: dict[str, Formula]
     observables: dict[str, Formula] = {}
     symmetries: dict[str, dict[str, Formula]] = {}
+    rotation: dict[str, Formula] = {}
     starts: dict[str, StartEntry] = {}
     averaging: AveragingEntry | None = None
     forcing: ForcingEntry | None = None

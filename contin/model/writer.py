@@ -71,6 +71,8 @@ def _lines(model: Model) -> Iterator[str]:
         yield "symmetries:"
         for symmetry in model.symmetries:
             yield f"  {_key(symmetry.name)}: {_mapping({k: formula(v) for k, v in symmetry.map.items()})}"
+    if model.rotation:
+        yield f"rotation: {_mapping({k: formula(v) for k, v in model.rotation.items()})}"
     if model.starts:
         yield "starts:"
         for start in model.starts:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from contin.errors import InputError
-from contin.model.expression import add, mul, symbol
+from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
 from contin.model.parts import Symmetry
 from contin.model.source import CallSource, Problems
@@ -94,6 +95,8 @@ def averaged(model: Model, form: str = "polar", time: str = "slow", order: int =
         equations=equations,
         observables={**built.observables, **observables},
         starts=averaged_starts(built, oscillators),
+        definitions=_free(built.definitions, [*model.parameter_names, *built.states, *built.observables]),
+        rotation=built.rotation,
         symmetries=(),
     )
     candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built)]
@@ -120,6 +123,11 @@ def _holds(model: Model, symmetry: Symmetry) -> bool:
         except UserWarning:  # nowhere finite
             return False
     return not problems
+
+
+def _free(definitions: Mapping[str, Expression], taken: Sequence[str]) -> dict[str, Expression]:
+    """Definitions only shorten what is printed; those whose name is taken are left out."""
+    return {name: node for name, node in definitions.items() if name not in taken}
 
 
 def _title(model: Model, form: str) -> str:

@@ -5,12 +5,17 @@ Synchronous states rotate with a common rate: they are relative equilibria of th
 
 from __future__ import annotations
 
-from contin.model.expression import ZERO, Expression, add, call, mul, neg, number, power, sub, symbol
+from dataclasses import replace
+
+from contin.model.expression import ZERO, Expression, add, call, compare, div, if_, mul, neg, number, power, sub, symbol
 from contin.symbolic.amplitudes import SlowSystem
 from contin.symbolic.complex_formulas import Complex, conjugate, plus, times, to_power
 from contin.symbolic.form_polar import polar_names
 from contin.symbolic.forms import AveragedForm, general_parts
 from contin.symbolic.squared_radius import rates_over_radius
+
+
+ROTATION_RATE = "rotation_rate"
 
 
 def cartesian_names(count: int) -> tuple[str, ...]:
@@ -24,6 +29,7 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
     names = cartesian_names(count)
     amplitudes: list[Complex] = [(symbol(names[2 * i]), symbol(names[2 * i + 1])) for i in range(count)]
     squares = [add(power(u, number(2)), power(v, number(2))) for u, v in amplitudes]
+    definitions = {f"R{i + 1}": square for i, square in enumerate(squares)}
     equations: list[Expression] = []
     for i in range(count):
         total: Complex = (ZERO, ZERO)
@@ -34,6 +40,8 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
             total = plus(total, product)
         for j in system.equations[i].radial:
             rate = rates_over_radius(system.rates(i, j), squares[j])
+            suffix = f"{i + 1}" if i == j else f"{i + 1}{j + 1}"
+            definitions |= {name + suffix: part for name, part in zip(("growth", "turn"), rate, strict=True) if part.args}
             total = plus(total, times(rate, amplitudes[j]))
         if system.equations[i].general:
             total = plus(total, general_parts(system, i, amplitudes))
@@ -45,7 +53,17 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
         observables[name] = call("atan2", im, re)
     words = [f"{part} part of the amplitude of oscillator {i + 1}" for i in range(count) for part in ("real", "imaginary")]
     valid = "smooth at zero amplitude; synchronous states rotate at a common rate"
-    return AveragedForm("cartesian", names, tuple(words), tuple(equations), observables, (), valid)
+    form = AveragedForm(
+        "cartesian", names, tuple(words), tuple(equations), observables, (), valid, rotation(count), definitions
+    )
+    return replace(form, observables={**observables, ROTATION_RATE: _rate(equations, amplitudes, squares)})
+
+
+def _rate(equations: list[Expression], amplitudes: list[Complex], squares: list[Expression]) -> Expression:
+    """Mean rate of rotation sum Im(conj A A')/sum |A|^2, 0 at rest."""
+    along = [sub(mul(u, f_v), mul(v, f_u)) for (u, v), f_u, f_v in zip(amplitudes, equations[::2], equations[1::2], strict=True)]
+    total = add(*squares)
+    return if_(compare("==", total, ZERO), ZERO, div(add(*along), total))
 
 
 def _product(start: Complex, a: Complex, m: int, n: int) -> Complex:
@@ -61,7 +79,10 @@ def _product(start: Complex, a: Complex, m: int, n: int) -> Complex:
     return start
 
 
-def rotation(count: int) -> list[Expression]:
+def rotation(count: int) -> dict[str, Expression]:
     """The generator of the circle symmetry: d/dchi of exp(i chi) A at chi = 0."""
     names = cartesian_names(count)
-    return [part for i in range(count) for part in (neg(symbol(names[2 * i + 1])), sub(symbol(names[2 * i]), ZERO))]
+    turned: dict[str, Expression] = {}
+    for u, v in zip(names[::2], names[1::2], strict=True):
+        turned |= {u: neg(symbol(v)), v: symbol(u)}
+    return turned

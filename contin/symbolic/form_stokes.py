@@ -20,7 +20,13 @@ def stokes_form(system: SlowSystem) -> AveragedForm:
     s1, s2, s3 = (symbol(name) for name in STATES)
     total = call("sqrt", add(power(s1, number(2)), power(s2, number(2)), power(s3, number(2))))
     half = number(0.5)
-    squares = (mul(half, add(total, s1)), mul(half, sub(total, s1)))
+    squares = (add(mul(half, total), mul(half, s1)), sub(mul(half, total), mul(half, s1)))
+    definitions = {"S0": total, "R1": squares[0], "R2": squares[1]}
+    for i in range(2):
+        for j in system.equations[i].radial:
+            rate = rates_over_radius(system.rates(i, j), squares[j])
+            suffix = f"{i + 1}" if i == j else f"{i + 1}{j + 1}"
+            definitions |= {n + suffix: part for n, part in zip(("growth", "turn"), rate, strict=True) if part.args}
     product: Complex = (mul(half, s2), mul(half, s3))  # P = A1 conj A2
     own: list[Expression] = []  # (|A_i|^2)'
     cross: Complex = (ZERO, ZERO)  # P'
@@ -31,7 +37,10 @@ def stokes_form(system: SlowSystem) -> AveragedForm:
     equations = (_flat(own[0], neg(own[1])), mul(number(2), cross[0]), mul(number(2), cross[1]))
     words = ("|A1|^2 - |A2|^2", "2 Re(A1 conj A2)", "2 Im(A1 conj A2) = -2 r1 r2 sin(psi)")
     valid = "smooth except at total rest S1 = S2 = S3 = 0; there use the form cartesian"
-    return AveragedForm("stokes", STATES, words, tuple(_flat(e) for e in equations), _observables(s1, s2, s3, total), (), valid)
+    observables = _observables(s1, s2, s3, total)
+    return AveragedForm(
+        "stokes", STATES, words, tuple(_flat(e) for e in equations), observables, (), valid, {}, definitions
+    )
 
 
 def _observables(s1: Expression, s2: Expression, s3: Expression, total: Expression) -> dict[str, Expression]:

@@ -28,6 +28,8 @@ class AveragedForm:
     observables: Mapping[str, Expression] = field(default_factory=dict)
     angles: tuple[str, ...] = ()
     valid: str = ""
+    rotation: Mapping[str, Expression] = field(default_factory=dict)
+    definitions: Mapping[str, Expression] = field(default_factory=dict)
 
 
 def build_form(system: SlowSystem, name: str) -> AveragedForm:

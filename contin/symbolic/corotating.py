@@ -1,0 +1,74 @@
+"""Models with a circle symmetry seen from a frame that rotates with the state: relative equilibria become equilibria.
+
+A model u' = f(u) that commutes with a rotation u' = xi(u) has rotating waves f(u) = rate * xi(u). In the frame
+that turns with the mean rate of the state itself,
+
+    u' = f(u) - rate(u) xi(u),    rate(u) = (<xi, f> + phase(u)) / <xi, xi>,
+
+these are equilibria with the unknown rate already eliminated, and the phase condition phase(u) = 0 makes them isolated.
+The shape of the solution does not depend on the frame: the eigenvalues are those of the rotating wave, with the trivial
+one replaced by a negative one (Beyn and Thuemmler, Freezing solutions of equivariant evolution equations, 2004).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from weakref import WeakKeyDictionary
+
+from contin.errors import InputError
+from contin.model.evaluate import evaluate_all
+from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
+from contin.model.model import Model
+
+_made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
+
+
+def corotating(model: Model) -> Model:
+    """The same model in the frame that turns with the state; states and parameters keep their names.
+
+    Its equilibria are the relative equilibria of `model`, normalised by b = 0, a > 0 for the first pair of states a, b
+    that the rotation turns into each other. Not defined where the rotation moves nothing (total rest).
+
+    Raises
+    ------
+    InputError
+        The model declares no rotation, or none that turns a pair of states.
+    """
+    if model in _made:
+        return _made[model]
+    if not model.rotation:
+        raise InputError(f"model {model.name} declares no rotation; add, for example, rotation: {{u: -v, v: u}}")
+    generator = [model.rotation.get(name, ZERO) for name in model.state_names]
+    rate = rotation_rate(model, model.equations, phase_condition(model))
+    equations = tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
+    _made[model] = result = model.replace(equations=equations, rotation={})
+    return result
+
+
+def rotation_rate(model: Model, equations: Sequence[Expression], phase: Expression = ZERO) -> Expression:
+    """(<xi, f> + phase)/<xi, xi>: the rate at which the state turns."""
+    generator = [model.rotation.get(name, ZERO) for name in model.state_names]
+    along = add(*(mul(xi, f) for xi, f in zip(generator, equations, strict=True) if xi is not ZERO), phase)
+    return div(along, add(*(power(xi, number(2)) for xi in generator if xi is not ZERO)))
+
+
+def phase_condition(model: Model) -> Expression:
+    """c a b for the first pair with xi_a = -c b, xi_b = c a: zero and increasing along the rotation at b = 0."""
+    for a, xi in model.rotation.items():
+        factor, rest = split_coefficient(xi)
+        if rest.op == "symbol" and rest is not symbol(a):
+            b = str(rest.value)
+            if model.rotation.get(b) is mul(number(-factor), symbol(a)):
+                return mul(neg(number(factor)), symbol(a), symbol(b))
+    raise InputError(f"model {model.name}: the rotation turns no pair of states (a: -b, b: a)")
+
+
+def is_moved(model: Model, u: Sequence[float], p: Sequence[float]) -> bool:
+    """True where the rotation moves the point u: rotating waves start there, rest does not."""
+    point = {**dict(zip(model.state_names, u, strict=True)), **dict(zip(model.parameter_names, p, strict=True))}
+    return any(abs(float(v)) > 0 for v in evaluate_all(model.rotation.values(), point))
+
+
+def frame_for(model: Model, u: Sequence[float], p: Sequence[float]) -> Model:
+    """The model in which the state u can be an equilibrium: corotating where a declared rotation moves u."""
+    return corotating(model) if getattr(model, "rotation", None) and is_moved(model, u, p) else model
