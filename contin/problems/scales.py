@@ -14,6 +14,7 @@ from contin.abi import Array
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
 NEGLIGIBLE = 1e-9  # a state this small beside its balanced scale is a zero with rounding errors
 TINY = 1e-14
+ROUNDING = 1e-12
 
 
 def state_scales(u: Array, jacobian: Array, parameter_scale: float, angle_periods: Array) -> Array:
@@ -44,7 +45,7 @@ def state_scales(u: Array, jacobian: Array, parameter_scale: float, angle_period
 def _balanced(scale: Array, coupling: Array) -> Array:
     """Fill unknown (zero) scales so that coupling to and from the others is alike; 1 where there is none."""
     n = scale.size
-    known = scale > 0.0
+    known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     result = np.where(known, scale, 1.0)
     if not known.any():
         return result
