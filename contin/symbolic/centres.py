@@ -74,6 +74,7 @@ def _vanishing_formulas(denominator: Expression, partners: Sequence[Expression])
     yield from (node.args[1] for node in nodes if node.op == "pow" and node.args[1].mask)
     for i, first in enumerate(calls):
         yield from (sub(first.args[0], other.args[0]) for other in calls[i + 1 :] if other.op == first.op)
+    yield from (factor for factor in denominator.args if denominator.op == "mul" and factor.mask)
     yield denominator
     yield from (node for node in nodes if node.op == "symbol")
     yield from (node.args[0] for node in nodes if node.op == "pow" and node.args[0].mask)

@@ -180,7 +180,7 @@ def _dot(a: Sequence[Coefficient], b: Sequence[Coefficient]) -> Coefficient:
     exact: Number = Fraction(0)
     formulas = []
     for x, y in zip(a, b, strict=True):
-        if x == 0 or y == 0:
+        if not x or not y:
             continue
         product = times(x, y)
         if isinstance(product, Expression):
@@ -233,9 +233,11 @@ def _power(a: Series, exponent: Expression) -> Series:
 def _unit_power(u: Sequence[Coefficient], e: Coefficient) -> tuple[Coefficient, ...]:
     """u^e where u[0] = 1, from u y' = e u' y."""
     y: list[Coefficient] = [Fraction(1)]
+    present = [j for j, c in enumerate(u) if j > 0 and c]
     for k in range(1, len(u)):
-        weights = [plus(times(plus(e, Fraction(1)), Fraction(j, k)), Fraction(-1)) for j in range(1, k + 1)]
-        y.append(_dot([times(w, c) for w, c in zip(weights, u[1 : k + 1], strict=True)], y[k - 1 :: -1]))
+        used = [j for j in present if j <= k and y[k - j]]
+        weights = [plus(times(plus(e, Fraction(1)), Fraction(j, k)), Fraction(-1)) for j in used]
+        y.append(_dot([times(w, u[j]) for w, j in zip(weights, used, strict=True)], [y[k - j] for j in used]))
     return tuple(y)
 
 

@@ -266,3 +266,18 @@ def test_system_without_parameters_and_with_constant_equations():
     np.testing.assert_array_equal(f, [0.0, 1 / 3])
     np.testing.assert_array_equal(matrix, np.zeros((2, 2)))
     assert system.explain([1.0, 2.0], []) is None
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-9, -1e-6, 1e-3, 2.6])
+def test_removable_singularities_are_removed_before_differentiation(offset):
+    """(V + 40)/(1 - exp(-(V + 40)/10)) = 10 + u/2 + u^2/120 - u^4/720000 + u^6/302400000 - ..., u = V + 40."""
+    system = compiled({"V": "0.1*(V + 40)/(1 - exp(-(V + 40)/10)) - V"})
+    V, one = -40.0 + offset, np.ones(1)
+    u = V + 40.0
+    value = system.value([V], [])[0] + V
+    assert value == pytest.approx(1 + u / 20 + u**2 / 1200 - u**4 / 7.2e6, abs=1e-7)
+    second = system.derivative([V], [], one, one)[0]
+    third = system.derivative([V], [], one, one, one)[0]
+    assert second == pytest.approx(1 / 600 - u**2 / 6e5 + u**4 / 1.008e9, abs=1e-9)
+    assert third == pytest.approx(-u / 3e5 + u**3 / 2.52e8, abs=2e-9)
+    assert system.n_switches == 0
