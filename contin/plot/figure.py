@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.plot.labels import densify, place
-from contin.plot.series import Panel, Source
+from contin.plot.series import Panel, Source, is_constant
+from contin.plot.smooth import smooth
 from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def figure(
             _draw_curves(ax, panel, colours)
             _angle_ticks(ax, panel, periods or {})
         if title:
-            drawing.suptitle("\n".join(textwrap.wrap(title, 58 * len(panels))), fontsize=11)
+            drawing.suptitle("\n".join(textwrap.wrap(title, 64 * len(panels))), fontsize=10)
         _legend(drawing, panels, colours, images or {})
         drawing.draw_without_rendering()  # the layout decides where the axes are; only then can labels be placed
         for ax, panel in zip(axes, panels, strict=True):
@@ -111,10 +112,12 @@ def colour_of_branches(panels: Sequence[Panel], images: Mapping[str, str]) -> di
 
 
 def _draw_curves(ax: Axes, panel: Panel, colours: Mapping[str, str]) -> None:
+    frame = _extent(panel)
     for curve in panel.curves:
         for piece in curve.pieces:
             style = PLAIN if piece.stable is None else STABLE if piece.stable else UNSTABLE
-            ax.plot(piece.x, piece.y, color=colours[curve.name], solid_capstyle="round", zorder=2.0, **style)
+            drawn = smooth(piece.x, piece.y, frame)
+            ax.plot(*drawn, color=colours[curve.name], solid_capstyle="round", zorder=2.0, **style)
         for x, y, mark in curve.marks:
             look = style_of(mark.type)
             stroke = look.marker in "x12"  # shapes without a face
@@ -131,8 +134,19 @@ def _draw_curves(ax: Axes, panel: Panel, colours: Mapping[str, str]) -> None:
     ax.set_xlabel(panel.x_label)
     ax.set_ylabel(panel.y_label)
     ax.margins(0.04, 0.08)
+    low, high = ax.get_ylim()
+    if is_constant(np.array([low, high])):
+        centre = (low + high) / 2
+        ax.set_ylim(centre - 0.5 * (abs(centre) or 1.0), centre + 0.5 * (abs(centre) or 1.0))
     ax.grid(True, color="0.92", linewidth=0.6, zorder=0)
     ax.set_axisbelow(True)
+
+
+def _extent(panel: Panel) -> tuple[float, float]:
+    """Width and height of all that a panel shows."""
+    pieces = [piece for curve in panel.curves for piece in curve.pieces]
+    xs, ys = np.concatenate([piece.x for piece in pieces]), np.concatenate([piece.y for piece in pieces])
+    return float(np.nanmax(xs) - np.nanmin(xs)) or 1.0, float(np.nanmax(ys) - np.nanmin(ys)) or 1.0
 
 
 def _angle_ticks(ax: Axes, panel: Panel, periods: Mapping[str, float]) -> None:
@@ -173,7 +187,7 @@ def _draw_labels(ax: Axes, panel: Panel) -> None:
             fontsize=7.5,
             ha="center",
             va="center",
-            zorder=4.0,
+            zorder=2.6,  # its halo must not hide markers
             annotation_clip=False,
             path_effects=[withStroke(linewidth=2.0, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": "0.4", "linewidth": 0.5, "shrinkB": 3.0} if far else None,

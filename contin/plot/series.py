@@ -200,11 +200,28 @@ def ordinates(source: Source) -> list[str]:
 
 
 def _default_ordinate(sources: Sequence[Source]) -> str:
-    for source in sources:
-        for name in ordinates(source):
-            if name not in source.parameters and name not in ("stable", "unstable"):
-                return name
-    raise InputError("there is nothing to plot: no branch has a state column")
+    """The first state that varies on some branch."""
+    names = [
+        name
+        for source in sources
+        for name in ordinates(source)
+        if name not in source.parameters and name not in ("stable", "unstable")
+    ]
+    if not names:
+        raise InputError("there is nothing to plot: no branch has a state column")
+    for name in dict.fromkeys(names):
+        strands = [strand for source in sources for strand in _columns(source, name)]
+        if strands and not is_constant(np.concatenate(strands)):
+            return name
+    return names[0]
+
+
+def is_constant(values: Array) -> bool:
+    """True where the values differ by rounding only: a picture must not blow that up."""
+    finite = values[np.isfinite(values)]
+    if not len(finite):
+        return True
+    return float(np.ptp(finite)) <= max(1e-9 * float(np.max(np.abs(finite))), 1e-15)
 
 
 def _columns(source: Source, name: str) -> list[Array]:

@@ -52,7 +52,7 @@ def result_document(
         "contin": FORMAT_VERSION,
         "model": plain(model),
         "branches": [_branch(branch, orbit) for branch in branches],
-        "notes": every_note,
+        "notes": list(dict.fromkeys(every_note)),  # a diagram lists those of its branches too
         "timing": plain(timing),
     }
 

@@ -68,6 +68,15 @@ def test_an_angle_has_ticks_in_multiples_of_pi():
     assert [label.get_text() for label in drawing.axes[0].get_yticklabels()][-1] == "$\\pi$"
 
 
+def test_rounding_noise_of_a_constant_state_is_drawn_flat_and_a_varying_state_is_chosen_first():
+    p = np.linspace(0, 4, 30)
+    noise = 1 + 2e-16 * np.round(3 * np.sin(40 * p))
+    made = branch("b", {"p": p, "x": noise, "y": p**2, "stable": p < 2})
+    assert drawn([made]).axes[0].get_ylabel() == "y"
+    low, high = drawn([made], y="x").axes[0].get_ylim()
+    assert (low, high) == pytest.approx((0.5, 1.5), abs=1e-6)
+
+
 def test_a_hundred_points_and_twenty_branches_can_be_drawn():
     p = np.linspace(0, 1, 100)
     many = [
