@@ -41,7 +41,7 @@ def __dir__() -> list[str]:
 class _Package(_ModuleType):
     """The verbs `continuation` and `diagram` share their names with subpackages: as attributes of `contin` they win.
 
-    Importing a subpackage sets it as an attribute of its parent; `from contin.continuation... import` does not need that.
+    Importing a subpackage sets it as an attribute of its parent; `from contin.diagram.x import` needs no attribute.
     """
 
     def __setattr__(self, name: str, value: Any) -> None:
