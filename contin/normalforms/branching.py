@@ -49,7 +49,7 @@ def branch_point(
     """
     r = reduction or reduce(jet, 1)
     q, p = r.right[:, 0], r.left[:, 0]
-    (b20, b11), (_, a02) = r.T2[0]
+    (b20, b11), (_, a02) = r.T2[0].tolist()
     a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
     errors = {
         "b20": quadratic_error(jet, p, q, q, state_error),

@@ -47,7 +47,7 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     lengths = state_lengths(jet, state_error)
     eye = np.eye(jet.n)
     drift = sum(lengths[i] * abs(np.vdot(p, jet.form(dv, dw, state(jet, eye[i])))) for i in np.flatnonzero(lengths))
-    return TRUST * float(whole) + ROUNDING * form_size(jet, p, v, w) + float(drift)
+    return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift)
 
 
 def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
