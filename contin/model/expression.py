@@ -182,6 +182,10 @@ MINUS_ONE: Final = number(-1)
 PI: Final = _make("pi", ())
 
 
+_NONE: Final = Fraction(0)
+_UNIT: Final = Fraction(1)  # one object, so that "is it 1" is most often answered without arithmetic
+
+
 def as_expression(value: ExpressionLike) -> Expression:
     """Numbers become constant nodes; expressions pass."""
     return value if isinstance(value, Expression) else number(value)
@@ -197,7 +201,7 @@ def numeric_value(node: Expression) -> Number:
 
 def add(*terms: ExpressionLike) -> Expression:
     """Sum; like terms (equal up to a numeric factor) and numbers are collected, nested sums are left as they are."""
-    constant: Number = Fraction(0)
+    constant: Number = _NONE
     collected: dict[Expression, Number] = {}
     for term in terms:
         node = as_expression(term)
@@ -205,9 +209,10 @@ def add(*terms: ExpressionLike) -> Expression:
             constant = constant + numeric_value(node)
             continue
         coefficient, rest = split_coefficient(node)
-        collected[rest] = collected.get(rest, Fraction(0)) + coefficient
-    nodes = [_scaled(c, rest) for rest, c in collected.items() if c != 0]
-    if constant != 0 or not nodes:
+        known = collected.get(rest)
+        collected[rest] = coefficient if known is None else known + coefficient
+    nodes = [_scaled(c, rest) for rest, c in collected.items() if c]
+    if constant or not nodes:
         folded = number(constant)
         first = as_expression(terms[0]) if terms else folded
         nodes = [folded, *nodes] if first.op == "number" else [*nodes, folded]
@@ -219,11 +224,11 @@ def split_coefficient(node: Expression) -> tuple[Number, Expression]:
     if node.op == "mul" and node.args[0].op == "number":
         rest = node.args[1:]
         return numeric_value(node.args[0]), rest[0] if len(rest) == 1 else _make("mul", rest)
-    return Fraction(1), node
+    return _UNIT, node
 
 
 def _scaled(coefficient: Number, rest: Expression) -> Expression:
-    if coefficient == 1:
+    if coefficient is _UNIT or coefficient == 1:
         return rest
     factors = rest.args if rest.op == "mul" else (rest,)
     return _make("mul", (number(coefficient), *factors))
@@ -231,7 +236,7 @@ def _scaled(coefficient: Number, rest: Expression) -> Expression:
 
 def mul(*factors: ExpressionLike) -> Expression:
     """Product; numbers go in front, equal bases with numeric exponents are collected, nested products are flattened."""
-    coefficient: Number = Fraction(1)
+    coefficient: Number = _UNIT
     powers: dict[Expression, Number] = {}
     stack = [as_expression(f) for f in reversed(factors)]
     while stack:
@@ -242,21 +247,23 @@ def mul(*factors: ExpressionLike) -> Expression:
             stack.extend(reversed(node.args))
         elif node.op == "pow" and node.args[1].op == "number":
             base, exponent = node.args[0], numeric_value(node.args[1])
-            powers[base] = powers.get(base, Fraction(0)) + exponent
+            known = powers.get(base)
+            powers[base] = exponent if known is None else known + exponent
         else:
-            powers[node] = powers.get(node, Fraction(0)) + Fraction(1)
+            known = powers.get(node)
+            powers[node] = _UNIT if known is None else known + 1
     if coefficient == 0:
         return ZERO
     nodes: list[Expression] = []
     settled = True
     for base, e in powers.items():
-        if e != 0:
-            node = power(base, number(e)) if e != 1 else base
+        if e:
+            node = base if e is _UNIT or e == 1 else power(base, number(e))
             settled = settled and node.op not in ("number", "mul") and _base(node) is base
             nodes.append(node)
     if not settled:  # a collected power folded, or became a power of something else
         return mul(number(coefficient), *nodes)
-    if coefficient != 1 or not nodes:
+    if (coefficient is not _UNIT and coefficient != 1) or not nodes:
         nodes.insert(0, number(coefficient))
     return nodes[0] if len(nodes) == 1 else _make("mul", tuple(nodes))
 
