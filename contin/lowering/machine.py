@@ -16,6 +16,8 @@ from contin.lowering.llvm_text import INTRINSICS, LIBRARY, UNSPLIT, Routine, dec
 
 HUGE: Final = 25_000  # statements; more are compiled without optimisation
 
+RUNTIME: Final = ("memset", "malloc", "free", "exp2", "ldexp")  # called too, the last two for powers of 2
+
 _lock = threading.Lock()
 _ready = False
 
@@ -40,6 +42,17 @@ def compile_routines(routines: Sequence[Routine]) -> MachineCode:
         engine = _engine(llvm, llvm.parse_assembly(text), _level(routines))
         addresses = {r.name: int(engine.get_function_address(r.name)) for r in routines}
     return MachineCode(engine, addresses, {r.name: len(r.statements) for r in routines})
+
+
+def compile_assembly(text: str, names: Sequence[str]) -> MachineCode:
+    """Machine code of a whole module written as LLVM assembly, fully optimised; `names` are its functions."""
+    import llvmlite.binding as llvm
+
+    with _lock:
+        _prepare(llvm)
+        engine = _engine(llvm, llvm.parse_assembly(text), 2)
+        addresses = {name: int(engine.get_function_address(name)) for name in names}
+    return MachineCode(engine, addresses, {})
 
 
 def _level(routines: Sequence[Routine]) -> int:
@@ -109,12 +122,13 @@ def _prepare(llvm: Any) -> None:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     library: ctypes.CDLL | None = None
-    for name in ("memset", "malloc", "free", "fmod", *INTRINSICS, *LIBRARY):
-        if name in ("abs", "min", "max") or llvm.address_of_symbol(name) is not None:
+    for name in (*RUNTIME, *INTRINSICS, *LIBRARY):
+        if llvm.address_of_symbol(name) is not None:
             continue
         if library is None:
             library = _mathematical_library()
-        llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
+        if hasattr(library, name):
+            llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
     _ready = True
 
 
