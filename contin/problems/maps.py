@@ -1,0 +1,203 @@
+"""Cycles of maps: the k-th iterate of a map as a system of its own, whose fixed points are the cycles of period k."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contin.abi import NO_FUNCTION, Address, Array
+from contin.errors import InputError
+
+PERIOD = "period"  # the column that says how many steps a cycle has
+
+
+@dataclass(frozen=True, eq=False)
+class IteratedSystem:
+    """u -> f(f(...f(u, p)..., p), p), `times` times, with all derivatives by the chain rule; see `iterate`.
+
+    A compiled base gives a Jacobian in machine code. Observables are those of the first point of the cycle, and `period`.
+    """
+
+    base: Any
+    times: int
+
+    kind = "map"
+    is_forced = False
+
+    @property
+    def model(self) -> Any:
+        """The model of the map itself; its symmetries are symmetries of the iterates."""
+        return self.base.model
+
+    @property
+    def n(self) -> int:
+        return int(self.base.n)
+
+    @property
+    def m(self) -> int:
+        return int(self.base.m)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        return tuple(self.base.state_names)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        return tuple(self.base.parameter_names)
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        return (*self.base.observable_names, PERIOD)
+
+    @property
+    def n_switches(self) -> int:
+        return int(self.times * self.base.n_switches)
+
+    @cached_property
+    def _code(self) -> Any:
+        from contin.lowering.iteration import iterated_jacobian
+
+        return iterated_jacobian(self.base.jacobian_address, self.n, self.m, self.times)
+
+    @property
+    def jacobian_address(self) -> Address:
+        """(u, p, F, J), or `NO_FUNCTION` for a user's function."""
+        if self.base.jacobian_address == NO_FUNCTION:
+            return NO_FUNCTION
+        return int(self._code.addresses["iterated"])
+
+    # values ---------------------------------------------------------------------------------------------------------
+
+    def orbit(self, u: ArrayLike, p: ArrayLike) -> Iterator[Array]:
+        """u, f(u), ..., f^(times - 1)(u): the points of the cycle."""
+        x = np.array(u, dtype=float)
+        for _ in range(self.times):
+            yield x
+            x = self.base.value(x, p)
+
+    def value(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """f^times(u, p), (n,)."""
+        x = np.array(u, dtype=float)
+        for _ in range(self.times):
+            x = self.base.value(x, p)
+        return x
+
+    def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """(N, k) at N points."""
+        rows = np.atleast_2d(np.asarray(u, dtype=float))
+        own = np.full((len(rows), 1), float(self.times))
+        if not self.base.observable_names:
+            return own
+        others = np.ascontiguousarray(np.broadcast_to(np.asarray(p, dtype=float), (len(rows), self.m)))
+        return np.hstack([np.atleast_2d(self.base.observables(rows, others)), own])
+
+    def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
+        """Images of N states, (N, n)."""
+        return np.asarray(self.base.symmetry(name, u, p))
+
+    def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Switching functions of the map at every point of the cycle."""
+        if not self.base.n_switches:
+            return np.empty(0)
+        return np.concatenate([self.base.switches(x, p) for x in self.orbit(u, p)])
+
+    def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """Which equation is not finite at which step, or None."""
+        for step, x in enumerate(self.orbit(u, p)):
+            text = self.base.explain(x, p)
+            if text:
+                return f"step {step + 1} of {self.times}: {text}"
+        return None
+
+    # derivatives ----------------------------------------------------------------------------------------------------
+
+    def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+        """f^times (n,) and its derivative in (u, p), (n, n + m)."""
+        x = np.array(u, dtype=float)
+        slope = np.eye(self.n, self.n + self.m)
+        for _ in range(self.times):
+            x, matrix = self.base.jacobian(x, p)
+            slope = _after(matrix, slope)
+        return x, slope
+
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
+        """D^k of the iterate along k directions (n + m,), real or complex.
+
+        With g_j the j-th iterate on (u, p), D^k g_j[V] = sum over partitions of V of D^r f [D g_{j-1}[block], ...]
+        (Faa di Bruno), carried for all subsets of the directions at once.
+        """
+        given = [np.asarray(d) for d in directions]
+        subsets = _subsets(len(given))
+        known: dict[tuple[int, ...], NDArray[Any]] = {
+            s: given[s[0]] if len(s) == 1 else np.zeros(self.n + self.m) for s in subsets
+        }
+        x = np.array(u, dtype=float)
+        for _ in range(self.times):
+            value, matrix = self.base.jacobian(x, p)
+            fresh: dict[tuple[int, ...], NDArray[Any]] = {}
+            for s in subsets:
+                total: NDArray[Any] = matrix @ known[s]
+                for blocks in _partitions(s):
+                    if len(blocks) > 1:
+                        total = total + self.base.derivative(x, p, *(known[b] for b in blocks))
+                parameters = known[s][self.n :]  # they pass through every step
+                fresh[s] = np.concatenate([total, parameters])
+            known, x = fresh, value
+        return known[tuple(range(len(given)))][: self.n]
+
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
+        """The matrix D^2 f^times [v, .], (n, n + m)."""
+        along: NDArray[Any] = np.asarray(v)
+        x = np.array(u, dtype=float)
+        slope = np.eye(self.n, self.n + self.m)
+        second: NDArray[Any] = np.zeros((self.n, self.n + self.m))
+        for _ in range(self.times):
+            value, matrix = self.base.jacobian(x, p)
+            bent = self.base.gradient(x, p, along)
+            second = _after(bent, slope) + matrix[:, : self.n] @ second
+            slope = _after(matrix, slope)
+            along = np.concatenate([matrix @ along, along[self.n :]])
+            x = value
+        return second
+
+
+def iterate(system: Any, times: int) -> Any:
+    """The system of the map's `times`-th iterate (of an iterate: of the map itself, so that nothing nests)."""
+    if system.kind != "map":
+        raise InputError("only a map can be iterated; this is a flow")
+    if isinstance(times, bool) or not isinstance(times, int) or times < 1:
+        raise InputError(f"the period of a cycle is a whole number >= 1; got {times!r}")
+    if isinstance(system, IteratedSystem):
+        return IteratedSystem(system.base, system.times * times)
+    return system if times == 1 else IteratedSystem(system, times)
+
+
+def _after(matrix: NDArray[Any], slope: Array) -> NDArray[Any]:
+    """[f_u f_p] applied to (A, parameters as they are): f_u A + [0 f_p]."""
+    n = len(matrix)
+    result: NDArray[Any] = matrix[:, :n] @ slope
+    result[:, n:] += matrix[:, n:]
+    return result
+
+
+def _subsets(count: int) -> list[tuple[int, ...]]:
+    """Non-empty subsets of 0 .. count - 1, the whole set included."""
+    return [tuple(i for i in range(count) if mask >> i & 1) for mask in range(1, 1 << count)]
+
+
+def _partitions(items: Sequence[int]) -> Iterator[list[tuple[int, ...]]]:
+    """All partitions into blocks, each block in ascending order."""
+    if not items:
+        yield []
+        return
+    first, rest = items[0], items[1:]
+    for mask in range(1 << len(rest)):
+        block = (first, *(r for i, r in enumerate(rest) if mask >> i & 1))
+        others = [r for i, r in enumerate(rest) if not mask >> i & 1]
+        for tail in _partitions(others):
+            yield [block, *tail]

@@ -1,0 +1,35 @@
+"""From a period doubling of a cycle of period k to the cycles of period 2k that are born there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.problems.maps import iterate
+
+
+def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The seed of the doubled cycles at a PD point of `problem`, with `parameter` free.
+
+    Its two halves are the two points of one cycle (each the image of the other under the map), so one arm is followed.
+    Direction and curvature come from the predictor of the flip's normal form.
+    """
+    from contin.normalforms.maps import flip_predictor
+    from contin.problems.describe import jet_at
+    from contin.problems.switch import renewed_metric  # which imports this module
+
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    predictor = flip_predictor(jet_at(problem, point.z))
+    direction = np.append(predictor.q, 0.0)
+    bend = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2)
+    born = replace(problem, system=iterate(problem.system, 2))
+    local = born.scaled(point.scale)
+    d, k = direction / point.scale, bend / point.scale
+    norm = float(np.linalg.norm(d))
+    scale, d, k = renewed_metric(local, point.z, d / norm, k / norm**2)
+    return [Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label))]
