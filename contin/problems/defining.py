@@ -22,7 +22,7 @@ from contin.abi import Array
 NEWTON_BUDGET = 15
 SETTLED = 1e-13  # a correction below this is rounding
 STALLED = 1e-7  # a correction that no longer falls must at least be below this
-PERTURBATION = 1e-10  # of the solution, to sample the rounding errors of the defining system
+PERTURBATION = 1e-12  # of the solution, to sample the rounding errors of the defining system
 SAMPLES = 6
 
 
@@ -55,7 +55,7 @@ System = Callable[[Array], tuple[Array, Array]]
 def newton(system: System, x: Array, position: int) -> Solved | None:
     """Gauss-Newton on G(x) = 0 (as many equations as unknowns, or more that are consistent) until rounding decides.
 
-    The error of x[position] is estimated from the scatter of single Newton steps from solutions perturbed by 1e-10:
+    The error of x[position] is estimated from the scatter of single Newton steps from solutions perturbed by 1e-12:
     that measures how the rounding errors of G, whatever they are, reach the answer.
     """
     before = np.inf

@@ -56,4 +56,6 @@ def _balanced(scale: Array, coupling: Array) -> Array:
             outgoing = float(coupling[others, i] @ (1.0 / result[others]))
             if incoming > 0.0 and outgoing > 0.0:
                 result[i] = np.sqrt(incoming / outgoing)
+            elif incoming > 0.0 and coupling[i, i] > 0.0:  # only driven: as large as the others make it
+                result[i] = incoming / coupling[i, i]
     return result

@@ -17,6 +17,7 @@ TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
+ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
 
 
@@ -112,6 +113,7 @@ def _with(point: Verified, **changes: Any) -> Verified:
 
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
     """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
+    at_point = np.linalg.svd(local.linearise(y)[1], compute_uv=False)
     for side in (-BESIDE, BESIDE):
         beside = y + side * tangent
         for _ in range(4):  # back to the curve by minimum-norm Newton steps, which singular Jacobians do not disturb
@@ -121,7 +123,7 @@ def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: 
             beside = beside - np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
         _, jacobian = local.linearise(beside)
         singular = np.linalg.svd(jacobian, compute_uv=False)
-        if singular[-corank] > 1e-3 * BESIDE * SINGULAR * max(float(singular[0]), 1e-300):
+        if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
             return False
     return True
 
