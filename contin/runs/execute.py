@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
@@ -66,6 +68,11 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
     except (NoSolutionError, NotFiniteError) as error:
         state.skip(f"diagram skipped: {error}")
         return
+    except InputError:
+        raise
+    except Exception as error:  # noqa: BLE001 - as for a run
+        state.skip(f"diagram skipped: {_defect(error)}")
+        return
     for branch in found.branches:
         state.add(branch)
     state.notes.extend(found.notes)
@@ -87,6 +94,15 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
         if run.reference is None:
             raise
         state.skip(f"{run.name} skipped: {error}")  # what the run asks of the point depends on what was found there
+    except Exception as error:  # noqa: BLE001 - a defect of contin must not lose what the other runs found
+        state.skip(f"{run.name} skipped: {_defect(error)}")
+
+
+def _defect(error: Exception) -> str:
+    """An error that contin did not foresee, with the place it came from, fit for a report."""
+    frames = traceback.extract_tb(error.__traceback__)
+    where = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    return f"an error inside contin{where}, please report it: {type(error).__name__}: {error}"
 
 
 def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> Any:

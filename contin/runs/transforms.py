@@ -40,7 +40,7 @@ def apply_passes(model: Model, written: Sequence[str | Mapping[str, Any]], probl
             return model
         try:
             model = function(model, **(options or {}))
-        except (ContinError, TypeError) as error:
+        except ContinError as error:
             problems.add(path, str(error))
             return model
     return model
