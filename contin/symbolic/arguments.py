@@ -22,7 +22,8 @@ from contin.model.expression import (
     symbol_bit,
 )
 from contin.symbolic.centres import LARGEST, LOCAL
-from contin.symbolic.series import NotAnalyticError, expand, reciprocal
+from contin.symbolic.series import expand
+from contin.symbolic.series_arithmetic import NotAnalyticError, reciprocal
 from contin.symbolic.taylor import taylor_near_zero
 
 Powers = dict[Expression, Fraction]

@@ -20,7 +20,7 @@ from contin.model.expression import (
     symbol_bit,
 )
 from contin.symbolic.derivatives import derivative
-from contin.symbolic.series import reciprocal
+from contin.symbolic.series_arithmetic import reciprocal
 
 LOCAL: Final = "@w"  # name of the local variable; it cannot occur in a model
 LARGEST: Final = 400  # nodes of a denominator or quotient that is looked into

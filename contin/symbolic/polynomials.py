@@ -19,7 +19,8 @@ from contin.model.expression import (
     symbol_bit,
 )
 from contin.symbolic.centres import LOCAL
-from contin.symbolic.series import Coefficient, expand, reciprocal
+from contin.symbolic.series import expand
+from contin.symbolic.series_arithmetic import Coefficient, reciprocal
 
 LARGEST_DEGREE: Final = 64
 

@@ -14,7 +14,8 @@ from contin.model.expression import Expression, add, if_, mul, numeric_value, po
 from contin.symbolic.arguments import regular_in_argument
 from contin.symbolic.centres import LARGEST, LOCAL, Centre, centres
 from contin.symbolic.polynomials import polynomial_quotient
-from contin.symbolic.series import NotAnalyticError, expand, is_zero
+from contin.symbolic.series import expand
+from contin.symbolic.series_arithmetic import NotAnalyticError, is_zero
 from contin.symbolic.taylor import taylor_near_zero
 
 

@@ -22,7 +22,9 @@ from contin.model.expression import (
 )
 from contin.symbolic.centres import LOCAL
 from contin.symbolic.polynomials import degree_of
-from contin.symbolic.series import ENTIRE, expand, is_zero, over, quotient_nodes, reciprocal
+from contin.symbolic.series import expand, quotient_nodes
+from contin.symbolic.series_arithmetic import is_zero, over, reciprocal
+from contin.symbolic.series_functions import ENTIRE
 from contin.symbolic.vanishing import vanishes
 
 TERMS: Final = 17  # coefficients of an argument that are looked at

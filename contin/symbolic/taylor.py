@@ -18,7 +18,8 @@ from contin.symbolic.centres import LOCAL
 from contin.symbolic.guards import guard_width, near_zero
 from contin.symbolic.polynomials import LARGEST_DEGREE, polynomial
 from contin.symbolic.scales import Scale, nearest_scales
-from contin.symbolic.series import Coefficient, expand, is_zero
+from contin.symbolic.series import expand
+from contin.symbolic.series_arithmetic import Coefficient, is_zero
 from contin.symbolic.vanishing import SAMPLES, sample_value
 
 ACCURACY: Final = 1e-12  # of the third derivative at the edge of the guard
