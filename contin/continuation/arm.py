@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, isolate, resolve_dip
-from contin.continuation.problem import Adaptive, Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.problem import Adaptive, Chunk, Frame, Planar, Problem, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
@@ -63,6 +63,7 @@ class Arm:
     symmetries: tuple[str, ...] = ()  # that the branch broke at its birth: where it meets its own image, it is complete
     end: End | None = None
     accepted: int = 0
+    march: Callable[..., Chunk] | None = None  # in place of the problem's: a journal
 
     def pieces(self) -> Iterator[Piece]:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
@@ -74,7 +75,7 @@ class Arm:
                 self.end = End("steps", f"all {self.settings.steps} steps used at {self._position(origin)}")
                 return
             frame = Frame(self.scale)
-            chunk = self.problem.march(
+            chunk = (self.march or self.problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
             )
             corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
@@ -116,6 +117,8 @@ class Arm:
         n = len(self.scale) - 1
         grown = self.scale.copy()
         fixed = self.problem.angle_periods > 0
+        if isinstance(self.problem, Planar):
+            fixed = fixed | ~self.problem.growing[:-1]
         grown[:-1] = np.where(fixed, grown[:-1], np.maximum(grown[:-1], np.sqrt(n) * np.abs(origin.z[:-1])))
         ratio = self.scale / grown
         self.scale = grown
@@ -155,7 +158,7 @@ class Arm:
         found: list[Found] = []
         notes: list[str] = []
         last: Sample | None = chunk.sample(rows) if rows else None
-        replaced = False
+        replaced, halt = False, None
         if rows:
             stretch = Stretch(self.problem, chunk.sample(rows - 1), frame, self.settings)
             assert last is not None
@@ -176,7 +179,7 @@ class Arm:
                 elif not self._is_known(item.point):
                     found.append(item)
             found.sort(key=lambda f: f.length)
-            outside = next((f for f in found if not self.bounds[0] <= f.point.z[-1] <= self.bounds[1]), None)
+            outside = next((f for f in found if self._walls_passed(f.point.z)), None)
             if outside is not None and self.end is None:  # the curve turns back, but beyond the bound
                 beyond = replace(outside.sample, z=outside.point.z)
                 last, replaced = self._at_bound(stretch, beyond), True
@@ -186,6 +189,9 @@ class Arm:
                 last = replace(mirror.sample, z=mirror.point.z, unstable=mirror.point.unstable)
                 replaced = True
                 found = [f for f in found if f.length < mirror.length]
+            halt = self._halt(found)
+            if halt is not None:
+                found = [f for f in found if f.length <= halt.length]
             self.known.extend(f.point for f in found)
         z, tangents = chunk.z[1:].copy(), chunk.tangents[1:]
         unstable, eigenvalues = chunk.unstable[1:], chunk.eigenvalues[1:]
@@ -195,10 +201,23 @@ class Arm:
             tangents[-1], unstable[-1], eigenvalues[-1] = last.tangent, last.unstable, last.eigenvalues
         if not corner:
             self._failures(chunk)
+        if halt is not None:  # the labelled point itself is the last row
+            z, tangents, unstable, eigenvalues = z[:-1], tangents[:-1], unstable[:-1], eigenvalues[:-1]
         marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in found]
         marked += self._hits(chunk, z, frame, marked)
         marked.sort(key=lambda r: (r.before, r.length))
         return Piece(z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations)
+
+    def _halt(self, found: list[Found]) -> Found | None:
+        """The first point of a type at which the run is asked to stop (`settings.stop_at`); ends the arm."""
+        if self.end is not None:
+            return None
+        for f in found:
+            if f.point.type in self.settings.stop_at:
+                where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
+                self.end = End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
+                return f
+        return None
 
     def _mirror(self, found: list[Found]) -> Found | None:
         """The branch point at which the branch meets its own mirror image; ends the arm."""
@@ -219,15 +238,34 @@ class Arm:
         return any(
             k.type == point.type
             and k.z.size == point.z.size
-            and np.linalg.norm((k.z - point.z) / self.scale) < SAME_POINT
+            and np.linalg.norm(self._seen((k.z - point.z) / self.scale)) < SAME_POINT
             for k in self.known
         )
 
     def _at_bound(self, stretch: Stretch, beyond: Sample) -> Sample:
         """The point of the curve on the bound that was passed; ends the arm."""
-        value = self.bounds[0] if beyond.z[-1] < self.bounds[0] else self.bounds[1]
-        self.end = End("bound", f"{self.problem.parameters[0]} reached {value:.10g}", {"value": value})
-        return at_value(stretch, stretch.base, beyond, value)
+        reached = []
+        for index, value, name in self._walls_passed(beyond.z):
+            sample = at_value(stretch, stretch.base, beyond, value, index)
+            reached.append((stretch.length_of(sample), sample, value, name))
+        _, sample, value, name = min(reached, key=lambda item: item[0])
+        self.end = End("bound", f"{name} reached {value:.10g}", {"value": value})
+        return sample
+
+    def _walls_passed(self, z: Array) -> list[tuple[int, float, str]]:
+        """(unknown, bound, name) of every bound that z is beyond."""
+        problem = self.problem
+        walls = problem.walls if isinstance(problem, Planar) else [(len(z) - 1, *self.bounds)]
+        names = reversed(problem.parameters[: len(walls)])
+        passed = []
+        for (index, lowest, highest), name in zip(walls, names, strict=True):
+            if not lowest <= z[index] <= highest:
+                passed.append((index, lowest if z[index] < lowest else highest, name))
+        return passed
+
+    def _seen(self, offset: Array) -> Array:
+        """An offset without the unknowns that do not tell points apart."""
+        return np.where(self.problem.identifying, offset, 0.0) if isinstance(self.problem, Planar) else offset
 
     def _closing(self, stretch: Stretch, last: Sample, stop: Stop) -> Sample | None:
         """The start again, where the last step passed it."""
@@ -236,19 +274,24 @@ class Arm:
         start = self.loop
 
         def along(sample: Sample) -> float:
-            return float(start.tangent @ (self._wrapped(sample.z - start.z) / self.scale))
+            return float(start.tangent @ self._seen(self._wrapped(sample.z - start.z) / self.scale))
 
         if not (along(stretch.base) < 0.0 <= along(last)):
             return None
-        if np.linalg.norm(self._wrapped(last.z - start.z) / self.scale) > 4 * stretch.distance(stretch.base, last):
+        if np.linalg.norm(self._seen(self._wrapped(last.z - start.z) / self.scale)) > 4 * stretch.distance(stretch.base, last):
             return None
         _, high = stretch.zero(along, stretch.base, last, 1e-9)
         gap = self._wrapped(high.z - start.z)
-        if np.linalg.norm(gap / self.scale) > CLOSED:
+        if np.linalg.norm(self._seen(gap / self.scale)) > CLOSED:
             return None
         self.end = End("closed", f"closed loop: back at the start, {self._position(start)}")
         winding = (high.z - start.z) - gap
-        return replace(high, z=start.z + winding)
+        closed = start.z + winding
+        return replace(high, z=closed if not isinstance(self.problem, Planar) else self._same_vectors(high.z, closed))
+
+    def _same_vectors(self, z: Array, closed: Array) -> Array:
+        """The start again, with the auxiliary vectors as the curve brought them (their sign may have turned)."""
+        return np.where(self._seen(np.ones(len(z))) > 0.0, closed, z)
 
     def _wrapped(self, difference: Array) -> Array:
         periods = self.problem.angle_periods
@@ -314,15 +357,19 @@ def _renormalised(before: Sample, origin: Sample) -> Sample:
     return replace(before, tests=tests)
 
 
-def at_value(stretch: Stretch, a: Sample, b: Sample, value: float) -> Sample:
-    """The point between a and b where the varying parameter has exactly this value, solved to full precision."""
-    low, high = stretch.zero(lambda s: float(s.z[-1] - value), a, b, 1e-7 * stretch.distance(a, b))
-    near = low if abs(low.z[-1] - value) < abs(high.z[-1] - value) else high
-    solved = stretch.problem.at_parameter(near.z, value, stretch.frame.scale)
+def at_value(stretch: Stretch, a: Sample, b: Sample, value: float, index: int = -1) -> Sample:
+    """The point between a and b where unknown `index` has exactly this value, solved to full precision."""
+    problem, scale = stretch.problem, stretch.frame.scale
+    low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-7 * stretch.distance(a, b))
+    near = low if abs(low.z[index] - value) < abs(high.z[index] - value) else high
+    if isinstance(problem, Planar):
+        solved = problem.at_unknown(index, near.z, value, scale)
+    else:
+        solved = problem.at_parameter(near.z, value, scale)
     if solved is None or np.linalg.norm((solved - near.z) / stretch.frame.scale) > stretch.distance(a, b) + 1e-6:
-        low, high = stretch.zero(lambda s: float(s.z[-1] - value), a, b, 1e-13)
+        low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-13)
         solved = high.z.copy()
-        solved[-1] = value
+        solved[index] = value
     return replace(near, z=solved)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -50,6 +50,20 @@ class SpecialPoint:
     def switch(self, parameter: str | None = None) -> Any:
         """Where the branches that cross here start: hand it to `contin.continuation`."""
         return self.problem.switch(self, parameter or self.problem.parameters[0])
+
+    def locus(self, parameters: Sequence[str] | None = None) -> Any:
+        """Where the curves of such points in two parameters start: hand it to `contin.continuation` with the same two.
+
+        At a point of codimension two: the other curves through it (its own, where there is no other).
+        """
+        return LocusStart(self) if parameters is None else self.problem.loci(self, tuple(parameters))
+
+
+@dataclass(frozen=True, eq=False)
+class LocusStart:
+    """A point whose curve in two parameters is wanted; which two is said when it is continued."""
+
+    point: SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
-from contin.continuation.problem import Frame, Problem, Sample, Verified
+from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
@@ -57,7 +57,9 @@ class Departure:
     here: list[Found]
     known: list[Verified]  # points that are labelled already, shared by both arms
 
-    def arm(self, sense: int, targets: Sequence[Target] = ()) -> tuple[Arm, list[Piece]] | End:
+    def arm(
+        self, sense: int, targets: Sequence[Target] = (), march: Callable[..., Chunk] | None = None
+    ) -> tuple[Arm, list[Piece]] | End:
         """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk.
 
         Or why there is none.
@@ -87,6 +89,12 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         raise InputError(
             f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
         )
+    if isinstance(problem, Planar):
+        for name, (index, lowest, highest) in zip(problem.parameters[1:], problem.walls, strict=False):
+            if not lowest <= seed.z[index] <= highest:
+                raise InputError(
+                    f"the start has {name} = {seed.z[index]:.10g}, outside the range [{lowest:g}, {highest:g}]"
+                )
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
     start, here = _first_sample(seed, scale, settings)
     known = [f.point for f in here]
@@ -153,6 +161,11 @@ def _oriented(sample: Sample, sense: int) -> Sample:
 
 def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
     """An arm that would leave the range at once."""
+    if isinstance(seed.problem, Planar):
+        for name, (index, lowest, highest) in zip(seed.problem.parameters[1:], seed.problem.walls, strict=False):
+            value, rate = start.z[index], sense * start.tangent[index]
+            if (value >= highest and rate > 0) or (value <= lowest and rate < 0):
+                return End("bound", f"{name} starts on its bound {value:.10g}", {"value": float(value)})
     value = start.z[-1]
     rate = sense * start.tangent[-1]
     if (value >= bounds[1] and rate > 0) or (value <= bounds[0] and rate < 0):

@@ -90,6 +90,7 @@ class Verified:
     normal_form: Mapping[str, Any] = field(default_factory=dict)
     vectors: Mapping[str, Any] = field(default_factory=dict)
     also: tuple[str, ...] = ()
+    crowded: bool = False  # other eigenvalues are critical here too: more than this type may happen
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +113,26 @@ class Adaptive(Protocol):
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
         """Called after every chunk: see whether the branch ends, and adapt metric and mesh."""
+
+
+@runtime_checkable
+class Planar(Protocol):
+    """A problem with two varying parameters: the second one, an unknown too, has bounds of its own."""
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        """(index in z, lowest, highest value) of every bounded unknown, the last unknown included."""
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        """(N,) true for the unknowns that say which point this is; auxiliary vectors, with free sign, do not."""
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        """(N,) true for the unknowns whose scale may be outgrown."""
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        """Solve with unknown `index` fixed at `value`, to full precision."""
 
 
 class Problem(Protocol):

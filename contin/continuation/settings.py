@@ -23,6 +23,7 @@ class Settings:
         verified to full precision).
     intervals : number of mesh intervals of an orbit; by default as many as its error needs.
     points : Gauss points an interval (collocation of order 2 points at the mesh points).
+    stop_at : types of labelled points at which an arm ends, e.g. ("BT",).
     """
 
     step: float = 0.01
@@ -33,6 +34,7 @@ class Settings:
     tolerance: float = 1e-9
     intervals: int | None = None
     points: int = 4
+    stop_at: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("step", "min_step", "max_step", "max_angle", "tolerance"):
@@ -70,4 +72,8 @@ class Settings:
         unknown = sorted(set(given) - known)
         if unknown:
             raise InputError(f"settings: unknown {', '.join(unknown)}; known: {', '.join(sorted(known))}")
-        return cls(**given)
+        chosen = dict(given)
+        if "stop_at" in chosen:
+            stops = chosen["stop_at"]
+            chosen["stop_at"] = (stops,) if isinstance(stops, str) else tuple(stops)
+        return cls(**chosen)
