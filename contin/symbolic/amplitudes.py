@@ -15,7 +15,7 @@ from contin.errors import InputError
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
 from contin.symbolic.oscillators import WeakOscillators
 from contin.symbolic.radial import Piece, RadialAverage, Setting, average_over_turn, combined
-from contin.symbolic.resonant import Powers, resonant_part, state_powers
+from contin.symbolic.resonant import Powers, StatePowers, resonant_part, state_powers
 from contin.symbolic.switching_lines import X, Y
 from contin.symbolic.terms import additive_terms
 
@@ -64,8 +64,11 @@ class SlowSystem:
         """
         average = self.equations[i].radial[j]
         scale = neg(power(self.omega, number(-1)))
-        pieces = (Piece(p.high, p.bound, _scaled(p.sin, scale), _scaled(p.cos, scale), p.arcs, p.nodes) for p in average.pieces)
-        return RadialAverage(tuple(pieces), average.presumes)
+        pieces = tuple(
+            Piece(p.high, p.bound, _scaled(p.sin, scale), _scaled(p.cos, scale), p.arcs, p.nodes)
+            for p in average.pieces
+        )
+        return RadialAverage(pieces, average.presumes)
 
 
 def slow_system(oscillators: WeakOscillators) -> SlowSystem:
@@ -73,9 +76,8 @@ def slow_system(oscillators: WeakOscillators) -> SlowSystem:
     model = oscillators.model
     setting = Setting(oscillators.omega, model.default_parameters(), reach_of(oscillators))
     averager = _Averager(oscillators, setting)
-    equations = tuple(
-        averager.equation(i, e, f) for i, (e, f) in enumerate(zip(oscillators.position[0], oscillators.velocity[0], strict=True))
-    )
+    first = zip(oscillators.position[0], oscillators.velocity[0], strict=True)
+    equations = tuple(averager.equation(i, e, f) for i, (e, f) in enumerate(first))
     presumes = dict.fromkeys(p for e in equations for average in e.radial.values() for p in average.presumes)
     return SlowSystem(oscillators, setting, equations, tuple(presumes))
 
@@ -138,7 +140,7 @@ class _Averager:
         return self.known[function]
 
     def add_products(
-        self, products: dict[Powers, Complex], powers: dict[tuple[int, bool], int], coefficient: Expression, is_force: bool
+        self, products: dict[Powers, Complex], powers: StatePowers, coefficient: Expression, is_force: bool
     ) -> None:
         monomials, omegas = resonant_part(powers, self.oscillators.count)
         for key, (a, b) in monomials.items():
@@ -172,4 +174,3 @@ def refuse_names(model_parameters: Iterable[str], made: Iterable[str]) -> None:
                 f"averaging: the averaged model calls a state or an observable {name}, and so is a parameter; "
                 f"rename the parameter {name}"
             )
-

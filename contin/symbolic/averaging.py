@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from contin.errors import InputError
 from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
-from contin.model.parts import Symmetry
-from contin.model.source import CallSource, Problems
-from contin.model.symmetry import check_symmetries
 from contin.symbolic.amplitudes import SlowSystem, refuse_names, slow_system
 from contin.symbolic.carry_over import (
     averaged_observables,
@@ -21,6 +17,7 @@ from contin.symbolic.carry_over import (
     gauge_symmetries,
 )
 from contin.symbolic.forms import AveragedForm, build_form, check_form
+from contin.symbolic.holding import holds
 from contin.symbolic.oscillators import weak_oscillators
 
 TIMES = ("slow", "fast")
@@ -79,7 +76,9 @@ def averaged(model: Model, form: str = "polar", time: str = "slow", order: int =
 
         eps = symbol(oscillators.small)
         corrections = second_order_terms(oscillators, system, built)
-        equations = tuple(add(e, mul(eps, c)) for e, c in zip(equations, corrections, strict=True))
+        equations = tuple(add(e, mul(eps, c)) for e, c in zip(equations, corrections.equations, strict=True))
+        corrected = {n: add(built.observables[n], mul(eps, corrections.observables[n])) for n in built.rates}
+        built = replace(built, equations=equations, observables={**built.observables, **corrected})
     if time == "fast":
         eps = symbol(oscillators.small)
         equations = tuple(mul(eps, e) for e in equations)
@@ -100,29 +99,8 @@ def averaged(model: Model, form: str = "polar", time: str = "slow", order: int =
         symmetries=(),
     )
     candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built)]
-    result = result.replace(symmetries=tuple(s for s in candidates if _holds(result, s)))
+    result = result.replace(symmetries=tuple(s for s in candidates if holds(result, s)))
     return Averaged(result, system, built, order, time, tuple(dropped))
-
-
-def _holds(model: Model, symmetry: Symmetry) -> bool:
-    """Sampled, as for a declared symmetry."""
-    import warnings
-
-    problems = Problems(CallSource("average"))
-    parts: dict[str, Any] = {
-        "states": model.states,
-        "parameters": model.parameters,
-        "equations": model.equations,
-        "kind": "flow",
-        "symmetries": [symmetry],
-    }
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            check_symmetries(parts, problems)
-        except UserWarning:  # nowhere finite
-            return False
-    return not problems
 
 
 def _free(definitions: Mapping[str, Expression], taken: Sequence[str]) -> dict[str, Expression]:
@@ -138,7 +116,8 @@ def _description(
     model: Model, system: SlowSystem, form: AveragedForm, order: int, time: str, dropped: list[str]
 ) -> str:
     small = system.oscillators.small
-    sentences = [f"Averaged to order {order} in {small}, in the {'slow time ' + small + ' t' if time == 'slow' else 'time t'}"]
+    clock = f"slow time {small} t" if time == "slow" else "time t"
+    sentences = [f"Averaged to order {order} in {small}, in the {clock}"]
     if form.valid:
         sentences.append(form.valid[0].upper() + form.valid[1:])
     if system.presumes:
@@ -147,4 +126,3 @@ def _description(
         sentences.append(f"Without {', '.join(dropped)}, which change along an oscillation")
     text = ". ".join(sentences) + "."
     return f"{model.description.rstrip()} {text}" if model.description else text
-

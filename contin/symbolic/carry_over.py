@@ -61,7 +61,7 @@ def amplitudes_of(point: Mapping[str, Expression], oscillators: WeakOscillators)
 def form_values(form: AveragedForm, amplitudes: Sequence[Complex]) -> dict[str, Expression]:
     """The states of a form at given complex amplitudes."""
     if form.name == "cartesian":
-        return {n: part for n, part in zip(form.states, (p for a in amplitudes for p in a), strict=True)}
+        return dict(zip(form.states, (p for a in amplitudes for p in a), strict=True))
     if form.name == "stokes":
         (u1, v1), (u2, v2) = amplitudes
         re, im = times(amplitudes[0], conjugate(amplitudes[1]))
@@ -182,7 +182,8 @@ def _frame(form: AveragedForm, count: int) -> list[Complex] | None:
         return [(r1, ZERO), (mul(r2, call("cos", psi)), mul(r2, call("sin", psi)))]
     radii, phases = polar_names(count)
     angles: list[Expression] = [ZERO, *(symbol(p) for p in phases)]
-    return [(mul(symbol(r), call("cos", a)), mul(symbol(r), call("sin", a))) for r, a in zip(radii, angles, strict=True)]
+    turned = zip((symbol(r) for r in radii), angles, strict=True)
+    return [(mul(r, call("cos", a)), mul(r, call("sin", a))) for r, a in turned]
 
 
 def _is_invariant(formula: Expression, oscillators: WeakOscillators) -> bool:
@@ -201,7 +202,7 @@ def _is_invariant(formula: Expression, oscillators: WeakOscillators) -> bool:
 
 
 def gauge_symmetries(form: AveragedForm) -> list[Symmetry]:
-    """Symmetries that every averaged system of this form has where its formulas are odd: (r, theta) ~ (-r, theta + pi)."""
+    """(r, theta) ~ (-r, theta + pi): symmetries of every averaged system of this form whose formulas are odd."""
     if form.name == "polar":
         radii, phases = polar_names(len(form.states) - len(form.angles))
         if len(radii) == 1:
@@ -215,4 +216,3 @@ def gauge_symmetries(form: AveragedForm) -> list[Symmetry]:
             found.append(Symmetry(f"gauge{j}", {f"r{j}": neg(symbol(f"r{j}")), phase: add(symbol(phase), PI)}))
         return found
     return []
-

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Any
 
 from contin.model.evaluate import evaluate_all
@@ -68,7 +68,7 @@ def regions(
     radii = _critical_radii(lines, circles, omega, values, positive)
     bounds: list[tuple[Sympy | None, float]] = [(None, 0.0), *radii, (None, math.inf)]
     found: list[Region] = []
-    for (low, a), (high, b) in zip(bounds, bounds[1:], strict=False):
+    for (low, a), (high, b) in pairwise(bounds):
         region = Region(low, high, (a, b), ())
         arcs = _arcs(function, lines, omega, region.sample, values, positive)
         if found and _alike(found[-1].arcs, arcs):  # nothing changes at this radius
@@ -224,7 +224,7 @@ def _angle(sympy: Any, line: Line, cos_delta: Sympy, sin_delta: Sympy) -> Sympy:
 
 
 def assumptions(found: Sequence[Region], values: Mapping[str, float]) -> list[str]:
-    """What the order of the critical radii presumes about parameters: '0 < x1 < x2', or nothing where they are numbers."""
+    """What the order of the critical radii presumes about parameters: '0 < x1 < x2'; nothing where they are numbers."""
     from contin.model.printing import to_text
     from contin.symbolic.sympy_bridge import from_sympy
 

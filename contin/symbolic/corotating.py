@@ -19,6 +19,7 @@ from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
 from contin.model.model import Model
+from contin.symbolic.holding import holds
 
 _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
 
@@ -41,7 +42,9 @@ def corotating(model: Model) -> Model:
     generator = [model.rotation.get(name, ZERO) for name in model.state_names]
     rate = rotation_rate(model, model.equations, phase_condition(model))
     equations = tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
-    _made[model] = result = model.replace(equations=equations, rotation={})
+    result = model.replace(equations=equations, rotation={})
+    # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
+    _made[model] = result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
     return result
 
 

@@ -14,7 +14,6 @@ from contin.symbolic.form_polar import polar_names
 from contin.symbolic.forms import AveragedForm, general_parts
 from contin.symbolic.squared_radius import rates_over_radius
 
-
 ROTATION_RATE = "rotation_rate"
 
 
@@ -36,12 +35,12 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
         for powers, coefficient in system.equations[i].products.items():
             product = coefficient
             for a, (m, n) in zip(amplitudes, powers, strict=True):
-                product = _product(product, a, m, n)
+                product = _product(product, a, int(m), int(n))
             total = plus(total, product)
         for j in system.equations[i].radial:
             rate = rates_over_radius(system.rates(i, j), squares[j])
             suffix = f"{i + 1}" if i == j else f"{i + 1}{j + 1}"
-            definitions |= {name + suffix: part for name, part in zip(("growth", "turn"), rate, strict=True) if part.args}
+            definitions |= {n + suffix: part for n, part in zip(("growth", "turn"), rate, strict=True) if part.args}
             total = plus(total, times(rate, amplitudes[j]))
         if system.equations[i].general:
             total = plus(total, general_parts(system, i, amplitudes))
@@ -51,17 +50,26 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
     for j, name in enumerate(phases, start=1):
         re, im = times(amplitudes[j], conjugate(amplitudes[0]))
         observables[name] = call("atan2", im, re)
-    words = [f"{part} part of the amplitude of oscillator {i + 1}" for i in range(count) for part in ("real", "imaginary")]
+    words = [f"{part} part of amplitude {i + 1}" for i in range(count) for part in ("real", "imaginary")]
     valid = "smooth at zero amplitude; synchronous states rotate at a common rate"
     form = AveragedForm(
-        "cartesian", names, tuple(words), tuple(equations), observables, (), valid, rotation(count), definitions
+        "cartesian",
+        names,
+        tuple(words),
+        tuple(equations),
+        observables,
+        valid=valid,
+        rotation=rotation(count),
+        rates=(ROTATION_RATE,),
+        definitions=definitions,
     )
     return replace(form, observables={**observables, ROTATION_RATE: _rate(equations, amplitudes, squares)})
 
 
 def _rate(equations: list[Expression], amplitudes: list[Complex], squares: list[Expression]) -> Expression:
     """Mean rate of rotation sum Im(conj A A')/sum |A|^2, 0 at rest."""
-    along = [sub(mul(u, f_v), mul(v, f_u)) for (u, v), f_u, f_v in zip(amplitudes, equations[::2], equations[1::2], strict=True)]
+    motion = zip(amplitudes, equations[::2], equations[1::2], strict=True)
+    along = [sub(mul(u, f_v), mul(v, f_u)) for (u, v), f_u, f_v in motion]
     total = add(*squares)
     return if_(compare("==", total, ZERO), ZERO, div(add(*along), total))
 

@@ -1,7 +1,6 @@
-"""Polar form: amplitudes r_i and phase differences psi_j = theta_j - theta_1, as in papers; singular at zero amplitude."""
+"""Polar form: amplitudes r_i and phase differences psi_j = theta_j - theta_1, as in papers; singular at r_i = 0."""
 
 from __future__ import annotations
-
 
 from contin.model.expression import ZERO, Expression, add, call, mul, neg, number, power, sub, symbol
 from contin.symbolic.amplitudes import SlowSystem
@@ -36,9 +35,19 @@ def polar_form(system: SlowSystem) -> AveragedForm:
     words += [f"phase of oscillator {j + 1} minus that of oscillator 1" for j in range(1, count)]
     if count == 1:
         valid = "valid for r >= 0"
-        return AveragedForm("polar", radii, tuple(words), tuple(growths), {FREQUENCY_SHIFT: turns[0]}, (), valid)
+        return AveragedForm(
+            "polar",
+            radii,
+            tuple(words),
+            tuple(growths),
+            {FREQUENCY_SHIFT: turns[0]},
+            valid=valid,
+            rates=(FREQUENCY_SHIFT,),
+        )
     other = "stokes or cartesian" if count == 2 else "cartesian"
-    valid = f"valid for {', '.join(radii)} > 0: phases have no meaning at zero amplitude, where the form {other} is smooth"
+    valid = (
+        f"valid for {', '.join(radii)} > 0; phases have no meaning at zero amplitude, where the form {other} is smooth"
+    )
     return AveragedForm("polar", (*radii, *phases), tuple(words), (*growths, *differences), {}, phases, valid)
 
 
@@ -88,7 +97,7 @@ def _rates(system: SlowSystem, i: int, r: list[Expression], psi: list[Expression
 
 def _trig(angle: Expression) -> tuple[Expression, Expression]:
     """cos and sin; of -w by those of w."""
-    if angle.op == "mul" and angle.args[0].is_number and float(angle.args[0].value or 0) < 0:  # type: ignore[arg-type]
+    if angle.op == "mul" and angle.args[0].is_number and float(angle.args[0].value or 0) < 0:
         return call("cos", neg(angle)), neg(call("sin", neg(angle)))
     return call("cos", angle), call("sin", angle)
 

@@ -1,6 +1,6 @@
 """Stokes form of two oscillators: the circle symmetry divided out, smooth away from total rest.
 
-    S1 = |A1|^2 - |A2|^2,  S2 = 2 Re(A1 conj A2),  S3 = 2 Im(A1 conj A2),  S0 = |A1|^2 + |A2|^2 = |(S1, S2, S3)|
+S1 = |A1|^2 - |A2|^2,  S2 = 2 Re(A1 conj A2),  S3 = 2 Im(A1 conj A2),  S0 = |A1|^2 + |A2|^2 = |(S1, S2, S3)|
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def stokes_form(system: SlowSystem) -> AveragedForm:
     valid = "smooth except at total rest S1 = S2 = S3 = 0; there use the form cartesian"
     observables = _observables(s1, s2, s3, total)
     return AveragedForm(
-        "stokes", STATES, words, tuple(_flat(e) for e in equations), observables, (), valid, {}, definitions
+        "stokes", STATES, words, tuple(_flat(e) for e in equations), observables, (), valid, definitions=definitions
     )
 
 
@@ -107,7 +107,7 @@ def _with(powers: Powers, k: int, conjugated: bool) -> Powers:
 def _invariant(powers: Powers, squares: tuple[Expression, Expression], product: Complex) -> Complex:
     """A product of amplitudes with as many conj as plain factors, by |A1|^2, |A2|^2 and P."""
     (m1, n1), (m2, n2) = powers
-    shift = m1 - n1
+    shift = int(m1 - n1)
     size = mul(power(squares[0], number(min(m1, n1))), power(squares[1], number(min(m2, n2))))
     phase = to_power(product if shift >= 0 else conjugate(product), abs(shift))
     return mul(size, phase[0]), mul(size, phase[1])

@@ -29,6 +29,7 @@ class AveragedForm:
     angles: tuple[str, ...] = ()
     valid: str = ""
     rotation: Mapping[str, Expression] = field(default_factory=dict)
+    rates: tuple[str, ...] = ()  # observables that are linear in the equations
     definitions: Mapping[str, Expression] = field(default_factory=dict)
 
 

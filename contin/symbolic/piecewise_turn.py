@@ -121,8 +121,8 @@ def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Inte
             constant, found = c, True
         if not found:
             raise InputError(
-                f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation; "
-                "conditions on several oscillators must be linear in their states"
+                f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation;"
+                " conditions on several oscillators must be linear in their states"
             )
     p, q = turn.harmonic(coefficients)
     size = call("sqrt", add(power(p, number(2)), power(q, number(2))))
@@ -155,4 +155,3 @@ def _on(interval: Interval, formula: Expression, turn: Turn, n: int) -> Complex:
         re.append(mul(factor, value, cos))
         im.append(mul(number(-1), factor, value, sin))
     return add(*re), add(*im)
-

@@ -8,7 +8,7 @@ Sympy = Any
 
 
 def odd_integral(function: Sympy, u: Sympy) -> Any:
-    """Antiderivative of a rational function of u with real logarithms and arc tangents, 0 at u = 0; None if none is found.
+    """Antiderivative of a rational function of u with real logarithms and arc tangents, 0 at u = 0, or None.
 
     Logarithms appear as log(q(u)/q(0)), so that they stay real and exact near u = 0.
     """

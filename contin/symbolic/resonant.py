@@ -6,12 +6,15 @@ times exp(-i omega t) has a mean only where it has one factor z more than factor
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
+from typing import Union
 
 from contin.model.expression import Expression, numeric_value
 
-Powers = tuple[tuple[int, int], ...]  # for each oscillator: the powers of A and of conj A
+Exponent = Union[int, Fraction]  # halves occur in the polar form only: r^d with any integer d
+Powers = tuple[tuple[Exponent, Exponent], ...]  # for each oscillator: the powers of A and of conj A
+StatePowers = Mapping[tuple[int, bool], int]  # (oscillator, is it the velocity) -> exponent
 Monomials = dict[Powers, tuple[Fraction, Fraction]]  # with a complex rational coefficient
 DEGREE_LIMIT = 16
 
@@ -33,7 +36,7 @@ def state_powers(term: Expression, states: Mapping[str, tuple[int, bool]]) -> di
     return found
 
 
-def resonant_part(powers: Mapping[tuple[int, bool], int], count: int) -> tuple[Monomials, int]:
+def resonant_part(powers: StatePowers, count: int) -> tuple[Monomials, int]:
     """The mean of product * exp(-i omega t) as products of amplitudes, without the factor omega^k; and k."""
     product: Monomials = {((0, 0),) * count: (Fraction(1), Fraction(0))}
     half = Fraction(1, 2)
@@ -45,9 +48,7 @@ def resonant_part(powers: Mapping[tuple[int, bool], int], count: int) -> tuple[M
                 omegas += 1
             else:
                 product = _times(product, i, (half, Fraction(0)), (half, Fraction(0)))
-    kept = {
-        p: c for p, c in product.items() if sum(m - n for m, n in p) == 1 and c != (Fraction(0), Fraction(0))
-    }
+    kept = {p: c for p, c in product.items() if sum(m - n for m, n in p) == 1 and c != (Fraction(0), Fraction(0))}
     return kept, omegas
 
 
@@ -62,8 +63,3 @@ def _times(
             old = result.get(key, (Fraction(0), Fraction(0)))
             result[key] = (old[0] + a * c - b * d, old[1] + a * d + b * c)
     return result
-
-
-def degree(powers: Sequence[tuple[int, int]]) -> int:
-    """Number of factors."""
-    return sum(m + n for m, n in powers)

@@ -76,8 +76,5 @@ _OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
     "acos": np.arccos,
     "atan": np.arctan,
     "atan2": np.arctan2,
-    **{
-        name: getattr(np, name)
-        for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()
-    },
+    **{name: getattr(np, name) for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()},
 }

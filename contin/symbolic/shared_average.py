@@ -26,9 +26,7 @@ from contin.symbolic.terms import without_kinks
 Amplitudes = Sequence[Complex]  # u_j + i v_j
 
 
-def shared_average(
-    term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes
-) -> Complex:
+def shared_average(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Complex:
     """Real and imaginary part of <term exp(-i tau)> as formulas in the given amplitudes."""
     term = without_kinks(term, oscillators.mask)
     members = oscillators.members(term)

@@ -61,8 +61,8 @@ def switching_sets(
         found = _zero_set(sub(*comparison.args), omega, values, positive)
         if found is None:
             raise InputError(
-                f"averaging: cannot locate where the condition {_in_words(comparison)} changes sign along an oscillation. "
-                "Conditions may be products of functions linear in the states, of polynomials in one state, and of "
+                f"averaging: cannot locate where the condition {_in_words(comparison)} changes sign along a turn."
+                " Conditions may be products of functions linear in the states, of polynomials in one state, and of "
                 "functions of the amplitude"
             )
         for item in found:

@@ -1,4 +1,4 @@
-"""Sums taken apart: a formula as a list of (coefficient free of the states, term), so that each term is averaged alone."""
+"""Sums taken apart: a formula as a list of (coefficient free of the states, term); each term is averaged alone."""
 
 from __future__ import annotations
 
