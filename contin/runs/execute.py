@@ -33,9 +33,11 @@ class _State:
     branches: dict[str, Branch] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     complete: bool = True
+    stopped: bool = False
 
     def add(self, branch: Branch) -> None:
         self.branches[branch.name] = branch
+        self.stopped |= any(end.reason == "stopped" for end in branch.ends)
         if any(end.reason in ANNOUNCED_FAILURES for end in branch.ends):
             self.complete = False
 
@@ -57,6 +59,9 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
         say(f"diagram in {plan.diagram.parameter}")
         _explore(plan, plan.diagram, engine, state)
     for run in plan.runs:
+        if state.stopped:
+            state.skip(f"{run.name} skipped: stopped by the user")
+            continue
         say(run.name)
         _carry_out(plan, run, engine, state)
     return RunResult(state.branches, state.notes, state.complete, time.perf_counter() - began)

@@ -13,5 +13,6 @@ def sample_orbit(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | Non
     """The orbit at a labelled point: time and every state over one period; None where the point is no orbit."""
     if branch.kind != "orbit":
         return None
-    orbit: Mapping[str, Any] = branch.problem.orbit(point.z)
-    return orbit
+    profile = branch.problem.profile(point.z)
+    states = dict(zip(branch.problem.system.state_names, profile.u.T, strict=True))
+    return {"t": profile.times * profile.period, **states}

@@ -114,6 +114,13 @@ def test_bad_input_at_a_start_is_an_error_not_a_note():
         carried_out(Double({"a": InputError("outside")}), A)
 
 
+def test_stopping_one_run_stops_those_after_it():
+    double = Double(endings={"a": "stopped"})
+    result = carried_out(double, A, {**A, "name": "d"})
+    assert list(result.branches) == ["a"]
+    assert result.notes == ["d skipped: stopped by the user"]
+
+
 @pytest.mark.parametrize(
     ("reason", "complete"),
     [
