@@ -18,6 +18,7 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.function import FunctionProblem
+from contin.problems.maps import iterate
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
@@ -38,9 +39,15 @@ def compiled(model: Any) -> Any:
 
 
 def equilibrium(
-    model: Any, start: str | Mapping[str, Any] | None = None, parameters: Mapping[str, Any] | None = None
+    model: Any,
+    start: str | Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    period: int = 1,
 ) -> Equilibrium:
     """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
+
+    period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
 
     In a model that declares a rotation, a start that the rotation moves leads to a rotating wave (relative equilibrium):
     it is solved, and continued, in the frame that turns with it (`contin.symbolic.corotating`).
@@ -51,7 +58,8 @@ def equilibrium(
 
     u, p = model.start_point(start, dict(parameters or {}))
     model = frame_for(model, u, p)
-    return converge(compiled(model), u, p, np.asarray(model.periods(), dtype=float))
+    system = compiled(model) if period == 1 else iterate(compiled(model), period)
+    return converge(system, u, p, np.asarray(model.periods(), dtype=float))
 
 
 def continuation(
@@ -138,8 +146,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
-        problem = start.problem(parameter)
-        return Seed(problem, np.append(start.u, start.p[problem.active]))
+        return start.seed(parameter)
     raise InputError(f"a continuation starts from an equilibrium or a switched point; got {type(start).__name__}")
 
 

@@ -44,17 +44,6 @@ def compile_routines(routines: Sequence[Routine]) -> MachineCode:
     return MachineCode(engine, addresses, {r.name: len(r.statements) for r in routines})
 
 
-def compile_assembly(text: str, names: Sequence[str]) -> MachineCode:
-    """Machine code of a whole module written as LLVM assembly, fully optimised; `names` are its functions."""
-    import llvmlite.binding as llvm
-
-    with _lock:
-        _prepare(llvm)
-        engine = _engine(llvm, llvm.parse_assembly(text), 2)
-        addresses = {name: int(engine.get_function_address(name)) for name in names}
-    return MachineCode(engine, addresses, {})
-
-
 def _level(routines: Sequence[Routine]) -> int:
     """2 for short bodies; 1 (no middle-end: the tape has no common subexpressions left) for long ones; 0 for huge ones.
 

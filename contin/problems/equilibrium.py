@@ -18,10 +18,10 @@ from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.problems import corners, special
 from contin.problems.function_march import DenseMarch
+from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import state_scales
 
-POLISH_BUDGET = 12
 _NO_TANGENT = np.empty(0)
 
 
@@ -197,27 +197,7 @@ class EquilibriumProblem:
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        z = guess.copy()
-        z[-1] = value
-        n = self.n
-        before = np.inf
-        for _ in range(POLISH_BUDGET):
-            f, matrix = self.linearise(z)
-            d = scale[:-1]
-            try:
-                step = np.linalg.solve(matrix[:, :n] * d / d[:, None], -f / d)
-            except np.linalg.LinAlgError:
-                return None
-            size = float(np.linalg.norm(step))
-            if not np.isfinite(size) or size > 1.0:
-                return None
-            if size >= 0.5 * before and before < 1e-8:
-                return z
-            z[:-1] += d * step
-            if size < 1e-15:
-                return z
-            before = size
-        return z if before < 1e-8 else None
+        return at_parameter(self, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return special.explain(self.is_map, a, b)

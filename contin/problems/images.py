@@ -20,7 +20,8 @@ def images(branch: Branch) -> list[Branch]:
     Symmetries that have the same image there (a group of several) give one branch, named after the first.
     """
     found: list[Branch] = []
-    for name in branch.symmetries:
+    declared = [s.name for s in branch.problem.system.model.symmetries]
+    for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
         if not any(np.allclose(candidate.z, other.z, rtol=1e-9, atol=1e-12) for other in found):
             found.append(candidate)

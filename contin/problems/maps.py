@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contin.abi import NO_FUNCTION, Address, Array
+from contin.abi import NO_FUNCTION, Array
 from contin.errors import InputError
 
 PERIOD = "period"  # the column that says how many steps a cycle has
@@ -20,12 +19,13 @@ PERIOD = "period"  # the column that says how many steps a cycle has
 class IteratedSystem:
     """u -> f(f(...f(u, p)..., p), p), `times` times, with all derivatives by the chain rule; see `iterate`.
 
-    A compiled base gives a Jacobian in machine code. Observables are those of the first point of the cycle, and `period`.
+    Observables are those of the first point of the cycle, and `period`.
     """
 
     base: Any
     times: int
 
+    jacobian_address = NO_FUNCTION
     kind = "map"
     is_forced = False
 
@@ -58,19 +58,6 @@ class IteratedSystem:
     def n_switches(self) -> int:
         return int(self.times * self.base.n_switches)
 
-    @cached_property
-    def _code(self) -> Any:
-        from contin.lowering.iteration import iterated_jacobian
-
-        return iterated_jacobian(self.base.jacobian_address, self.n, self.m, self.times)
-
-    @property
-    def jacobian_address(self) -> Address:
-        """(u, p, F, J), or `NO_FUNCTION` for a user's function."""
-        if self.base.jacobian_address == NO_FUNCTION:
-            return NO_FUNCTION
-        return int(self._code.addresses["iterated"])
-
     # values ---------------------------------------------------------------------------------------------------------
 
     def orbit(self, u: ArrayLike, p: ArrayLike) -> Iterator[Array]:
@@ -97,8 +84,12 @@ class IteratedSystem:
         return np.hstack([np.atleast_2d(self.base.observables(rows, others)), own])
 
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
-        """Images of N states, (N, n)."""
-        return np.asarray(self.base.symmetry(name, u, p))
+        """Images of N states (N, n), or of N cycles (N, k n), point by point."""
+        rows = np.atleast_2d(np.asarray(u, dtype=float))
+        others = np.broadcast_to(np.asarray(p, dtype=float), (len(rows), self.m))
+        points = rows.shape[1] // self.n
+        repeated = np.ascontiguousarray(np.repeat(others, points, axis=0))
+        return np.asarray(self.base.symmetry(name, rows.reshape(-1, self.n), repeated)).reshape(rows.shape)
 
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Switching functions of the map at every point of the cycle."""

@@ -20,6 +20,7 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """
     from contin.normalforms.maps import flip_predictor
     from contin.problems.describe import jet_at
+    from contin.problems.maps_cycle import HALF_PERIOD, lifted
     from contin.problems.switch import renewed_metric  # which imports this module
 
     if parameter != problem.parameters[0]:
@@ -32,4 +33,5 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     d, k = direction / point.scale, bend / point.scale
     norm = float(np.linalg.norm(d))
     scale, d, k = renewed_metric(local, point.z, d / norm, k / norm**2)
-    return [Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label))]
+    seed = Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label))
+    return [lifted(seed, (HALF_PERIOD,))]

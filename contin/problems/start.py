@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.maps import IteratedSystem
+from contin.problems.maps_cycle import CycleProblem
 
 BUDGET = 60
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
@@ -30,8 +33,19 @@ class Equilibrium:
         index = list(self.system.parameter_names).index(parameter)
         return EquilibriumProblem(self.system, self.p, index, self.angle_periods)
 
+    def seed(self, parameter: str) -> Seed:
+        """Where a continuation with this parameter free starts."""
+        problem = self.problem(parameter)
+        z = np.append(self.u, self.p[problem.active])
+        if isinstance(self.system, IteratedSystem):
+            cycle = CycleProblem(problem)
+            return Seed(cycle, cycle.lift(z))
+        return Seed(problem, z)
+
     def __str__(self) -> str:
         states = ", ".join(f"{n} = {v:.10g}" for n, v in zip(self.system.state_names, self.u, strict=True))
+        if isinstance(self.system, IteratedSystem):
+            return f"point {states} of a cycle of period {self.system.times}"
         return f"{'fixed point' if self.system.kind == 'map' else 'equilibrium'} {states}"
 
 

@@ -1,0 +1,261 @@
+"""Cycles of maps as a continuation problem in all their points at once.
+
+Unknowns are (x_1, ..., x_k, p) with f(x_1) = x_2, ..., f(x_k) = x_1. The k-th iterate has the same solutions in far
+fewer unknowns, but it is so strongly curved for long cycles that Newton jumps from one of them to another; here every
+equation is as tame as the map. Special points and normal forms are those of the iterate at x_1, where multipliers are
+of order one, and are carried to the other points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.problems import special
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.function_march import DenseMarch
+from contin.problems.maps import IteratedSystem
+from contin.problems.polish import at_parameter
+
+HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period
+SINGULAR = 1e-9
+SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class CycleProblem:
+    """Cycles of period k of a map; `inner` is the problem of fixed points of its k-th iterate."""
+
+    inner: EquilibriumProblem
+
+    locus = None
+    kind = "fixed-point"
+    is_map = True
+    maximum_chunk = 25
+
+    @property
+    def system(self) -> IteratedSystem:
+        iterated: IteratedSystem = self.inner.system
+        return iterated
+
+    @property
+    def period(self) -> int:
+        return self.system.times
+
+    @property
+    def n(self) -> int:
+        return self.inner.n
+
+    @property
+    def base(self) -> Array:
+        return self.inner.base
+
+    @property
+    def active(self) -> int:
+        return self.inner.active
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return self.inner.parameters
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        return np.tile(self.inner.angle_periods, self.period)
+
+    def with_active(self, name: str, z: Array | None = None) -> CycleProblem:
+        return CycleProblem(self.inner.with_active(name, z))
+
+    def constants(self) -> dict[str, float]:
+        return self.inner.constants()
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.inner.default_range(parameter)
+
+    # between the cycle and its first point ----------------------------------------------------------------------------
+
+    def lift(self, z: Array) -> Array:
+        """All points (x_1, ..., x_k, p) of the cycle through (x_1, p)."""
+        return np.concatenate([*self.system.orbit(z[:-1], self.inner.full_parameters(z)), z[-1:]])
+
+    def first(self, z: Array) -> Array:
+        """(x_1, p)."""
+        return np.append(z[: self.n], z[-1])
+
+    def _inner_frame(self, frame: Frame) -> Frame:
+        scale = self.first(frame.scale)
+        scale[:-1] /= np.sqrt(self.period)
+        return Frame(scale, frame.reference)
+
+    def _inner_sample(self, sample: Sample) -> Sample:
+        return replace(sample, z=self.first(sample.z), tangent=self.first(sample.tangent))
+
+    def _lifted(self, found: Verified | str) -> Verified | str:
+        return replace(found, z=self.lift(found.z)) if isinstance(found, Verified) else found
+
+    # evaluation -------------------------------------------------------------------------------------------------------
+
+    def linearise(self, z: Array) -> tuple[Array, Array]:
+        """F (k n,) = (f(x_k) - x_1, f(x_1) - x_2, ...) and its Jacobian (k n, k n + 1), unscaled."""
+        n, k = self.n, self.period
+        p = self.inner.full_parameters(z)
+        f = np.empty((k, n))
+        jacobian = np.zeros((k, n, k * n + 1))
+        points = z[:-1].reshape(k, n)
+        for j in range(k):
+            value, matrix = self.system.base.jacobian(points[j], p)
+            row = (j + 1) % k
+            f[row] = value - points[row]
+            jacobian[row][:, j * n : (j + 1) * n] = matrix[:, :n]
+            jacobian[row][:, row * n : (row + 1) * n] -= np.eye(n)
+            jacobian[row][:, -1] = matrix[:, n + self.active]
+        return f.ravel(), jacobian.reshape(k * n, k * n + 1)
+
+    def linear_part(self, z: Array) -> Array:
+        """The product of the map's Jacobians around the cycle, whose eigenvalues are the multipliers."""
+        p = self.inner.full_parameters(z)
+        product = np.eye(self.n)
+        for point in z[:-1].reshape(self.period, self.n):
+            product = self.system.base.jacobian(point, p)[1][:, : self.n] @ product
+        return product
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        scale = self.inner.initial_scale(self.first(z), bounds)
+        sizes = scale[:-1] / np.sqrt(self.n)
+        largest = np.abs(z[:-1].reshape(self.period, self.n)).max(axis=0)
+        sizes = np.where(self.inner.angle_periods > 0.0, sizes, np.maximum(sizes, largest))
+        return np.append(np.sqrt(self.n * self.period) * np.tile(sizes, self.period), scale[-1])
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        _, jacobian = self.linearise(z)
+        _, singular, right = np.linalg.svd(jacobian * scale / scale[:-1, None])
+        if singular[-1] > SINGULAR * singular[0]:
+            return [right[-1]]
+        inner = self._inner_frame(Frame(scale)).scale
+        crossing = self.inner.tangents(self.first(z), inner)
+        lifted = [carried(self, self.first(z), t * inner)[0] / scale for t in crossing]
+        return [t / np.linalg.norm(t) for t in lifted]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        march = DenseMarch(self)
+        return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return at_parameter(self, guess, value, scale)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return special.explain(True, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return special.TEST_OF[type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        sides = self._inner_sample(a), self._inner_sample(b)
+        return [self._lifted(item) for item in self.inner.verify_compound(*sides, self._inner_frame(frame))]
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        sides = self._inner_sample(a), self._inner_sample(b)
+        found = self.inner.verify_corner(*sides, self._inner_frame(frame))
+        return None if found is None else self._lifted(found)
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        if HALF_PERIOD in symmetries and self._halves(z, tangent):
+            return True
+        return self.inner.reverses(self.first(z), self.first(tangent), symmetries)
+
+    def _halves(self, z: Array, tangent: Array) -> bool:
+        """True where the second half of the cycle repeats the first and `tangent` drives them apart."""
+        half = self.n * self.period // 2
+        gap = z[:half] - z[half:-1]
+        periods = self.angle_periods[:half]
+        gap[periods > 0] -= (periods * np.round(gap / np.where(periods > 0, periods, 1.0)))[periods > 0]
+        size = float(np.abs(z[:-1]).max(initial=1e-300))
+        speed = float(np.abs(tangent[:-1]).max(initial=1e-300))
+        same = float(np.abs(gap).max()) <= SAME * size
+        return same and float(np.abs(tangent[:half] + tangent[half:-1]).max()) <= 1e-3 * speed
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        return self.inner.columns(np.column_stack([z[:, : self.n], z[:, -1]]))
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        """Everything that is born at a labelled point, for the explorer."""
+        return self.switch(point, parameter) if point.type in ("BP", "PD") else []
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        from contin.problems.switch import switch
+
+        scale = self._inner_frame(Frame(point.scale)).scale
+        first = replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)
+        return [s if isinstance(s.problem, CycleProblem) else lifted(s) for s in switch(self.inner, first, parameter)]
+
+    def describe_failure(self, z: Array) -> str:
+        return self.inner.describe_failure(self.first(z))
+
+
+def carried(problem: CycleProblem, z: Array, *path: Array) -> list[Array]:
+    """Derivatives of all points of a cycle along a path z(s) of its first point and the parameter.
+
+    path = (z',) or (z', z''), each (n + 1,), at z = z(0); returns as many vectors (k n + 1,), by the chain rule
+    x_(j+1)' = Df[z_j'], x_(j+1)'' = D^2f[z_j', z_j''] + Df[z_j''] with z_j = (x_j, p).
+    """
+    base, p, n = problem.system.base, problem.inner.full_parameters(z), problem.n
+    x = z[:-1]
+    current: list[NDArray[Any]] = []
+    for v in path:
+        wide = np.zeros(n + base.m)
+        wide[:n], wide[n + problem.active] = v[:-1], v[-1]
+        current.append(wide)
+    found: list[list[Array]] = [[] for _ in path]
+    for _ in range(problem.period):
+        for store, v in zip(found, current, strict=True):
+            store.append(v[:n].copy())
+        x_next, matrix = base.jacobian(x, p)
+        second = matrix @ current[1] + base.derivative(x, p, current[0], current[0]) if len(path) > 1 else None
+        current[0][:n] = matrix @ current[0]
+        if second is not None:
+            current[1][:n] = second
+        x = x_next
+    return [np.append(np.concatenate(store), v[-1]) for store, v in zip(found, path, strict=True)]
+
+
+def lifted(seed: Seed, symmetries: tuple[str, ...] | None = None) -> Seed:
+    """A seed of the iterate's fixed points as one of cycles."""
+    assert seed.direction is not None
+    assert seed.curvature is not None
+    assert seed.scale is not None
+    inner: Any = seed.problem
+    problem = CycleProblem(inner)
+    raw = carried(problem, seed.z, seed.direction * seed.scale, seed.curvature * seed.scale)
+    sizes = np.sqrt(problem.period) * np.tile(seed.scale[:-1], problem.period)
+    scale = np.append(sizes, seed.scale[-1])
+    d, c = raw[0] / scale, raw[1] / scale
+    norm = float(np.linalg.norm(d))
+    d, c = d / norm, c / norm**2
+    return replace(
+        seed, problem=problem, z=problem.lift(seed.z), direction=d, curvature=c - float(c @ d) * d, scale=scale,
+        symmetries=seed.symmetries if symmetries is None else symmetries,
+    )  # fmt: skip
