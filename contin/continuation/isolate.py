@@ -19,6 +19,7 @@ COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 DIP_BUDGET = 30
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
+ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 DEPTH = 60  # halvings of one step
 
 
@@ -48,7 +49,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found):
-            yield verified
+            yield from _with_companions(stretch, a, b, verified)
         elif verified != "" and depth < DEPTH:  # "" is a change that is no event, such as a neutral saddle
             yield from isolate(stretch, a, low, DEPTH)
             yield from _compound(stretch, low, high, verified)
@@ -87,16 +88,20 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
 
     width = stretch.distance(a, b)
     s_a, s_b = stretch.length_of(a), stretch.length_of(b)
-    slack = 0.02 * abs(s_b - s_a) + 1e-7
     low, high, outcome = a, b, ""
     for accuracy in (NARROW * width, COINCIDENT):
         low, high = stretch.zero(value, low, high, accuracy)
+        if accuracy == COINCIDENT:  # Newton starts as close as it can: what it finds is the event
+            first, last, slack = s_a, s_b, 0.02 * abs(s_b - s_a) + 1e-7
+        else:  # another event may be as near as this one: it must lie in the bracket
+            first, last = stretch.length_of(low), stretch.length_of(high)
+            slack = 0.01 * abs(last - first) + 1e-9
         near = low if abs(value(low)) < abs(value(high)) else high
         verified = problem.verify(type_, near, stretch.frame)
         if isinstance(verified, Verified):
             moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
             length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
-            if moved <= 0.2 * width + 1e-6 and s_a - slack <= length <= s_b + slack:
+            if moved <= 0.2 * width + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
                 return low, high, Found(length, verified, _at_point(stretch, near, a, b, verified))
             outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
         else:
@@ -104,6 +109,19 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             if verified == "":
                 break
     return low, high, outcome
+
+
+def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> Iterator[Found]:
+    """`found`, or everything that coincides with it: crossings in opposite senses leave signs and counts as they were."""
+    if found.point.crowded:
+        z = found.point.z
+        items = stretch.problem.verify_compound(replace(a, z=z), replace(b, z=z), stretch.frame)
+        together = [item for item in items if isinstance(item, Verified)]
+        if any(item.type == found.point.type for item in together):
+            for item in together:
+                yield Found(found.length, item, found.sample)
+            return
+    yield found
 
 
 def _at_point(stretch: Stretch, near: Sample, a: Sample, b: Sample, point: Verified) -> Sample:
@@ -152,6 +170,8 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         s = [stretch.length_of(x) for x in (low, middle, high)]
         f = [size(x) for x in (low, middle, high)]
         if s[2] - s[0] <= 1e-9:
+            if f[1] <= 1e-6 * size(here):
+                yield from _touching(stretch, low, high, test)
             return
         target = _parabola_minimum(s, f)
         left_wider = s[1] - s[0] > s[2] - s[1]
@@ -168,8 +188,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
             yield from isolate(stretch, trial, pair[1])
             return
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
-            text = "a test function touches zero without crossing it: a degenerate point, not labelled"
-            yield Note(_where(stretch, trial, text))
+            yield from _touching(stretch, low, high, test)
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
             return  # an ordinary minimum, resolved
@@ -177,6 +196,19 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
             low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
         else:
             low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
+
+
+def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterator[Found | Note]:
+    """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
+    items = list(stretch.problem.verify_compound(low, high, stretch.frame))
+    scale = stretch.frame.scale[-1]
+    points = [item for item in items if isinstance(item, Verified) and item.error < ACCURATE * scale]
+    for point in points:
+        length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
+        yield Found(length, point, _at_point(stretch, low, low, high, point))
+    if not points and (items or test == 0):
+        text = "a test function touches zero without crossing it: a degenerate point, not labelled"
+        yield Note(_where(stretch, low, text))
 
 
 def _parabola_minimum(s: list[float], f: list[float]) -> float | None:

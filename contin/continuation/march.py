@@ -214,7 +214,8 @@ def _what_happened(
         return Stop.CORNER, 0
     if not bounds[0] <= sample.z[-1] <= bounds[1]:
         return Stop.BOUND, 0
-    if sample.unstable != last.unstable or np.any(sample.tests * last.tests <= 0.0):
+    crossed = (sample.tests * last.tests < 0.0) | ((sample.tests == 0.0) != (last.tests == 0.0))
+    if sample.unstable != last.unstable or np.any(crossed):
         return Stop.EVENT, 0
     if old is not None and h_previous > 0:
         for i in range(len(sample.tests)):

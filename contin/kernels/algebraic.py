@@ -84,9 +84,13 @@ def diagonal_sign(matrix):
 
 @kernel
 def correct(
-    address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block, pivots, step, sizes
-):
+    address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
+    step, sizes,
+):  # fmt: skip
     """Newton on [F(z0 + D y); tangent . y - h] = 0 from the guess y (in place, with z = z0 + D y).
+
+    A last correction is accepted unseen where quadratic convergence puts it below `trust` times the tolerance: 0 for
+    piecewise equations, whose next iterate may see another formula.
 
     On success `matrix` holds LU factors at (nearly) the solution and the permutation's sign is returned (+1 or -1).
     Otherwise 0 (no convergence) or 2 (not finite). sizes[0] is the first correction's length, sizes[1] the iterations.
@@ -123,7 +127,7 @@ def correct(
             return 0
         if iteration > 0:
             ratio = size / before
-            if size < 1e-4 and size * ratio * ratio < 0.01 * tolerance:
+            if size < 1e-4 and size * ratio * ratio < trust * tolerance:
                 return sign  # the next correction, by quadratic convergence, is far below the tolerance
             if ratio > 0.5:
                 return sign if size < STAGNATION and first > size else 0
@@ -158,8 +162,9 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
 
 @kernel
 def probe(
-    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, reference, z, tangent_out, tests, re, im, sizes
-):
+    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re, im,
+    sizes,
+):  # fmt: skip
     """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there.
 
     Returns unstable count, -1 or -2 (not finite).
@@ -176,25 +181,9 @@ def probe(
         z[j] = guess[j]
         y[j] = (guess[j] - z0[j]) / scale[j]
     sign = correct(
-        address,
-        is_map,
-        z0,
-        tangent,
-        h,
-        y,
-        z,
-        p,
-        active,
-        scale,
-        tolerance,
-        f,
-        jacobian,
-        matrix,
-        block,
-        pivots,
-        step,
+        address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots, step,
         sizes,
-    )
+    )  # fmt: skip
     if sign == 0:
         return -1
     if sign == 2:
@@ -227,7 +216,7 @@ def march(
 ):  # fmt: skip
     """Follow the curve from row 0 of out_z (with guide tangent out_t[0], scaled) for up to `limit` accepted points.
 
-    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, reference]
+    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, trust]
         h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown.
     bounds : [lo, hi] of the parameter.  loop_z : start of the branch, or empty when closing is not looked for.
     out_* : one row a point; out_h[k] is the step that led to row k.
@@ -237,7 +226,7 @@ def march(
     """
     n = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
-    h_previous, target_angle = controls[5], controls[6]
+    h_previous, target_angle, trust = controls[5], controls[6], controls[7]
     y = np.empty(n + 1)
     z = np.empty(n + 1)
     tangent = np.empty(n + 1)
@@ -290,8 +279,8 @@ def march(
                 y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
                 z[j] = out_z[k, j] + scale[j] * y[j]
             sign = correct(
-                address, is_map, out_z[k], tangent, h, y, z, p, active, scale, tolerance, f, jacobian, matrix, block,
-                pivots, step, sizes,
+                address, is_map, out_z[k], tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix,
+                block, pivots, step, sizes,
             )  # fmt: skip
             info[2] += sizes[1]
             if sign == 0 or sign == 2:
@@ -352,7 +341,7 @@ def march(
             return BOUND
         changed = unstable != out_unstable[k]
         for i in range(TESTS):
-            changed |= tests[i] * out_tests[k, i] <= 0.0
+            changed |= tests[i] * out_tests[k, i] < 0.0 or (tests[i] == 0.0) != (out_tests[k, i] == 0.0)
         if changed:
             return EVENT
         if h_previous > 0.0:

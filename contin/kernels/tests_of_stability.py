@@ -13,6 +13,7 @@ import math
 from contin.kernels.compile import kernel
 
 STABILITY_NOISE = 1e-13  # an eigenvalue this small beside the largest has no sign
+PAIR_NOISE = 1e-14  # ... nor a sum this small: in a conservative system l and -l are eigenvalues all along a branch
 
 
 @kernel
@@ -33,7 +34,8 @@ def flow_tests(re, im, tests):
             x = re[i] + re[j]
             y = im[i] + im[j]
             scale = math.hypot(re[i], im[i]) + math.hypot(re[j], im[j])
-            value = math.hypot(x, y) / scale if scale > 0.0 else 0.0
+            distance = math.hypot(x, y)
+            value = distance / scale if distance > PAIR_NOISE * largest else 0.0
             size = min(size, value)
             if y == 0.0 and x < 0.0:  # other complex factors come in conjugate pairs
                 sign = -sign

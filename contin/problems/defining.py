@@ -47,6 +47,7 @@ class Solved:
     extra: Array  # further unknowns (the frequency)
     residual: float
     error: float
+    noise: float  # of the residual: what it can be at a true solution
 
 
 System = Callable[[Array], tuple[Array, Array]]
@@ -56,9 +57,10 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     """Gauss-Newton on G(x) = 0 (as many equations as unknowns, or more that are consistent) until rounding decides.
 
     The error of x[position] is estimated from the scatter of single Newton steps from solutions perturbed by 1e-12:
-    that measures how the rounding errors of G, whatever they are, reach the answer.
+    that measures how the rounding errors of G, whatever they are, reach the answer. Where Newton converges linearly (a
+    degenerate solution), what its geometric series still lacks is added.
     """
-    before = np.inf
+    before, lacking = np.inf, 0.0
     matrix = np.empty((0, 0))
     for _ in range(NEWTON_BUDGET):
         g, matrix = system(x)
@@ -69,6 +71,8 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
             return None
         size = float(np.linalg.norm(step))
         if size >= 0.5 * before and size < STALLED:
+            ratio = min(size / before, 0.9)
+            lacking = 2.0 * abs(float(step[position])) * ratio / (1.0 - ratio) if size > 1e3 * SETTLED else 0.0
             break
         if size > 1e3 or (size >= before and before < STALLED):
             return None
@@ -84,13 +88,14 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     if inverse is None:
         return None
     row = inverse[position]
-    estimates = []
+    estimates, noise = [], 1e-14 * float(np.max(np.abs(matrix)))
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
         value, _ = system(x + shift)
         estimates.append(shift[position] - float(row @ value))
+        noise = max(noise, float(np.max(np.abs(value - g - matrix @ shift))))
     scatter = float(np.max(np.abs(estimates)))
-    return Solved(x[: position + 1], x[position + 1 :], float(np.max(np.abs(g))), 2.0 * scatter)
+    return Solved(x[: position + 1], x[position + 1 :], float(np.max(np.abs(g))), 2.0 * scatter + lacking, noise)
 
 
 def _least_squares(matrix: Array, right: Array) -> Array | None:

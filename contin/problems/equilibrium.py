@@ -88,6 +88,11 @@ class EquilibriumProblem:
         )
         return None if found is None else (float(found[0]), float(found[1]))
 
+    @cached_property
+    def _trust(self) -> float:
+        """See `kernels.algebraic.correct`."""
+        return 0.0 if self.system.n_switches else 0.01
+
     # -- evaluation ---------------------------------------------------------------------------------------------------
 
     def linearise(self, z: Array) -> tuple[Array, Array]:
@@ -161,7 +166,7 @@ class EquilibriumProblem:
         controls = np.array([
             step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
             settings.newton_tolerance,
-            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
+            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._trust,
         ])  # fmt: skip
         reason = kernel.march(
             self.system.jacobian_address, self.is_map, self.base.copy(), self.active, frame.scale,
@@ -192,7 +197,7 @@ class EquilibriumProblem:
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
             self.system.jacobian_address, self.is_map, base.z, base.tangent, length, guess, self.base.copy(),
-            self.active, frame.scale, min(settings.tolerance, 1e-9), frame.reference, z, t, tests, re, im, np.zeros(2),
+            self.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im, np.zeros(2),
         )  # fmt: skip
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 

@@ -15,6 +15,8 @@ from contin.problems.scaled import ScaledSystem
 
 TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
+CONSISTENT = 100.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
+COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
@@ -164,16 +166,18 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
     """Turn a solution of a defining system into a point in the user's units."""
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
-    if not solved.residual <= RESIDUAL_LIMIT:
+    if not solved.residual <= min(RESIDUAL_LIMIT, CONSISTENT * solved.noise):
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     z = solved.y * frame.scale
     values = eigenvalues_of(problem, z)
     chosen = critical(values)
     others = np.delete(values, chosen)
-    bound = np.abs(others) > 1.0 if problem.is_map else others.real > 0.0
+    beyond = np.abs(others) - 1.0 if problem.is_map else others.real
+    size = 1.0 if problem.is_map else float(np.max(np.abs(values)))
+    crowded = bool(np.any(np.abs(beyond) < COINCIDENT * size))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     error = solved.error * float(frame.scale[-1]) + rounding
-    return Verified(type_, z, solved.residual, error, values, int(np.sum(bound)))
+    return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
 
 
 def eigenvalues_of(problem: Any, z: Array) -> Any:
@@ -197,8 +201,11 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     _, beside = local.linearise(y + BESIDE * a.tangent)
     if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
         return ["the equations are not finite here"]
-    size = max(float(np.linalg.norm(jacobian, 2)), float(np.linalg.norm(beside, 2)), 1e-300)
-    corank = int(np.sum(np.linalg.svd(jacobian, compute_uv=False) < SINGULAR * size))
+    here, there = (np.linalg.svd(m, compute_uv=False) for m in (jacobian, beside))
+    size = max(float(here[0]), float(there[0]), 1e-300)
+    slopes = there / BESIDE  # a singular value counts that may vanish between a and b
+    width = float(np.linalg.norm((b.z - a.z) / frame.scale))
+    corank = int(np.sum(here < np.maximum(SINGULAR * size, 2.0 * width * slopes)))
     if corank >= 1:
         found.append(_branch_point(problem, local, y, frame, corank, a.tangent))
     elif a.tests[0] * b.tests[0] < 0.0:
