@@ -87,7 +87,7 @@ def correct(
         y = y + step
         first = size if iteration == 1 else first
         ratio = size / before
-        done = size <= tolerance or (size < 1e-4 and size * ratio * ratio < 0.01 * tolerance)
+        done = size <= tolerance or (iteration > 1 and size < 1e-4 and size * ratio * ratio < 0.01 * tolerance)
         if not done and iteration > 1 and ratio > 0.5:
             if not (size < STAGNATION and first > size):
                 return "no contraction"
