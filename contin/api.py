@@ -12,6 +12,7 @@ import numpy as np
 
 from contin.continuation.branch import Branch, End
 from contin.continuation.departure import Seed, depart
+from contin.continuation.journal import Journal
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -49,7 +50,7 @@ def equilibrium(
 
     period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
 
-    In a model that declares a rotation, a start that the rotation moves leads to a rotating wave (relative equilibrium):
+    In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
     it is solved, and continued, in the frame that turns with it (`contin.symbolic.corotating`).
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
@@ -72,16 +73,17 @@ def continuation(
     values: Mapping[str, Sequence[float]] | None = None,
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
+    journal: Journal | None = None,
 ) -> Branch:
     """Follow the branch through `start` while `parameter` varies in `range`, and label its special points.
 
-    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()` (a list of
-    seeds:
-        its first is followed).
+    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()`; of a list of
+        seeds the first is followed.
     range : (lo, hi); default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
     watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
+    journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
     seed = as_seed(start, parameter)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
@@ -91,7 +93,13 @@ def continuation(
         seed = Seed(seed.problem, seed.z, arms=senses[direction])
     bounds = bounds_of(seed.problem, parameter, range)
     return trace(
-        seed, bounds, name=name, settings=Settings.of(settings), targets=targets_of(seed.problem, values), watch=watch
+        seed,
+        bounds,
+        name=name,
+        settings=Settings.of(settings),
+        targets=targets_of(seed.problem, values),
+        watch=watch,
+        journal=journal,
     )
 
 
@@ -185,6 +193,7 @@ def diagram(
     settings: Settings | Mapping[str, Any] | None = None,
     budget: Any = None,
     watch: Watcher | None = None,
+    journal: Journal | None = None,
 ) -> Any:
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
@@ -209,7 +218,7 @@ def diagram(
     problem = seeds[0][1].problem
     bounds = bounds_of(problem, parameter, range)
     explorer = Explorer(
-        parameter, bounds, Settings.of(settings), Budget.of(budget), targets_of(problem, values), orbits, watch
+        parameter, bounds, Settings.of(settings), Budget.of(budget), targets_of(problem, values), orbits, watch, journal
     )
     result = explorer.explore(seeds)
     result.notes[:0] = notes

@@ -63,12 +63,15 @@ def run(
     orbits: Annotated[
         bool, typer.Option("--orbits", help="Add the orbit itself to every labelled point in the JSON.")
     ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Finish a run that was killed, from the file of `outputs: save:`.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Carry out a run file: report on the terminal, pictures and files as its `outputs` say."""
     from contin.cli.run import run_file
 
-    raise typer.Exit(run_file(file, json, sets or [], orbits, quiet, STARTED))
+    raise typer.Exit(run_file(file, json, sets or [], orbits, quiet, STARTED, resume))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
@@ -142,6 +145,34 @@ def new(
     from contin.cli.new import write_templates
 
     raise typer.Exit(write_templates(name))
+
+
+@app.command()
+def derive(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    form: Annotated[str, typer.Option("--form", help="polar, cartesian or stokes.")] = "polar",
+    time: Annotated[str, typer.Option("--time", help="slow (small parameter times t) or fast.")] = "slow",
+    order: Annotated[int, typer.Option("--order", help="1 or 2.")] = 1,
+    latex: Annotated[Path | None, typer.Option("--latex", help="Write a LaTeX document.")] = None,
+    markdown: Annotated[Path | None, typer.Option("--markdown", help="Write Markdown.")] = None,
+    save: Annotated[Path | None, typer.Option("--save", help="Write the averaged model as a model file.")] = None,
+) -> None:
+    """Average a model of weakly nonlinear oscillators and print the derivation, step by step."""
+    from contin.cli.derive import derive_model
+
+    raise typer.Exit(derive_model(model, form, time, order, latex, markdown, save))
+
+
+@app.command()
+def show(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    latex: Annotated[bool, typer.Option("--latex", help="As LaTeX.")] = False,
+    yaml: Annotated[bool, typer.Option("--yaml", help="As a model file.")] = False,
+) -> None:
+    """Print the equations of a model."""
+    from contin.cli.show import show_model
+
+    raise typer.Exit(show_model(model, latex, yaml))
 
 
 @app.command()

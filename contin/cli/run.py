@@ -9,24 +9,28 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
+from contin._version import __version__
 from contin.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from contin.runs.plan import Plan
+    from contin.store.journal import SqliteJournal
 
 DONE, CUT_SHORT = 0, 1
 
 
-def run_file(file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float) -> int:
+def run_file(
+    file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float, resume: bool = False
+) -> int:
     """Carry out a run file; the exit code."""
     from contin.runs.load import load_run_file
     from contin.runs.plan import make_plan
 
     overrides = parse_sets(sets)
     entry, source = load_run_file(file)
-    return carry_out(make_plan(entry, source, file, overrides), json, orbits, quiet, began)
+    return carry_out(make_plan(entry, source, file, overrides), json, orbits, quiet, began, resume)
 
 
 def run_diagram(
@@ -71,13 +75,14 @@ def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
     return overrides
 
 
-def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float) -> int:
+def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float, resume: bool = False) -> int:
     """Compute the plan, report it, and write its outputs; the exit code."""
     to_stdout = json == "-"
     errors = console(sys.stderr, quiet)
     report = errors if to_stdout else console(sys.stdout, quiet)
     writable(json)
-    document, complete = compute(plan, orbits, errors, began)
+    journal = open_journal(plan, resume)
+    document, complete = compute(plan, orbits, errors, began, journal)
     if not quiet:
         from contin.cli.report import print_report
 
@@ -99,7 +104,23 @@ def writable(json: str | None) -> None:
         raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
 
 
-def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[dict[str, Any], bool]:
+def open_journal(plan: Plan, resume: bool) -> SqliteJournal | None:
+    """Where a run that saves its results keeps them while it goes; raises InputError where --resume has no file."""
+    path = plan.outputs.get("save")
+    if path is None:
+        if resume:
+            raise InputError("--resume needs the file that the run was saved to: give `outputs: {save: NAME.contin}`")
+        return None
+    from contin.runs.outputs import make_folder
+    from contin.store.journal import SqliteJournal, fingerprint
+
+    make_folder(path)
+    return SqliteJournal(path, fingerprint(*provenance(plan).values()), resume)
+
+
+def compute(
+    plan: Plan, orbits: bool, errors: Console, began: float, journal: SqliteJournal | None = None
+) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
@@ -108,7 +129,7 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
     from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
-    engine = ContinEngine(status.watch)
+    engine = ContinEngine(status.watch, journal)
     status.say_if_first_use()
     engine.load()
     imported = time.perf_counter()
@@ -119,6 +140,10 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
     with status:
         result = execute(plan, engine, status.say)
     ended = time.perf_counter()
+    notes = [*result.notes]
+    if journal is not None:
+        journal.close()
+        notes += [journal.trouble] if journal.trouble else []
     timing = {
         "import": imported - began,
         "lower": lowered - imported,
@@ -129,7 +154,7 @@ def compute(plan: Plan, orbits: bool, errors: Console, began: float) -> tuple[di
         {**describe_model(plan.model, plan.parameters), **({"title": plan.title} if plan.title else {})},
         result.branches.values(),
         timing=timing,
-        notes=result.notes,
+        notes=notes,
         orbit=sample_orbit if orbits else None,
     )
     return document, result.complete
@@ -156,10 +181,22 @@ def write_outputs(plan: Plan, document: Mapping[str, Any], json: str | None, rep
         elif kind == "save":
             from contin.store import sqlite
 
-            sqlite.save(document, path)
+            sqlite.save(document, path, provenance(plan))
         else:
             json_format.write(document, path)
         report.print(f"wrote {os.path.relpath(path)}")
+
+
+def provenance(plan: Plan) -> dict[str, str]:
+    """What a result file remembers of its run: the model as a file, the runs and settings, the versions."""
+    from importlib.metadata import version
+
+    packages = ("numpy", "scipy", "numba", "llvmlite")
+    return {
+        "model_text": plan.model.text(),
+        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram)),
+        "versions": ", ".join([f"contin {__version__}", *(f"{name} {version(name)}" for name in packages)]),
+    }
 
 
 class Status:
@@ -186,7 +223,9 @@ class Status:
 
     def watch(self, progress: Mapping[str, Any]) -> None:
         """After every chunk of a branch."""
-        self._update(f"{self.run}: {progress['parameter']} = {progress['value']:.6g}, {progress['rows']} points")
+        labels = ", ".join(progress["labels"]) or "none"
+        position = f"{progress['parameter']} = {progress['value']:.6g} ({progress['fraction']:.0%} of its range)"
+        self._update(f"{self.run}: {position}, {progress['rows']} points, labels: {labels}")
 
     def _update(self, text: str) -> None:
         if self.shown is not None:

@@ -13,7 +13,7 @@ from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
-from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Planar, Problem, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
@@ -74,7 +74,7 @@ class Departure:
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
         arm = Arm(
             problem, origin, self.scale.copy(), self.bounds, self.settings, targets, _oriented(self.start, sense),
-            self.known, seed.symmetries,
+            self.known, seed.symmetries, march=march,
         )  # fmt: skip
         return arm, [_single(origin, self.scale)] if seed.born else []
 

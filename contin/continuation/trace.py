@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.arm import Piece
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.departure import Departure, Seed, depart
+from contin.continuation.journal import Journal, journaled
 from contin.continuation.problem import Frame, Problem, Sample, Verified
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
@@ -38,9 +39,11 @@ def trace(
     settings: Settings | None = None,
     targets: Sequence[Target] = (),
     watch: Watcher | None = None,
+    journal: Journal | None = None,
 ) -> Branch:
     """Follow the curve through `seed` in the senses of `seed.arms` and label what is found.
 
+    `journal` keeps every chunk as it is computed, and answers with those of an earlier, killed run.
     Interrupting it (Ctrl-C) ends the branch with reason 'stopped'; everything computed is kept.
     """
     started = time.perf_counter()
@@ -52,7 +55,8 @@ def trace(
         if -1 in records and records[-1].end.reason == "closed":
             records[sense] = _ArmRecord([], records[-1].end, 0)
             break
-        ready = departure.arm(sense, targets)
+        march = None if journal is None else journaled(seed.problem.march, journal, f"{name}:{sense}")
+        ready = departure.arm(sense, targets, march)
         if isinstance(ready, End):
             records[sense] = _ArmRecord([], ready, 0)
             continue

@@ -12,6 +12,7 @@ import numpy as np
 
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
@@ -50,6 +51,7 @@ class Explorer:
     targets: Sequence[Target] = ()
     orbits: bool = True
     watch: Watcher | None = None
+    journal: Journal | None = None
 
     def explore(self, starts: Sequence[tuple[str, Seed]]) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again."""
@@ -96,7 +98,15 @@ class Explorer:
                 diagram.notes.append(f"start {name!r} lies on branch {known.name!r}")
             return None
         try:
-            branch = trace(seed, self.bounds, name=name, settings=self.settings, targets=self.targets, watch=self.watch)
+            branch = trace(
+                seed,
+                self.bounds,
+                name=name,
+                settings=self.settings,
+                targets=self.targets,
+                watch=self.watch,
+                journal=self.journal,
+            )
         except ContinError as error:
             diagram.notes.append(f"{name}: {error}")
             return None
@@ -139,7 +149,15 @@ class Explorer:
         seed = Seed(origin.problem, origin.z[row], direction / np.linalg.norm(direction), None, scale, (1,))
         used = {b.name for b in diagram.branches}
         name = next(f"{branch}+{k}" for k in range(1, 10_000) if f"{branch}+{k}" not in used)
-        piece = trace(seed, limits, name=name, settings=self.settings, targets=self.targets, watch=self.watch)
+        piece = trace(
+            seed,
+            limits,
+            name=name,
+            settings=self.settings,
+            targets=self.targets,
+            watch=self.watch,
+            journal=self.journal,
+        )
         diagram.branches.append(piece)
         queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
         self._work(diagram, queue)

@@ -46,8 +46,9 @@ class Engine(Protocol):
 class ContinEngine:
     """The engine of this package; `watch` is called after every chunk of a branch."""
 
-    def __init__(self, watch: Watcher | None = None) -> None:
+    def __init__(self, watch: Watcher | None = None, journal: Any = None) -> None:
         self.watch = watch
+        self.journal = journal
 
     def load(self) -> None:
         """Import the numerical part; otherwise the first run does."""
@@ -83,6 +84,7 @@ class ContinEngine:
                 values=run.values,
                 settings=run.settings,
                 watch=self.watch,
+                journal=self.journal,
             )
             yield branch
             yield from images(branch)
@@ -98,6 +100,8 @@ class ContinEngine:
             values=diagram.values,
             settings=diagram.settings,
             budget=diagram.budget,
+            watch=self.watch,
+            journal=self.journal,
         )
         return found
 

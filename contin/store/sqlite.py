@@ -22,7 +22,7 @@ from contin.store.atomic import replace_file
 from contin.store.json_format import FORMAT_VERSION, plain
 
 APPLICATION_ID: Final = 0x636F6E74  # "cont", so that `file` and other tools can tell these files apart
-_SCHEMA: Final = """
+SCHEMA: Final = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE branch (position INTEGER PRIMARY KEY, name TEXT NOT NULL, header TEXT NOT NULL);
 CREATE TABLE series (branch INTEGER NOT NULL REFERENCES branch(position), position INTEGER NOT NULL,
@@ -32,15 +32,20 @@ CREATE TABLE series (branch INTEGER NOT NULL REFERENCES branch(position), positi
 _TYPES: Final = {"f": "<f8", "i": "<i8", "b": "?"}
 
 
-def save(document: Mapping[str, Any], path: Path) -> None:
-    """Write a result document; an existing file is replaced whole, or not at all."""
+def save(document: Mapping[str, Any], path: Path, provenance: Mapping[str, str] | None = None) -> None:
+    """Write a result document; an existing file is replaced whole, or not at all.
+
+    `provenance` (the model's text, the run, versions) goes to the table `meta` too, for whoever opens the file later.
+    """
     with tempfile.TemporaryDirectory() as folder:
         temporary = Path(folder) / "results"
         with closing(sqlite3.connect(temporary)) as connection, connection:
-            connection.executescript(_SCHEMA)
+            connection.executescript(SCHEMA)
             connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             connection.execute(f"PRAGMA user_version = {FORMAT_VERSION}")
             _insert(connection, document)
+            for key, value in (provenance or {}).items():
+                connection.execute("INSERT INTO meta VALUES (?, ?)", (key, json.dumps(value)))
         replace_file(path, temporary)
 
 
@@ -87,6 +92,8 @@ def load(path: Path) -> dict[str, Any]:
                 raise FormatVersionError(
                     f"{path}: written in format {version}; this contin reads up to {FORMAT_VERSION}"
                 )
+            if connection.execute("SELECT 1 FROM meta WHERE key = 'unfinished'").fetchone():
+                raise InputError(f"{path}: the run was not finished; finish it with `contin run FILE --resume`")
             return _document(connection)
     except (sqlite3.Error, json.JSONDecodeError, KeyError, ValueError) as error:
         if isinstance(error, InputError):
