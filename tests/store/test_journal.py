@@ -103,7 +103,7 @@ RUN = """
 contin: 1
 model: metronomes/pair
 continuations:
-  - {name: a, start: in-phase, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-5, step: 2.0e-5, steps: 99999}}
+  - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 2.0e-5, step: 2.0e-5, steps: 99999}}
   - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-4, step: 2.0e-4}}
 outputs: {save: out.contin}
 """
