@@ -182,18 +182,30 @@ def _origin(
     if not seed.born and not here:
         return oriented
     bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
-    for size in settings.first_step * 10.0 ** -np.arange(1.0, 5.5, 0.5):
+
+    def beside(size: float) -> Sample | None:
         guess = start.z + scale * (size * oriented.tangent + 0.5 * size**2 * bend)
         found = problem.probe(oriented, size, guess, frame, settings)
         if found is None:
-            continue
+            return None
         offset = (found.z - start.z) / scale
-        if (
-            float(offset @ oriented.tangent) > 0.9 * float(np.linalg.norm(offset))
-            and found.tangent @ oriented.tangent > 0.8
-        ):
-            return found
-    return None
+        ahead = float(offset @ oriented.tangent) > 0.9 * float(np.linalg.norm(offset))
+        return found if ahead and found.tangent @ oriented.tangent > 0.8 else None
+
+    accepted = None
+    for size in settings.first_step * 10.0 ** -np.arange(1.0, 5.5, 0.5):
+        found = beside(size)
+        if found is None:
+            continue
+        if accepted is not None and _alike(accepted, found):
+            return accepted  # nothing happens between the start and this point
+        accepted = found
+    return accepted
+
+
+def _alike(a: Sample, b: Sample) -> bool:
+    """True where the signs of the tests and the unstable count are the same."""
+    return a.unstable == b.unstable and bool(np.all(a.tests * b.tests > 0.0))
 
 
 def _single(sample: Sample, scale: Array) -> Piece:

@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.problems.maps_cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry
 
 SAME = 1e-6  # scaled distance of a point from a curve
@@ -26,7 +27,10 @@ def wrapped(difference: Array, periods: Array) -> Array:
 
 
 def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tuple[Array, Array | None]]:
-    """(z, tangent) and its images under the declared symmetries of the model."""
+    """(z, tangent) and its images under the declared symmetries; cycles of maps from each of their points."""
+    if isinstance(problem, CycleProblem):
+        for shifted in range(1, problem.period):
+            yield problem.shifted(z, shifted), None if tangent is None else problem.shifted(tangent, shifted)
     yield z, tangent
     for symmetry in problem.system.model.symmetries:
         mapped = apply_symmetry(problem, symmetry.name, z)[0]
@@ -81,6 +85,8 @@ def is_known(branches: Iterable[Branch], problem: Any, z: Array, tangent: Array 
     variants = list(copies(problem, z, tangent))
     for branch in branches:
         if branch.image_of is not None or branch.kind != problem.kind or branch.parameters != tuple(problem.parameters):
+            continue
+        if branch.z.shape[1] != z.size:  # cycles of another period
             continue
         for point, direction in variants:
             if lies_on(branch, point, direction, scale):

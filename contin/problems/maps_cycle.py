@@ -30,6 +30,7 @@ from contin.problems.polish import at_parameter
 
 HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period
 SINGULAR = 1e-9
+LONGEST = 64  # period to which the explorer follows a cascade of doublings
 SAME = 1e-6
 
 
@@ -91,6 +92,10 @@ class CycleProblem:
     def first(self, z: Array) -> Array:
         """(x_1, p)."""
         return np.append(z[: self.n], z[-1])
+
+    def shifted(self, z: Array, steps: int) -> Array:
+        """The same cycle (or a tangent of it) from another of its points."""
+        return np.append(np.roll(z[:-1], -steps * self.n), z[-1])
 
     def _inner_frame(self, frame: Frame) -> Frame:
         scale = self.first(frame.scale)
@@ -202,7 +207,9 @@ class CycleProblem:
         return self.inner.columns(np.column_stack([z[:, : self.n], z[:, -1]]))
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Everything that is born at a labelled point, for the explorer."""
+        """Everything that is born at a labelled point, for the explorer; cascades are followed to period 64."""
+        if point.type == "PD" and 2 * self.period > LONGEST:
+            return []
         return self.switch(point, parameter) if point.type in ("BP", "PD") else []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:

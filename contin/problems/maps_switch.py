@@ -33,5 +33,7 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     d, k = direction / point.scale, bend / point.scale
     norm = float(np.linalg.norm(d))
     scale, d, k = renewed_metric(local, point.z, d / norm, k / norm**2)
-    seed = Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label))
+    multipliers = np.asarray(point.eigenvalues) ** 2
+    measured = int(point.values["unstable"]), multipliers
+    seed = Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label), measured=measured)
     return [lifted(seed, (HALF_PERIOD,))]
