@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from itertools import chain
 from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from contin.continuation.branch import Branch, End
+from contin.continuation.branch import Branch, End, LocusStart
 from contin.continuation.departure import Seed, depart
 from contin.continuation.journal import Journal
 from contin.continuation.rows import Rows
@@ -65,7 +66,7 @@ def equilibrium(
 
 def continuation(
     start: Any,
-    parameter: str,
+    parameter: str | Sequence[str],
     range: Range | None = None,
     *,
     name: str = "branch",
@@ -79,19 +80,19 @@ def continuation(
 
     start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()`; of a list of
         seeds the first is followed.
-    range : (lo, hi); default the range that the model gives for the parameter.
+        A curve of special points in two parameters starts from `point.locus()`, with the pair of names for `parameter`.
+    range : (lo, hi), for two parameters {name: (lo, hi)}; default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
     watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
     journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
-    seed = as_seed(start, parameter)
+    seed, bounds = placed(start, parameter, range)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
     if not seed.born:
-        seed = Seed(seed.problem, seed.z, arms=senses[direction])
-    bounds = bounds_of(seed.problem, parameter, range)
+        seed = replace(seed, arms=senses[direction])
     return trace(
         seed,
         bounds,
@@ -138,6 +139,27 @@ def walk(
             yield {"label": labels.get(int(k)), **point, "unstable": int(unstable[k]), "stable": bool(unstable[k] == 0)}
 
 
+def placed(
+    start: Any, parameter: str | Sequence[str], range: Range | None
+) -> tuple[Seed, tuple[float, float]]:
+    """What can start a continuation, as a seed within its bounds: those of the (first) parameter are returned too."""
+    names = (parameter,) if isinstance(parameter, str) else tuple(parameter)
+    if len(names) == 1:
+        seed = as_seed(start, names[0])
+        return seed, bounds_of(seed.problem, names[0], range)
+    if isinstance(start, LocusStart):
+        start = start.point.locus(names)
+    seed = start[0] if isinstance(start, list) and start else start
+    if not isinstance(seed, Seed) or tuple(seed.problem.parameters) != names:
+        raise InputError(
+            f"a curve in {', '.join(names)} starts from a labelled point: pass point.locus(), and the pair as parameter"
+        )
+    if range is not None and not isinstance(range, Mapping):
+        raise InputError(f"two parameters need a range each: {{{names[0]!r}: (lo, hi), {names[1]!r}: (lo, hi)}}")
+    first, second = (bounds_of(seed.problem, name, range) for name in names)
+    return replace(seed, problem=seed.problem.within(first, second)), first
+
+
 def as_seed(start: Any, parameter: str) -> Seed:
     """What can start a continuation, as a seed with `parameter` free."""
     if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
@@ -172,7 +194,7 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
 
 def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
-    known = {problem.parameters[0], *problem.system.state_names, *problem.system.observable_names}
+    known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}
     targets = []
     for column, wanted in (values or {}).items():
         if column not in known:

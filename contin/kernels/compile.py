@@ -114,3 +114,15 @@ def call3(typing_context: Any, address: Any, a: Any, b: Any, c: Any) -> Any:
 def call4(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
     """Call `void f(double*, double*, double*, double*)` at `address`."""
     return types.void(types.intp, a, b, c, d), _pointer_call(4)
+
+
+@intrinsic
+def call5(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, e: Any) -> Any:
+    """Call `void f(double*, ...)` with five pointers at `address`."""
+    return types.void(types.intp, a, b, c, d, e), _pointer_call(5)
+
+
+@intrinsic
+def call6(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any) -> Any:
+    """Call `void f(double*, ...)` with six pointers at `address`."""
+    return types.void(types.intp, a, b, c, d, e, f), _pointer_call(6)

@@ -1,0 +1,427 @@
+"""March along a curve in two parameters: folds, Hopf points or branch points of equilibria of a flow.
+
+The curve solves an extended system (`contin.symbolic.loci`) with unknowns z = (u, vectors, kappa or unfolding, second
+parameter, first parameter); its Jacobian's leading block is f_u, which gives eigenvalues and test functions for nothing.
+
+Test functions of a point (columns of `tests`); 0 and 1 are not events (dp/ds and a constant):
+    folds          2 cusp <psi, B(v,v)>   3 Bogdanov-Takens <psi, v>   4 zero-Hopf: pairs of the other eigenvalues
+    Hopf points    2 kappa                3 zero-Hopf: the others' product   4 Hopf-Hopf: their pairs   5 sign of l1
+    branch points  3 <psi, v>             4 pairs of the other eigenvalues
+"""
+
+import math
+
+import numpy as np
+
+from contin.kernels.algebraic import (
+    BOUND,
+    CORRECTOR,
+    DIP,
+    EVENT,
+    GROWTH,
+    GUARD,
+    GUARD_FLOOR,
+    LIMIT,
+    LOOP,
+    NOT_FINITE,
+    RESCALE,
+    RESCALE_AT,
+    correct,
+    is_dip,
+    linearise,
+)
+from contin.kernels.compile import call5, kernel
+from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.eigen import eigenvalues
+from contin.kernels.lyapunov import lyapunov_sign
+from contin.kernels.tests_of_stability import flow_tests
+
+FOLD, HOPF, BRANCH = range(3)
+TESTS = 6
+
+
+@kernel
+def null_vectors(a, right, left):
+    """Unit null vectors of a nearly singular matrix (destroyed) by elimination with complete pivoting.
+
+    Oriented such that adj(a) = c right left^T with c > 0; returns the product of all pivots but the last, with its sign
+    absorbed in the orientation (so >= 0).
+    """
+    n = a.shape[0]
+    rows = np.arange(n)
+    columns = np.arange(n)
+    product = 1.0
+    for k in range(n - 1):
+        r = k
+        c = k
+        largest = -1.0
+        for i in range(k, n):
+            for j in range(k, n):
+                if abs(a[i, j]) > largest:
+                    largest = abs(a[i, j])
+                    r = i
+                    c = j
+        if r != k:
+            product = -product
+            rows[k], rows[r] = rows[r], rows[k]
+            for j in range(n):
+                a[k, j], a[r, j] = a[r, j], a[k, j]
+        if c != k:
+            product = -product
+            columns[k], columns[c] = columns[c], columns[k]
+            for i in range(n):
+                a[i, k], a[i, c] = a[i, c], a[i, k]
+        if not largest > 0.0:
+            product = 0.0
+            break
+        product *= a[k, k]
+        for i in range(k + 1, n):
+            a[i, k] /= a[k, k]
+            for j in range(k + 1, n):
+                a[i, j] -= a[i, k] * a[k, j]
+    x = np.zeros(n)
+    y = np.zeros(n)
+    x[n - 1] = 1.0
+    y[n - 1] = 1.0
+    for i in range(n - 2, -1, -1):
+        s = 0.0
+        t = 0.0
+        for j in range(i + 1, n):
+            s -= a[i, j] * x[j]
+            t -= a[j, i] * y[j]
+        x[i] = s / a[i, i] if a[i, i] != 0.0 else 0.0
+        y[i] = t
+    x_norm = 0.0
+    y_norm = 0.0
+    for i in range(n):
+        x_norm += x[i] * x[i]
+        y_norm += y[i] * y[i]
+    x_norm = math.sqrt(x_norm)
+    y_norm = math.sqrt(y_norm)
+    sign = -1.0 if product < 0.0 else 1.0
+    for i in range(n):
+        right[columns[i]] = sign * x[i] / x_norm
+        left[rows[i]] = y[i] / y_norm
+    return abs(product)
+
+
+@kernel
+def without(re, im, first, second, rest_re, rest_im):
+    """Copy the eigenvalues except two (second = -1: except one)."""
+    k = 0
+    for i in range(re.size):
+        if i != first and i != second:
+            rest_re[k] = re[i]
+            rest_im[k] = im[i]
+            k += 1
+    return k
+
+
+@kernel
+def critical_pair(re, im, kappa):
+    """Indices of the two eigenvalues whose sum is nearest 0 and whose product is nearest kappa."""
+    n = re.size
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, math.hypot(re[i], im[i]))
+    best = math.inf
+    first = 0
+    second = 1
+    for i in range(n):
+        for j in range(i + 1, n):
+            sum_re = re[i] + re[j]
+            sum_im = im[i] + im[j]
+            product_re = re[i] * re[j] - im[i] * im[j]
+            product_im = re[i] * im[j] + im[i] * re[j]
+            gap = largest * math.hypot(sum_re, sum_im) + math.hypot(product_re - kappa, product_im)
+            if gap < best:
+                best = gap
+                first = i
+                second = j
+    return first, second
+
+
+@kernel
+def rest_product(re, im, count):
+    """Sign of the product of the eigenvalues with the smallest one's size relative to the largest."""
+    sign = 1.0
+    smallest = math.inf
+    largest = 0.0
+    for i in range(count):
+        size = math.hypot(re[i], im[i])
+        smallest = min(smallest, size)
+        largest = max(largest, size)
+        if im[i] == 0.0 and re[i] < 0.0:
+            sign = -sign
+    return sign * smallest / largest if largest > 0.0 and count > 0 else 1.0
+
+
+@kernel
+def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re, im, near_re, near_im):
+    """Test functions, eigenvalues of f_u = `matrix` (n, n, scaled); returns the number of unstable ones, the critical
+    ones not counted. `original` (m,) receives all parameters of the model, of which `slots` are (first, second)."""
+    size = z.size
+    original[slots[0]] = z[size - 1]
+    original[slots[1]] = z[size - 2]
+    eigenvalues(matrix.copy(), re, im, near_re, near_im)
+    rest_re = np.empty(n)
+    rest_im = np.empty(n)
+    for i in range(1, TESTS):
+        tests[i] = 1.0
+    pairs = np.empty(4)
+    u = z[:n]
+    if kind == HOPF:
+        kappa = z[size - 3]
+        first, second = critical_pair(re, im, kappa)
+        count = without(re, im, first, second, rest_re, rest_im)
+        unstable = flow_tests(rest_re[:count], rest_im[:count], pairs)
+        tests[2] = kappa / scale[size - 3]
+        tests[3] = rest_product(rest_re, rest_im, count)
+        if count > 1:
+            tests[4] = pairs[2]
+        tests[5] = 0.0
+        if kappa > 0.0:
+            v = np.empty(n)
+            w = np.empty(n)
+            for i in range(n):
+                v[i] = z[n + i] / scale[i]
+                w[i] = z[2 * n + i] / scale[i]
+            tests[5] = lyapunov_sign(form2, form3, u, original, scale, matrix, math.sqrt(kappa), v, w)
+            if tests[3] < 0.0:
+                tests[5] = -tests[5]
+        return unstable
+    right = np.empty(n)
+    left = np.empty(n)
+    null_vectors(matrix.copy(), right, left)
+    smallest = math.inf
+    critical = 0
+    for i in range(n):
+        if math.hypot(re[i], im[i]) < smallest:
+            smallest = math.hypot(re[i], im[i])
+            critical = i
+    count = without(re, im, critical, -1, rest_re, rest_im)
+    unstable = flow_tests(rest_re[:count], rest_im[:count], pairs)
+    if count > 1:
+        tests[4] = pairs[2]
+    along = 0.0
+    for i in range(n):
+        along += left[i] * right[i]
+    tests[3] = along
+    if kind == FOLD:
+        # psi goes with the curve's own v, which is continuous: then so is <psi, B(v,v)>
+        wide = np.zeros(n + original.size)
+        quadratic = np.empty(n)
+        agreement = 0.0
+        norm = 0.0
+        for i in range(n):
+            wide[i] = z[n + i]
+            norm += (z[n + i] / scale[i]) ** 2
+            agreement += z[n + i] / scale[i] * right[i]
+        call5(form2, u, original, wide, wide, quadratic)
+        curvature = 0.0
+        length = 0.0
+        for i in range(n):
+            curvature += left[i] * quadratic[i] / scale[i]
+            length += (quadratic[i] / scale[i]) ** 2
+        tests[2] = math.copysign(curvature, curvature * agreement) / math.sqrt(length) if length > 0.0 else 0.0
+    return unstable
+
+
+@kernel
+def tangent_of(matrix, pivots, out):
+    """Unit tangent from the factors of [F_z; t_old]."""
+    n = out.size - 1
+    for j in range(n):
+        out[j] = 0.0
+    out[n] = 1.0
+    lu_solve(matrix, pivots, out)
+    norm = 0.0
+    for j in range(n + 1):
+        norm += out[j] * out[j]
+    norm = math.sqrt(norm)
+    for j in range(n + 1):
+        out[j] /= norm
+
+
+@kernel
+def probe(
+    address, kind, form2, form3, n, original, slots, z0, tangent, h, guess, p, active, scale, tolerance, trust, z,
+    tangent_out, tests, re, im,
+):  # fmt: skip
+    """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there; unstable count, or -1."""
+    size = z0.size - 1
+    y = np.empty(size + 1)
+    f = np.empty(size)
+    jacobian = np.empty((size, size + p.size))
+    matrix = np.empty((size + 1, size + 1))
+    block = np.empty((size, size))
+    pivots = np.empty(size + 1, np.int64)
+    step = np.empty(size + 1)
+    for j in range(size + 1):
+        z[j] = guess[j]
+        y[j] = (guess[j] - z0[j]) / scale[j]
+    sign = correct(
+        address, False, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
+        step, np.zeros(2),
+    )  # fmt: skip
+    if sign == 0 or sign == 2:
+        return -1
+    tangent_of(matrix, pivots, tangent_out)
+    tests[0] = tangent_out[size]
+    re[:] = math.nan
+    return observe(kind, form2, form3, z, n, scale, block[:n, :n].copy(), original, slots, tests, re, im, re, im)
+
+
+@kernel
+def march(
+    address, kind, form2, form3, n, original, slots, p, active, scale, walls, controls, limit, previous_tangent,
+    previous_tests, loop_z, loop_tangent, seen, periods, growing, out_z, out_t, out_tests, out_unstable, out_re, out_im,
+    out_h, info,
+):  # fmt: skip
+    """Follow the curve from row 0 of out_z for up to `limit` accepted points; as `contin.kernels.algebraic.march`.
+
+    n : states of the model.  p, active : parameters of the extended system, the first parameter's place in them.
+    walls (k, 3) : unknown, lowest, highest value.  seen (N,) : 1 for unknowns that identify a point (closing ignores the
+    auxiliary vectors).  growing (N,) : 1 for unknowns whose scale may be outgrown.
+    """
+    size = scale.size - 1
+    h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
+    h_previous, target_angle, trust = controls[5], controls[6], controls[7]
+    y = np.empty(size + 1)
+    z = np.empty(size + 1)
+    tangent = np.empty(size + 1)
+    old = np.empty(size + 1)
+    f = np.empty(size)
+    jacobian = np.empty((size, size + p.size))
+    matrix = np.empty((size + 1, size + 1))
+    block = np.empty((size, size))
+    states = np.empty((n, n))
+    pivots = np.empty(size + 1, np.int64)
+    step = np.empty(size + 1)
+    sizes = np.zeros(2)
+    tests = np.empty(TESTS)
+    info[:] = 0.0
+    info[1] = h
+    info[2] = 1.0
+    for j in range(size + 1):
+        z[j] = out_z[0, j]
+    if not linearise(address, False, z, p, active, scale, out_t[0], f, jacobian, matrix, block):
+        return NOT_FINITE
+    if lu_factor(matrix, pivots) == 0:
+        return CORRECTOR
+    tangent_of(matrix, pivots, tangent)
+    out_re[0] = math.nan
+    states[:] = block[:n, :n]
+    tests[0] = tangent[size]
+    out_unstable[0] = observe(
+        kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[0], out_im[0], out_re[0], out_im[0]
+    )
+    for j in range(size + 1):
+        out_t[0, j] = tangent[j]
+    for i in range(TESTS):
+        out_tests[0, i] = tests[i]
+    guarded = 0
+    for k in range(limit):
+        row = k + 1
+        for j in range(size + 1):
+            tangent[j] = out_t[k, j]
+            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
+        if k > 0:
+            h_previous = out_h[k]
+        while True:
+            bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
+            for j in range(size + 1):
+                y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
+                z[j] = out_z[k, j] + scale[j] * y[j]
+            sign = correct(
+                address, False, out_z[k], tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix,
+                block, pivots, step, sizes,
+            )  # fmt: skip
+            info[2] += sizes[1]
+            if sign == 0 or sign == 2:
+                if h <= h_min:
+                    info[1] = h
+                    return NOT_FINITE if sign == 2 else CORRECTOR
+                h = max(0.5 * h, h_min)
+                continue
+            tangent_of(matrix, pivots, out_t[row])
+            cosine = 0.0
+            for j in range(size + 1):
+                cosine += tangent[j] * out_t[row, j]
+            if not cosine >= cos_max and h > max(h_min, 1e-7):
+                h = max(0.5 * h, h_min, 1e-7)
+                continue
+            states[:] = block[:n, :n]
+            tests[0] = out_t[row, size]
+            unstable = observe(
+                kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[row], out_im[row], out_re[k],
+                out_im[k],
+            )  # fmt: skip
+            if h > GUARD_FLOOR and h_previous > 0.0 and guarded < 8:
+                rough = False
+                for i in range(2, TESTS):
+                    a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
+                    b = out_tests[k, i]
+                    if abs(tests[i] - b - (b - a) * h / h_previous) > GUARD * max(abs(a), abs(b), abs(tests[i])):
+                        rough = rough or a * b != 0.0
+                if rough:
+                    guarded += 1
+                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                    continue
+            break
+        guarded = 0
+        out_h[row] = h
+        out_unstable[row] = unstable
+        for j in range(size + 1):
+            out_z[row, j] = z[j]
+        for i in range(TESTS):
+            out_tests[row, i] = tests[i]
+        info[0] = row
+        angle = math.acos(min(max(cosine, -1.0), 1.0))
+        factor = GROWTH
+        if angle > 0.0:
+            factor = min(factor, target_angle / angle)
+        if sizes[0] > 0.0:
+            factor = min(factor, (0.02 / sizes[0]) ** (1.0 / 3.0))
+        if sizes[1] > 3.0:
+            factor = min(factor, 3.0 / sizes[1])
+        h_used = h
+        h = min(max(h * max(factor, 0.3), h_min), h_max)
+        info[1] = h
+        for i in range(walls.shape[0]):
+            value = z[int(walls[i, 0])]
+            if value < walls[i, 1] or value > walls[i, 2]:
+                return BOUND
+        for i in range(2, TESTS):
+            if tests[i] * out_tests[k, i] < 0.0:
+                return EVENT
+        if h_previous > 0.0:
+            for i in range(2, TESTS):
+                a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
+                if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
+                    info[4] = i
+                    return DIP
+        if loop_z.size > 0:
+            here = 0.0
+            last = 0.0
+            distance = 0.0
+            for j in range(size + 1):
+                if seen[j] == 0.0:
+                    continue
+                d = z[j] - loop_z[j]
+                e = out_z[k, j] - loop_z[j]
+                if j < n and periods[j] > 0.0:
+                    shift = periods[j] * np.round(d / periods[j])
+                    d -= shift
+                    e -= shift
+                d /= scale[j]
+                e /= scale[j]
+                here += loop_tangent[j] * d
+                last += loop_tangent[j] * e
+                distance += d * d
+            if last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h_used:
+                return LOOP
+        for j in range(size):
+            if growing[j] > 0.0 and abs(z[j]) > RESCALE_AT * scale[j]:
+                return RESCALE
+    return LIMIT

@@ -1,0 +1,125 @@
+"""Codimension-two points on curves of folds, Hopf points and branch points: what a change means, and its verification.
+
+A point is verified by Newton on its own defining system: the equations of the curve and one more, a smooth function that
+vanishes at points of the type (`codim2_functions`). Then eigenvalues, their number on the unstable side without the
+critical ones, and the normal form are computed from exact derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems import defining
+from contin.problems.codim2_functions import critical_indices, function_of
+from contin.problems.codim2_forms import described
+
+TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
+    "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
+    "HB": {"BT": 2, "ZH": 3, "HH": 4, "neutral": 4, "GH": 5},
+    "BP": {"DP": 2, "BT": 3, "ZH": 4, "neutral": 4},
+    "PD": {"GPD": 2, "R2": 3, "PDNS": 4, "neutral": 4, "LPPD": 5},
+    "NS": {"R1": 2, "R2": 3, "CH": 6, "LPNS": 4, "PDNS": 5, "NSNS": 7, "neutral": 7},
+}
+# test -> (type, how many eigenvalues change sides there; a pair that stays is a neutral saddle)
+EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
+    "LP": {2: ("CP", 0), 3: ("BT", 1), 4: ("ZH", 2)},
+    "HB": {2: ("BT", 0), 3: ("ZH", 1), 4: ("HH", 2), 5: ("GH", 0)},
+    "BP": {2: ("DP", 0), 3: ("BT", 1), 4: ("ZH", 2)},
+}
+MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
+    "LP": {2: ("CP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
+    "PD": {2: ("GPD", 0), 3: ("R2", 1), 4: ("PDNS", 2), 5: ("LPPD", 1)},
+}
+NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
+RESIDUAL_LIMIT = 1e-8
+DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
+FORCED = 1e-8  # an unfolding parameter below this is zero
+
+
+def explain(locus: str, a: Sample, b: Sample, is_map: bool = False) -> tuple[str, ...] | None:
+    """The event that explains what changed between two points of a curve; None where one event does not."""
+    events = (MAP_EVENTS if is_map else EVENTS)[locus]
+    crossed = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
+    moved = abs(b.unstable - a.unstable)
+    if not crossed:
+        touching = any(a.tests[i] == 0.0 or b.tests[i] == 0.0 for i in events)
+        return () if moved == 0 or touching else None
+    if len(crossed) > 1:
+        return None
+    type_, expected = events[crossed[0]]
+    if type_ == "BT" and locus == "HB" and max(a.tests[2], b.tests[2]) > NEAR_BT:
+        return None  # l1 has no sign beyond BT: look at the rest of the way to it
+    if expected == 2 and moved == 0:
+        return ("neutral",)
+    return (type_,) if moved == expected else None
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """Solve the defining system of a type from a nearby point of the curve; '' where there is nothing to report."""
+    if type_ == "neutral":
+        return ""
+    function = function_of(problem, type_, near)
+    if isinstance(function, str):
+        return f"{type_} not verified: {function}"
+    solved = _solve(problem, function, near.z, frame.scale)
+    if solved is None:
+        return f"{type_} not verified: Newton on its defining system did not converge"
+    if not solved.residual <= RESIDUAL_LIMIT:
+        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+    z = solved.y * frame.scale
+    if type_ in ("GH", "HH") and problem.curve.scalar(z) <= 0.0:
+        return ""  # a neutral saddle: no such point
+    values = eigenvalues(problem, z)
+    critical = critical_indices(problem, type_, z, values)
+    if critical is None:
+        return f"{type_} not verified: the critical eigenvalues are real"
+    others = np.delete(values, critical)
+    unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
+    error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
+    point = Verified(type_, z, solved.residual, error, values, unstable)
+    return described(problem, point, values[critical])
+
+
+def _solve(problem: Any, function: Callable[[Array], float], z: Array, scale: Array) -> defining.Solved | None:
+    """Newton on the curve's equations and function(z) = 0, whose gradient is a central difference."""
+    curve = problem.curve
+    parameters = curve.parameters(z)
+    rows = scale[:-1]
+    size = len(z)
+
+    def system(y: Array) -> tuple[Array, Array]:
+        here = y * scale
+        f, jacobian = curve.linearise(here, parameters)
+        gradient = np.empty(size)
+        for k in range(size):
+            shift = np.zeros(size)
+            shift[k] = DIFFERENCE * scale[k]
+            gradient[k] = (function(here + shift) - function(here - shift)) / (2.0 * DIFFERENCE)
+        return np.append(f / rows, function(here)), np.vstack([jacobian * scale / rows[:, None], gradient])
+
+    return defining.newton(system, z / scale, size - 1)
+
+
+def eigenvalues(problem: Any, z: Array) -> Any:
+    """Eigenvalues of f_u at z by falling real part."""
+    d = problem.curve.sizes
+    values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
+    return values[np.lexsort((-values.imag, -values.real))]
+
+
+def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+    """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
+    is_map = problem.system.kind == "map"
+    events = (MAP_EVENTS if is_map else EVENTS)[problem.locus]
+    found: list[Verified | str] = []
+    for index, (type_, _) in events.items():
+        if a.tests[index] * b.tests[index] < 0.0:
+            found.append(verify(problem, type_, a, frame))
+    return found
+
+

@@ -1,0 +1,57 @@
+"""Normal forms of points of codimension two, from exact derivatives of the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Verified
+
+
+def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
+    """Derivatives of the model at z, in the states and the parameters `active`."""
+    from contin.normalforms.sources import compiled_jet
+
+    curve = problem.curve
+    kind = "map" if curve.system.kind == "map" else "flow"
+    return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)
+
+
+def described(problem: Any, point: Verified, critical: Any) -> Verified:
+    """The point with its normal form; without, where the point is more degenerate than its type."""
+    from contin.normalforms.point import normal_form
+
+    frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
+    frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
+    if point.type == "CH" and frequencies:
+        frequency = float(np.angle(next(v for v in critical if v.imag > 0.0)))
+    active = (problem.curve.first,) if point.type == "DP" else ()
+    vectors: dict[str, Any] = {"critical": critical}
+    try:
+        if point.type == "DP":
+            form = branching_form(problem, point.z)
+        else:
+            form = normal_form(point.type, jet_at(problem, point.z, active), frequency=frequency)
+    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
+        return replace(point, vectors=vectors)
+    return replace(point, normal_form=dict(form.coefficients), vectors=vectors | dict(form.vectors))
+
+
+def branching_form(problem: Any, z: Array) -> Any:
+    """Lyapunov-Schmidt coefficients on a curve of branch points, in the parameter that unfolds the branches better."""
+    from contin.normalforms.branching import branch_point
+
+    forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
+    return max(forms, key=lambda form: abs(form.coefficients["b11"]))
+
+
+def branching_coefficient(problem: Any, z: Array) -> float:
+    """b30 (pitchfork) or b20 (transcritical) relative to its size: zero at a DP."""
+    from contin.normalforms.branching import branch_point
+
+    form = branch_point(jet_at(problem, z, (problem.curve.first,)))
+    name = "b30" if form.coefficients["kind"] == "pitchfork" else "b20"
+    return float(form.coefficients[name])

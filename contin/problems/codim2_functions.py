@@ -1,0 +1,161 @@
+"""Smooth functions of z near a curve of special points, zero at points of codimension two.
+
+They are smooth off the curve too, as Newton needs: eigenvalues are followed by their distance from those of a reference
+point, null vectors come from borders that are fixed there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Sample
+
+Function = Callable[[Array], float]
+REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
+
+
+def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
+    """The function whose zero on the curve is a point of this type; a string says why there is none."""
+    locus = problem.locus
+    if type_ == "BT" and locus == "HB":
+        size = float(np.abs(near.eigenvalues).max()) ** 2 or 1.0
+        return lambda z: problem.curve.scalar(z) / size
+    if type_ in ("BT", "R1", "R2") and locus != "NS":
+        return _border_function(problem, near.z, lambda z, right, left: float(left @ right))
+    if type_ == "CP":
+        return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
+    if type_ == "DP":
+        from contin.problems.codim2_forms import branching_coefficient
+
+        return lambda z: branching_coefficient(problem, z)
+    if type_ == "GH":
+        return lambda z: lyapunov(problem, z)
+    return _eigenvalue_function(problem, type_, near)
+
+
+def scaled_matrix(problem: Any, z: Array) -> Array:
+    """f_u in units of the states' sizes."""
+    d = problem.curve.sizes
+    return np.asarray(problem.curve.matrix(z) * d / d[:, None])
+
+
+def _shift(problem: Any) -> float:
+    """The critical eigenvalue of the curve: 0, or of maps 1 (LP, BP) and -1 (PD)."""
+    if problem.locus == "PD":
+        return -1.0
+    return 1.0 if problem.system.kind == "map" else 0.0
+
+
+def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
+    """value(z, v, psi) of null vectors from [A b; c^T 0], b and c the singular vectors at z0, with v along the curve's."""
+    identity = np.eye(problem.n)
+    shift = _shift(problem)
+    left, _, right = np.linalg.svd(scaled_matrix(problem, z0) - shift * identity)
+    b, c = left[:, -1], right[-1]
+
+    def function(z: Array) -> float:
+        bordered = np.block([[scaled_matrix(problem, z) - shift * identity, b[:, None]], [c[None, :], np.zeros((1, 1))]])
+        unit = np.append(np.zeros(problem.n), 1.0)
+        try:
+            v, psi = np.linalg.solve(bordered, unit)[:-1], np.linalg.solve(bordered.T, unit)[:-1]
+        except np.linalg.LinAlgError:
+            return float("nan")
+        return value(z, v, psi)
+
+    return function
+
+
+def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
+    """<psi, B(v, v)> in scaled states, relative to the size of B(v, v)."""
+    curve = problem.curve
+    wide = np.zeros(problem.n + len(problem.base))
+    wide[: problem.n] = v * curve.sizes
+    image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
+    return float(psi @ image) / max(float(np.linalg.norm(image)), 1e-300)
+
+
+def lyapunov(problem: Any, z: Array) -> float:
+    """The first Lyapunov coefficient by its sign and relative size (`kernels.lyapunov`), times the sign of det f_u."""
+    from contin.kernels.lyapunov import lyapunov_sign
+
+    curve, n = problem.curve, problem.n
+    kappa = curve.scalar(z)
+    if kappa <= 0.0:
+        return 0.0
+    system, d = curve.system, curve.sizes
+    matrix = np.ascontiguousarray(scaled_matrix(problem, z))
+    v = np.ascontiguousarray(curve.vector(z) / d)
+    return float(
+        lyapunov_sign(
+            system.form(2), system.form(3), np.ascontiguousarray(z[:n]), curve.full_parameters(z), d, matrix,
+            float(np.sqrt(kappa)), v, matrix @ v,
+        )  # fmt: skip
+    )
+
+
+def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | str:
+    """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
+    values = np.asarray(near.eigenvalues)
+    own = own_critical(problem, near.z, values)
+    others = np.delete(values, own)
+    size = max(float(np.abs(values).max()), 1e-300)
+    complex_ones = others[others.imag > REAL * size]
+    real_ones = others[np.abs(others.imag) <= REAL * size]
+    real_wanted = (type_ == "ZH" and problem.locus == "HB") or type_ == "LPPD"
+    if real_wanted:
+        target = {"LP": -1.0, "PD": 1.0}.get(problem.locus, 0.0) if problem.system.kind == "map" else 0.0
+        if not real_ones.size:
+            return "no other real eigenvalue is near the stability boundary"
+        reference = complex(real_ones[int(np.argmin(np.abs(real_ones - target)))])
+        return lambda z: (_followed(problem, z, reference).real - target) / size
+    if not complex_ones.size:
+        return "the other critical eigenvalues are real"
+    if problem.system.kind == "map":
+        reference = complex(complex_ones[int(np.argmin(np.abs(np.abs(complex_ones) - 1.0)))])
+        return lambda z: abs(_followed(problem, z, reference)) - 1.0
+    reference = complex(complex_ones[int(np.argmin(np.abs(complex_ones.real)))])
+    return lambda z: _followed(problem, z, reference).real / size
+
+
+def _followed(problem: Any, z: Array, reference: complex) -> complex:
+    values = np.linalg.eigvals(scaled_matrix(problem, z))
+    return complex(values[int(np.argmin(np.abs(values - reference)))])
+
+
+def own_critical(problem: Any, z: Array, values: Array) -> list[int]:
+    """Indices of the eigenvalues that are critical along the curve."""
+    if problem.locus in ("LP", "BP", "PD"):
+        return [int(np.argmin(np.abs(values - _shift(problem))))]
+    kappa = problem.curve.scalar(z)
+    total, product = (0.0, kappa) if problem.locus == "HB" else (2.0 * kappa, 1.0)
+    size = max(float(np.abs(values).max()), 1e-300)
+    n = len(values)
+    pairs = [(i, j) for i in range(n) for j in range(i + 1, n)]
+    gaps = [size * abs(values[i] + values[j] - total) + abs(values[i] * values[j] - product) for i, j in pairs]
+    return list(pairs[int(np.argmin(gaps))])
+
+
+def critical_indices(problem: Any, type_: str, z: Array, values: Array) -> list[int] | None:
+    """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
+    own = own_critical(problem, z, values)
+    rest = [i for i in range(len(values)) if i not in own]
+    if type_ in ("CP", "GH", "DP", "GPD", "CH"):
+        return own
+    if type_ in ("BT", "R1", "R2") and problem.locus != "HB":
+        return [*own, min(rest, key=lambda i: abs(values[i] - _shift(problem)))]
+    if type_ == "BT":
+        return own
+    if (type_ == "ZH" and problem.locus == "HB") or type_ == "LPPD":
+        target = {"LP": -1.0, "PD": 1.0}.get(problem.locus, 0.0) if problem.system.kind == "map" else 0.0
+        return [*own, min(rest, key=lambda i: abs(values[i] - target))]
+    distance = (lambda v: abs(abs(v) - 1.0)) if problem.system.kind == "map" else (lambda v: abs(v.real))
+    upper = [i for i in rest if values[i].imag > 0.0]
+    if not upper:
+        return None
+    chosen = min(upper, key=lambda i: distance(values[i]))
+    partner = min((i for i in rest if i != chosen), key=lambda i: abs(values[i] - np.conj(values[chosen])))
+    return [*own, chosen, partner]

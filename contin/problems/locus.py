@@ -1,0 +1,246 @@
+"""Curves of folds, Hopf points and branch points of equilibria (of maps: fixed points) in two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.settings import Settings
+from contin.problems import codim2, newton_fixed
+
+CHUNK = 250
+_NONE = np.empty(0)
+_STOPS = (
+    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
+)  # fmt: skip
+_KINDS = {"LP": 0, "HB": 1, "BP": 2}
+
+
+@dataclass(frozen=True, eq=False)
+class LocusProblem:
+    """A curve of points of one type in two parameters; `curve` holds its equations and knows the layout of z.
+
+    `second_bounds` is the range of the second parameter, the last unknown but one; that of the first is the engine's.
+    """
+
+    curve: Any  # ExtendedCurve, or BorderedCurve for large systems
+    state_periods: Array
+    second_bounds: tuple[float, float] = (-np.inf, np.inf)
+    first_bounds: tuple[float, float] = (-np.inf, np.inf)
+    notes: list[str] = field(default_factory=list)
+
+    kind = "locus"
+    maximum_chunk = CHUNK
+
+    @property
+    def locus(self) -> str:
+        return str(self.curve.type)
+
+    @property
+    def system(self) -> Any:
+        return self.curve.system
+
+    @property
+    def base(self) -> Array:
+        return np.asarray(self.curve.base)
+
+    @property
+    def n(self) -> int:
+        return int(self.curve.n)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        return names[self.curve.first], names[self.curve.second]
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        periods = np.zeros(self.curve.size - 1)
+        periods[: self.n] = self.state_periods
+        return periods
+
+    def within(self, first: tuple[float, float], second: tuple[float, float]) -> LocusProblem:
+        """The same curve with ranges of both parameters."""
+        return replace(self, first_bounds=first, second_bounds=second)
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        last = self.curve.size - 1
+        return [(last - 1, *self.second_bounds), (last, *self.first_bounds)]
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.asarray(self.curve.identifying)
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.asarray(self.curve.growing)
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found = self.system.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        widths = [hi - lo for lo, hi in (bounds, self.second_bounds)]
+        finite = [w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)]
+        return np.asarray(self.curve.scales(z, (finite[0], finite[1])))
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        _, jacobian = self.curve.linearise(z)
+        return [np.linalg.svd(jacobian * scale / scale[:-1, None])[2][-1]]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        self.curve.settle(origin.z)
+        if self.locus not in _KINDS or not self.curve.compiled or self.system.kind == "map":
+            from contin.problems.locus_march import march
+
+            return march(self, origin, before, length, frame, step, limit, settings, loop)
+        from contin.kernels import locus as kernel
+
+        curve, n, rows, size = self.curve, self.n, limit + 1, self.curve.size
+        z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
+        unstable = np.zeros(rows, np.int64)
+        re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
+        z[0], t[0] = origin.z, origin.tangent
+        controls = np.array([
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
+            settings.newton_tolerance, length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
+            self._trust,
+        ])  # fmt: skip
+        reason = kernel.march(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), curve.parameters(origin.z),
+            curve.active, frame.scale, np.array(self.walls, dtype=float), controls, limit,
+            origin.tangent if before is None else before.tangent,
+            np.zeros(kernel.TESTS) if before is None else before.tests,
+            _NONE if loop is None else loop.z, _NONE if loop is None else loop.tangent,
+            self.identifying.astype(float), self.angle_periods, self.growing.astype(float), z, t, tests, unstable,
+            re, im, lengths, info,
+        )  # fmt: skip
+        m = int(info[0]) + 1
+        return Chunk(
+            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], _STOPS[reason], float(info[1]),
+            0.0, int(info[4]), int(info[2]),
+        )  # fmt: skip
+
+    @cached_property
+    def _functions(self) -> tuple[int, int, int, int]:
+        """Address of the extended system, the kernel's kind, addresses of the second and third derivatives."""
+        system = self.system
+        third = system.form(3) if self.locus == "HB" else system.form(2)
+        return self.curve.extended.jacobian_address, _KINDS[self.locus], system.form(2), third
+
+    @property
+    def _trust(self) -> float:
+        return 0.0 if self.system.n_switches else 0.01
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        if self.locus not in _KINDS or not self.curve.compiled or self.system.kind == "map":
+            from contin.problems.locus_march import probe
+
+            return probe(self, base, length, guess, frame, settings)
+        from contin.kernels import locus as kernel
+
+        curve, n = self.curve, self.n
+        z, t, tests = np.empty(curve.size), np.empty(curve.size), np.empty(kernel.TESTS)
+        re, im = np.empty(n), np.empty(n)
+        count = kernel.probe(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, length,
+            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t,
+            tests, re, im,
+        )  # fmt: skip
+        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return self.at_unknown(-1, guess, value, scale)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        parameters = self.curve.parameters(guess)
+        return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return codim2.explain(self.locus, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return codim2.TEST_OF[self.locus][type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return codim2.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        return codim2.verify_compound(self, a, b, frame)
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        return False
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        first, second = self.parameters
+        n = self.n
+        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        for k, name in enumerate(self.system.state_names):
+            columns[name] = z[:, k].copy()
+        if self.system.observable_names:
+            p = np.tile(self.base, (len(z), 1))
+            p[:, self.curve.first], p[:, self.curve.second] = z[:, -1], z[:, -2]
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            for k, name in enumerate(self.system.observable_names):
+                columns[name] = recorded[:, k].copy()
+        if self.locus == "HB":
+            columns["kappa"] = z[:, -3].copy()
+            columns["neutral"] = z[:, -3] < 0.0
+        if self.locus == "NS":
+            columns["cos.theta"] = z[:, -3].copy()
+            columns["neutral"] = np.abs(z[:, -3]) > 1.0
+        if self.locus == "BP" and np.any(np.abs(z[:, -3]) > codim2.FORCED):
+            columns["unfolding"] = z[:, -3].copy()
+        return columns
+
+    def describe_failure(self, z: Array) -> str:
+        text = self.system.explain(z[: self.n], self.curve.full_parameters(z))
+        if text:
+            return str(text)
+        return (
+            "The defining system may be singular here (two such curves cross, or the point is more degenerate than its "
+            "type). Try a smaller settings.step or min_step."
+        )
+
+    # -- leaving the curve --------------------------------------------------------------------------------------------
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        return []
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        """The branch of equilibria through the point, in one parameter."""
+        from contin.problems.locus_start import equilibria_through
+
+        return equilibria_through(self, point, parameter)
+
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curves of other types through a point of codimension two; its own where there is none."""
+        from contin.problems.locus_start import loci_through
+
+        return loci_through(self, point, parameters)
+
+

@@ -1,0 +1,245 @@
+"""Curves of special points in two parameters as equilibria of an extended model (`contin.symbolic.loci`), compiled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from contin.abi import Array
+from contin.symbolic import loci
+
+PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
+VECTOR = 2.0  # how much a turn of a null vector counts in the metric: 1 / VECTOR of its angle
+ORTHOGONAL = 1e-7
+
+_systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary()
+
+
+def extended_system(system: Any, type_: str, first: str, second: str) -> Any:
+    """The compiled defining system of a type's curve, made once per model and second parameter."""
+    from contin.lowering import compile_system
+
+    passes: dict[str, Callable[[], Any]] = {
+        "LP": lambda: loci.fold_system(system.model, second),
+        "PD": lambda: loci.flip_system(system.model, second),
+        "HB": lambda: loci.hopf_system(system.model, second),
+        "NS": lambda: loci.hopf_system(system.model, second),
+        "BP": lambda: loci.branch_point_system(system.model, first, second),
+    }
+    known = _systems.setdefault(system, {})
+    key = (type_, first, second) if type_ == "BP" else (type_, second)
+    if key not in known:
+        known[key] = compile_system(passes[type_]())
+    return known[key]
+
+
+@dataclass(eq=False)
+class _Gauge:
+    """The border (HB, NS) or the direction across the curve (BP) in use: kept as long as it serves."""
+
+    values: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedCurve:
+    """z = (u, null vectors, [kappa or unfolding], second parameter, first parameter); N - 1 equations.
+
+    system : the model's own.  base (m,) : all its parameters.  sizes (n,) : typical sizes of its states.
+    """
+
+    type: str
+    system: Any
+    base: Array
+    first: int
+    second: int
+    sizes: Array
+    _gauge: _Gauge = field(default_factory=_Gauge)
+
+    compiled = True  # the kernel can march it
+
+    @cached_property
+    def extended(self) -> Any:
+        names = self.system.parameter_names
+        return extended_system(self.system, self.type, names[self.first], names[self.second])
+
+    @property
+    def n(self) -> int:
+        return int(self.system.n)
+
+    @property
+    def size(self) -> int:
+        """N, the number of unknowns."""
+        return int(self.extended.n) + 1
+
+    @property
+    def has_scalar(self) -> bool:
+        """True where kappa or the unfolding parameter is an unknown (third from the end)."""
+        return self.type in ("HB", "NS", "BP")
+
+    @cached_property
+    def active(self) -> int:
+        """Place of the first parameter among those of the extended system."""
+        return list(self.extended.parameter_names).index(self.system.parameter_names[self.first])
+
+    @cached_property
+    def _template(self) -> Array:
+        """Parameters of the extended system with the sizes, without border and first parameter."""
+        values = np.ones(self.extended.m)
+        kept = np.delete(self.base, self.second)
+        values[: len(kept)] = kept
+        values[len(kept) : len(kept) + self.n] = self.sizes
+        return values
+
+    # -- reading z ----------------------------------------------------------------------------------------------------
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameters of the model at z."""
+        p = self.base.copy()
+        p[self.first], p[self.second] = z[-1], z[-2]
+        return p
+
+    def scalar(self, z: Array) -> float:
+        """kappa, or the unfolding parameter."""
+        return float(z[-3])
+
+    def vector(self, z: Array) -> Array:
+        """v (LP, HB, PD, NS) or w (BP), in the states' units."""
+        return np.asarray(z[self.n : 2 * self.n])
+
+    def matrix(self, z: Array) -> Array:
+        """f_u, unscaled."""
+        return np.asarray(self.system.jacobian(z[: self.n], self.full_parameters(z))[1][:, : self.n])
+
+    # -- the equations ------------------------------------------------------------------------------------------------
+
+    def parameters(self, z: Array) -> Array:
+        """Parameters of the extended system for work near z, whose own vector belongs to them."""
+        values = self._template.copy()
+        gauge = self._border(z)
+        if gauge is not None:
+            values[len(values) - len(gauge) :] = gauge
+        values[self.active] = z[-1]
+        return values
+
+    def linearise(self, z: Array, parameters: Array | None = None) -> tuple[Array, Array]:
+        """F (N - 1,) and its Jacobian (N - 1, N), unscaled."""
+        p = self.parameters(z) if parameters is None else parameters.copy()
+        p[self.active] = z[-1]
+        f, jacobian = self.extended.jacobian(z[:-1], p)
+        k = self.size - 1
+        return f, np.column_stack([jacobian[:, :k], jacobian[:, k + self.active]])
+
+    def _border(self, z: Array) -> Array | None:
+        if self.type in ("LP", "PD"):
+            return None
+        if self.type == "BP":
+            return np.array([1.0, 0.0]) if self._gauge.values is None else self._gauge.values
+        known = self._gauge.values
+        v = self.vector(z) / self.sizes
+        if known is not None and abs(float(known @ v)) / float(np.linalg.norm(known)) < ORTHOGONAL * self.n:
+            return known * self.sizes
+        return self.renew_border(z)
+
+    def renew_border(self, z: Array) -> Array:
+        """The border that is the second direction of the critical plane, normal to z's v; kept for work nearby."""
+        v = self.vector(z) / self.sizes
+        v = v / np.linalg.norm(v)
+        plane = critical_plane(self._squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
+        rest = plane - np.outer(v, v @ plane)
+        border = rest[:, int(np.argmax(np.linalg.norm(rest, axis=0)))]
+        border = border / np.linalg.norm(border)
+        self._gauge.values = border
+        return np.asarray(border * self.sizes)
+
+    def settle(self, z: Array) -> None:
+        """Called at the start of a chunk: renew the border where it has turned out of the critical plane."""
+        if self.type == "BP":
+            self._settle_across(z)
+        if self.type not in ("HB", "NS"):
+            return
+        border = self._border(z)
+        assert border is not None
+        v = self.vector(z) / self.sizes
+        plane = critical_plane(self._squared(self.matrix(z) * self.sizes / self.sizes[:, None], self.scalar(z)))
+        rest = plane - np.outer(v, v @ plane)
+        if float(np.linalg.norm((border / self.sizes) @ rest)) < PLANE:
+            self.renew_border(z)
+
+    def _settle_across(self, z: Array) -> None:
+        """On a forced curve of branch points: the direction across it, in which the products with w vanish best."""
+        _, jacobian = self.linearise(z)
+        along = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
+        width = np.hypot(along[-1], along[-2])
+        if width > 0.0 and abs(self.scalar(z)) < 1e-9:
+            self._gauge.values = np.array([-along[-2], along[-1]]) / width
+
+    def _squared(self, matrix: Array, kappa: float) -> Array:
+        if self.type == "HB":
+            return matrix @ matrix + kappa * np.eye(self.n)
+        return matrix @ matrix - 2.0 * kappa * matrix + np.eye(self.n)
+
+    # -- setting out --------------------------------------------------------------------------------------------------
+
+    def place(self, u: Array, p: Array, scalar: float = 0.0) -> Array:
+        """z at a point of the curve (u, p), its vectors computed; `scalar` is kappa (HB: omega^2, NS: cos theta)."""
+        system, d = self.system, self.sizes
+        matrix = np.asarray(system.jacobian(u, p)[1][:, : self.n])
+        scaled = matrix * d / d[:, None]
+        ends = np.array([p[self.second], p[self.first]])
+        if self.type in ("LP", "PD"):
+            shift = {"LP": 1.0 if system.kind == "map" else 0.0, "PD": -1.0}[self.type]
+            v = np.linalg.svd(scaled - shift * np.eye(self.n))[2][-1]
+            return np.concatenate([u, _oriented(v) * d, ends])
+        if self.type == "BP":
+            shift = 1.0 if system.kind == "map" else 0.0
+            w = np.linalg.svd((scaled - shift * np.eye(self.n)).T)[2][-1]
+            return np.concatenate([u, _oriented(w) / d, [0.0], ends])
+        v = _oriented(critical_plane(self._squared(scaled, scalar))[:, 0])
+        self._gauge.values = None
+        return np.concatenate([u, v * d, (scaled @ v) * d, [scalar], ends])
+
+    def scales(self, z: Array, widths: tuple[float, float]) -> Array:
+        """The metric: states by their sizes, vectors by a multiple of those, parameters by the widths of their ranges."""
+        d = self.sizes
+        ends = np.array([widths[1], widths[0]])
+        if self.type in ("LP", "PD"):
+            return np.concatenate([d, VECTOR * d, ends])
+        if self.type == "BP":
+            return np.concatenate([d, VECTOR / d, [1.0], ends])
+        kappa = 1.0 if self.type == "NS" else self._frequency_squared(z)
+        return np.concatenate([d, VECTOR * d, VECTOR * np.sqrt(kappa) * d, [kappa], ends])
+
+    def _frequency_squared(self, z: Array) -> float:
+        """A typical size of kappa: its own, or that of the slowest other eigenvalue where it vanishes (at BT)."""
+        values = np.sort(np.abs(np.linalg.eigvals(self.matrix(z) * self.sizes / self.sizes[:, None])))
+        typical = float(values[2]) ** 2 if self.n > 2 else float(np.abs(self.matrix(z)).max()) ** 2
+        return max(abs(self.scalar(z)), 1e-2 * typical, 1e-12)
+
+    @cached_property
+    def identifying(self) -> Array:
+        """True for states, kappa and both parameters."""
+        mask = np.zeros(self.size, bool)
+        mask[: self.n] = True
+        mask[-3 if self.has_scalar else -2 :] = True
+        return mask
+
+    @cached_property
+    def growing(self) -> Array:
+        """True for states and kappa."""
+        mask = self.identifying.copy()
+        mask[-2:] = False
+        return mask
+
+
+def critical_plane(matrix: Array) -> Array:
+    """Orthonormal basis (n, 2) of the right singular vectors of the two smallest singular values."""
+    return np.asarray(np.linalg.svd(matrix)[2][-1:-3:-1].T)
+
+
+def _oriented(v: Array) -> Array:
+    return np.asarray(v * np.sign(v[int(np.argmax(np.abs(v)))]))

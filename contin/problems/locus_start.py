@@ -1,0 +1,111 @@
+"""Where curves in two parameters start: at folds, Hopf and branch points, and at points of codimension two on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.problems.locus import LocusProblem
+from contin.problems.locus_extended import ExtendedCurve
+
+CURVES: Final = {  # the curves that pass through a point
+    "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("BP",),
+    "R1": ("LP", "NS"), "R2": ("PD", "NS"), "LPPD": ("LP", "PD"), "LPNS": ("LP", "NS"), "PDNS": ("PD", "NS"),
+    "GPD": ("PD",), "CH": ("NS",), "NSNS": ("NS", "NS"),
+}  # fmt: skip
+LARGE = 50  # states beyond which minimally augmented systems take the place of extended ones
+
+
+def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve in two parameters through a fold, Hopf or branch point (maps: also PD, NS) of a branch of equilibria."""
+    if point.type not in ("LP", "HB", "BP", "PD", "NS"):
+        raise InputError(
+            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LP, BP, HB, PD and NS have"
+        )
+    if point.normal_form.get("kind") == "nonsmooth":
+        raise InputError(f"{point.branch}.{point.label} is a corner of piecewise equations; its curve is not followed")
+    if int(point.vectors.get("kernel", 1)) > 1:
+        raise InputError(
+            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: its curve is not followed"
+        )
+    p = problem.full_parameters(point.z)
+    sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
+    scalar = 0.0
+    if point.type == "HB":
+        scalar = float(point.vectors["omega"]) ** 2
+    elif point.type == "NS":
+        scalar = float(np.cos(point.vectors["omega"]))
+    parent = Parent(point.branch, point.label)
+    return [_seed(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)]
+
+
+def _seed(
+    system: Any, type_: str, parameters: Sequence[str], u: Array, p: Array, sizes: Array, periods: Array, scalar: float,
+    parent: Parent,
+) -> Seed:  # fmt: skip
+    first, second = indices(system, parameters)
+    curve = ExtendedCurve(type_, system, p.copy(), first, second, sizes.copy())
+    return Seed(LocusProblem(curve, periods), curve.place(u, p, scalar), parent=parent)
+
+
+def indices(system: Any, parameters: Sequence[str]) -> tuple[int, int]:
+    """Places of two parameters among those of the system."""
+    known = list(system.parameter_names)
+    names = list(parameters)
+    if len(names) != 2 or names[0] == names[1]:
+        raise InputError(f"a curve of special points needs two parameters; got {', '.join(names)}")
+    for name in names:
+        if name not in known:
+            raise InputError(f"no parameter {name!r}; the model has {', '.join(known)}")
+    return known.index(names[0]), known.index(names[1])
+
+
+def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Curves through a point of a locus: those of other types first; its own only where there is no other."""
+    own = problem.locus
+    curve = problem.curve
+    u, p = point.z[: problem.n], curve.full_parameters(point.z)
+    parent = Parent(point.branch, point.label)
+    types = CURVES.get(point.type, (own,))
+    found: list[tuple[str, float]] = []
+    for type_ in dict.fromkeys(types):
+        for scalar in _scalars(point, type_):
+            found.append((type_, scalar))
+    tangential = curve.scalar(point.z) if curve.has_scalar else 0.0
+    others = [f for f in found if f[0] != own or abs(f[1] - tangential) > 1e-6 * max(abs(f[1]), abs(tangential))]
+    chosen = others or [(own, tangential)]
+    return [
+        _seed(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
+        for type_, scalar in chosen
+    ]
+
+
+def _scalars(point: SpecialPoint, type_: str) -> list[float]:
+    """kappa of the curves of a type through the point: omega^2 of each critical pair (NS: cos theta), 0 at BT."""
+    if type_ not in ("HB", "NS"):
+        return [0.0]
+    if point.type == "BT":
+        return [0.0]
+    if point.type in ("R1", "R2"):
+        return [1.0 if point.type == "R1" else -1.0]
+    pairs = [v for v in np.asarray(point.vectors["critical"]) if v.imag > 0.0]
+    return [float(v.imag) ** 2 if type_ == "HB" else float(np.cos(np.angle(v))) for v in pairs]
+
+
+def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The branch of equilibria (fixed points) through a point of a locus, with one parameter free."""
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    names = list(problem.system.parameter_names)
+    if parameter not in names:
+        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
+    p = problem.curve.full_parameters(point.z)
+    active = names.index(parameter)
+    branch = EquilibriumProblem(problem.system, p, active, problem.state_periods)
+    return [Seed(branch, np.append(point.z[: problem.n], p[active]), parent=Parent(point.branch, point.label))]
