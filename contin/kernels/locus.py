@@ -219,11 +219,13 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
             agreement += z[n + i] / scale[i] * right[i]
         call5(form2, u, original, wide, wide, quadratic)
         curvature = 0.0
-        length = 0.0
+        rate = 0.0
         for i in range(n):
             curvature += left[i] * quadratic[i] / scale[i]
-            length += (quadratic[i] / scale[i]) ** 2
-        tests[2] = math.copysign(curvature, curvature * agreement) / math.sqrt(length) if length > 0.0 else 0.0
+            for j in range(n):
+                rate += matrix[i, j] * matrix[i, j]
+        if rate > 0.0 and norm > 0.0:
+            tests[2] = math.copysign(curvature, curvature * agreement) / (math.sqrt(rate) * norm)
     return unstable
 
 

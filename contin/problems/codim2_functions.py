@@ -70,12 +70,12 @@ def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Arr
 
 
 def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
-    """<psi, B(v, v)> in scaled states, relative to the size of B(v, v)."""
+    """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
     curve = problem.curve
     wide = np.zeros(problem.n + len(problem.base))
     wide[: problem.n] = v * curve.sizes
     image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
-    return float(psi @ image) / max(float(np.linalg.norm(image)), 1e-300)
+    return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
 
 
 def lyapunov(problem: Any, z: Array) -> float:

@@ -249,6 +249,12 @@ class EquilibriumProblem:
         """Everything that is born at a labelled point, for the explorer."""
         return self.switch(point, parameter) if point.type in ("BP", "PD") else []
 
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curve of such points in two parameters."""
+        from contin.problems.locus_start import loci_of_point
+
+        return loci_of_point(self, point, parameters)
+
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.switch import switch
 
