@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 
 import numpy as np
 
@@ -78,15 +79,33 @@ def form_values(form: AveragedForm, amplitudes: Sequence[Complex]) -> dict[str, 
 def _modulus(a: Complex) -> Expression:
     for one, other in (a, a[::-1]):
         if other is ZERO:
-            return call("abs", one)
+            sign = _sign(one)
+            return mul(number(sign), one) if sign else call("abs", one)
     return call("sqrt", add(power(a[0], number(2)), power(a[1], number(2))))
 
 
 def _angle(a: Complex) -> Expression:
     re, im = a
-    if im is ZERO and re.is_number:
-        return PI if evaluate(re, {}) < 0 else ZERO
+    if im is ZERO and _sign(re):
+        return PI if _sign(re) < 0 else ZERO
     return call("atan2", im, re)
+
+
+def _sign(formula: Expression) -> int:
+    """1 or -1 where the formula has that sign (or is 0) whatever the parameters are; otherwise 0."""
+    if formula.is_number:
+        return -1 if evaluate(formula, {}) < 0 else 1
+    if formula.op in ("sqrt", "exp", "abs", "pi", "cosh"):
+        return 1
+    if formula.op == "pow" and formula.args[1].is_number:
+        exponent = formula.args[1].value
+        return 1 if isinstance(exponent, Fraction) and exponent % 2 == 0 else _sign(formula.args[0])
+    if formula.op == "mul":
+        return math.prod(_sign(factor) for factor in formula.args)
+    if formula.op == "add":
+        signs = {_sign(term) for term in formula.args}
+        return signs.pop() if len(signs) == 1 else 0
+    return 0
 
 
 def averaged_symmetries(form: AveragedForm, oscillators: WeakOscillators) -> list[Symmetry]:

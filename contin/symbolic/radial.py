@@ -18,7 +18,7 @@ import numpy as np
 from contin.model.expression import ONE, ZERO, Expression, add, compare, if_, mul, postorder, substitute, symbol
 from contin.symbolic.cells import RADIUS, Arc, Region, assumptions, quarter, regions
 from contin.symbolic.gauss_rule import arc_rule, rule_size, sampled_averages, turn_rule
-from contin.symbolic.sampling import sample
+from contin.symbolic.parity import arcs_parity
 from contin.symbolic.switching_lines import PLANE, X, Y
 from contin.symbolic.sympy_bridge import BridgeError, all_to_sympy, from_sympy, sympy_symbol, to_sympy
 from contin.symbolic.terms import additive_terms, without_kinks
@@ -95,38 +95,23 @@ def average_over_turn(function: Expression, setting: Setting) -> RadialAverage:
         A condition's sign changes cannot be located, or no quadrature is accurate enough.
     """
     function = without_kinks(function, PLANE)
-    parity = _parity(function, setting)
-    if parity > 0:
-        return RadialAverage((Piece(None, math.inf, ZERO, ZERO),))
     found = regions(function, setting.omega, setting.values, setting.positive)
     pieces, presumes = [], assumptions(found, setting.values)
     for region in found:
-        piece, needs = _piece(region, setting, parity < 0)
+        piece, needs = _piece(region, setting)
         pieces.append(piece)
         presumes += [n for n in needs if n not in presumes and f" {n[:-4]} " not in " ".join([*presumes, ""])]
     return RadialAverage(tuple(pieces), tuple(presumes))
 
 
-def _parity(function: Expression, setting: Setting) -> int:
-    """-1 where f(-x, -y) = -f(x, y), 1 where f(-x, -y) = f(x, y), otherwise 0; sampled, at random parameters too."""
-    chance = np.random.default_rng(7)
-    shape = 40
-    env: dict[str, Any] = {n: v * chance.uniform(0.7, 1.3, shape) for n, v in setting.values.items()}
-    x, y = (chance.uniform(-setting.reach, setting.reach, shape) for _ in range(2))
-    there = sample([function], {**env, X: x, Y: y})[0]
-    back = sample([function], {**env, X: -x, Y: -y})[0]
-    if not (np.all(np.isfinite(there)) and np.all(np.isfinite(back))):
-        return 0
-    size = 1e-12 * max(float(np.max(np.abs(there))), 1e-300)
-    return next((sign for sign in (1, -1) if np.max(np.abs(back - sign * there)) <= size), 0)
-
-
-def _piece(region: Region, setting: Setting, odd: bool) -> tuple[Piece, list[str]]:
+def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
     high = None if region.high is None else from_sympy(region.high)
     bound = region.numbers[1]
-    if not region.arcs:
-        return Piece(high, bound, ZERO, ZERO), []
-    arcs, fold = _half(region.arcs) if odd else (region.arcs, 1)
+    parity = arcs_parity(region.arcs, setting.values, setting.reach)
+    if not region.arcs or parity > 0:
+        return Piece(high, bound, ZERO, ZERO, region.arcs), []
+    odd = parity < 0
+    arcs, fold = (_first_half(region.arcs), 2) if odd else (region.arcs, 1)
     radii = _radii(region, setting.reach)
     closed = _closed(arcs, setting, fold)
 
@@ -154,12 +139,11 @@ def _is_whole(arcs: Sequence[Arc]) -> bool:
     return len(arcs) == 1 and arcs[0].stop.number - arcs[0].start.number > 6.28
 
 
-def _half(arcs: tuple[Arc, ...]) -> tuple[tuple[Arc, ...], int]:
-    """For an odd function: the arcs of one half turn, and 2; all arcs and 1 where they do not come in pairs."""
+def _first_half(arcs: tuple[Arc, ...]) -> tuple[Arc, ...]:
+    """One arc of each pair half a turn apart; of the whole turn, its first half."""
     if _is_whole(arcs):
-        return (Arc(quarter(0), quarter(2), arcs[0].formula),), 2
-    half = tuple(a for a in arcs if (0.5 * (a.start.number + a.stop.number)) % (2 * math.pi) < math.pi - 1e-9)
-    return (half, 2) if 2 * len(half) == len(arcs) else (arcs, 1)
+        return (Arc(quarter(0), quarter(2), arcs[0].formula),)
+    return tuple(a for a in arcs if (0.5 * (a.start.number + a.stop.number)) % (2 * math.pi) < math.pi - 1e-9)
 
 
 def _radii(region: Region, reach: float) -> Any:

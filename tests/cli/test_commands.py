@@ -102,7 +102,7 @@ def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys
     schema = json.loads(capsys.readouterr().out)
     good = {
         "contin": 1,
-        "model": "metronomes/pair",
+        "model": "metronomes/pair-averaged",
         "parameters": {"beta": "1/2"},
         "transform": ["average", {"average": {"form": "polar"}}],
         "diagram": {"parameter": "mu", "range": [0, 1], "start": ["in-phase", {"r1": 1}]},

@@ -134,7 +134,7 @@ def test_models_are_found_beside_the_run_file_and_by_bundled_name(tmp_path, monk
     monkeypatch.chdir("/")
     path = run_file(tmp_path, "models/m.yaml", LINE)
     assert call("run", path, "-q") == 0
-    bundled = run_file(tmp_path, "metronomes/pair", {"start": "in-phase", "parameter": "mu"}, name="pair.yaml")
+    bundled = run_file(tmp_path, "metronomes/pair-averaged", {"start": "in-phase", "parameter": "mu"}, name="pair.yaml")
     assert call("run", bundled, "-q") == 0
 
 

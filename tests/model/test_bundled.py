@@ -104,7 +104,7 @@ def test_co_oxidation_has_its_folds_and_hopf_points_where_the_determinants_vanis
 
 @pytest.mark.parametrize("start", ["oscillating", "threshold", "rest"])
 def test_one_metronome_rests_or_swings_as_the_closed_form_says(start):
-    model = contin.load("metronomes/one")
+    model = contin.load("metronomes/one-averaged")
     env = environment(model, start, alpha=0.7, a=3.1, b=0.8)
     assert evaluate(model.equations[0], env) == pytest.approx(0, abs=1e-14)
     slope = jacobian(model, env)[0, 0]
@@ -113,7 +113,7 @@ def test_one_metronome_rests_or_swings_as_the_closed_form_says(start):
 
 def test_one_metronome_is_the_average_over_a_period():
     """r' is the mean of -sin(phi) (alpha r sin(phi) + g(r cos(phi), -r sin(phi))), theta' that of -cos(phi) (...)/r."""
-    model = contin.load("metronomes/one")
+    model = contin.load("metronomes/one-averaged")
     alpha, a, b = 0.37, 3.3, 0.9
     for r in (0.4, 1.7, 2.6):
 
@@ -130,7 +130,7 @@ def test_one_metronome_is_the_average_over_a_period():
 
 
 def test_one_metronome_folds_where_the_amplitudes_meet():
-    model = contin.load("metronomes/one")
+    model = contin.load("metronomes/one-averaged")
     values = model.default_parameters({"a": 3.1, "b": 0.8})
     at = {n: evaluate(e, values) for n, e in model.expect[0].at[0].items()}
     env = values | at
@@ -140,7 +140,7 @@ def test_one_metronome_folds_where_the_amplitudes_meet():
 
 @pytest.mark.parametrize("start", ["in-phase", "anti-phase"])
 def test_synchronous_states_of_the_pair_are_equilibria(start):
-    model = contin.load("metronomes/pair")
+    model = contin.load("metronomes/pair-averaged")
     env = environment(model, start, mu=3.0, beta=0.6, a=3.7, b=0.9)
     np.testing.assert_allclose(evaluate_all(model.equations, env), 0, atol=1e-14)
     assert env["psi"] == pytest.approx(0 if start == "in-phase" else np.pi)
@@ -148,7 +148,7 @@ def test_synchronous_states_of_the_pair_are_equilibria(start):
 
 @pytest.mark.parametrize("parameters", [{}, {"beta": 0.3}, {"beta": 0.5, "a": 3.5, "b": 0.8}])
 def test_the_pair_loses_in_phase_where_the_antisymmetric_block_is_singular(parameters):
-    model = contin.load("metronomes/pair")
+    model = contin.load("metronomes/pair-averaged")
     values = model.default_parameters(parameters)
     mu = evaluate(model.expect[0].at[0]["mu"], values)
     if not parameters:
@@ -164,7 +164,7 @@ def test_the_pair_loses_in_phase_where_the_antisymmetric_block_is_singular(param
 
 
 def test_the_pair_folds_where_the_two_amplitudes_meet():
-    model = contin.load("metronomes/pair")
+    model = contin.load("metronomes/pair-averaged")
     values = model.default_parameters()
     at = {n: evaluate(e, values) for n, e in model.expect[2].at[0].items()}
     env = {**values, **at, "r2": at["r1"], "psi": np.pi}

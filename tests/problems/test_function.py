@@ -77,7 +77,7 @@ def test_function_gives_the_labels_of_the_compiled_model_to_1e_9(way, compiled_t
 
 
 def test_branch_points_and_switched_branches_agree_on_the_metronome_pair():
-    model = contin.load("metronomes/pair")
+    model = contin.load("metronomes/pair-averaged")
     at = {"mu": 8.0, "beta": 0.8}
     start = api.equilibrium(model, "in-phase", at)
     line = api.continuation(start, "mu", (0.5, 10.0))

@@ -101,7 +101,7 @@ def test_a_full_disk_stops_the_journal_and_not_the_run(tmp_path):
 
 RUN = """
 contin: 1
-model: metronomes/pair
+model: metronomes/pair-averaged
 continuations:
   - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 2.0e-5, step: 2.0e-5, steps: 99999}}
   - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-4, step: 2.0e-4}}

@@ -1,0 +1,14 @@
+"""`contin show`: the equations of a model."""
+
+from __future__ import annotations
+
+import typer
+
+
+def show_model(reference: str, latex: bool, yaml: bool) -> int:
+    """Print the equations as text, in LaTeX, or as a model file; exit code."""
+    from contin.model.registry import load
+
+    model = load(reference)
+    typer.echo(model.latex() if latex else model.text().rstrip("\n") if yaml else str(model))
+    return 0
