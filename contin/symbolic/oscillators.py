@@ -215,7 +215,7 @@ def _check_resonance(
     if abs(own - first) <= NEAR * eps * first:
         return
     raise InputError(
-        f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g} and {own:.6g}, ratio {own / first:.6g}, "
+        f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio {own / first:.6g} "
         "with the default parameters; only near-identical frequencies are averaged (1:1 resonance, difference of order "
         f"{small} = {eps:g}). If the difference is small, write it as {small} times a detuning"
     )

@@ -63,10 +63,10 @@ def message(tmp_path, capsys):
         ),
         (
             "start: in-phase",
-            "start: {r3: 1}",
-            "continuations[0].start.r3: pair has no state 'r3': did you mean 'r",
+            "start: {x3: 1}",
+            "continuations[0].start.x3: pair has no state 'x3': did you mean 'x",
         ),
-        ("start: in-phase", "start: {r1: 2*q}", "continuations[0].start.r1: unknown name 'q'"),
+        ("start: in-phase", "start: {x1: 2*q}", "continuations[0].start.x1: unknown name 'q'"),
         ("start: in-phase", "from: line", "continuations[0].from: expected NAME.LABEL, such as line.BP1, got 'line'"),
         ("start: in-phase", "start: in-phase, from: a.BP1", "has both `start` and `from`; keep one of them"),
         ("[0.05, 8]", "[8, 0.05]", "continuations[0].range: expected [low, high] with low < high, got [8, 0.05]"),
