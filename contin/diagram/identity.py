@@ -12,7 +12,7 @@ from contin.continuation.branch import Branch
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.maps_cycle import CycleProblem
-from contin.problems.symmetry import apply_symmetry
+from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 SAME = 1e-6  # scaled distance of a point from a curve
 PARALLEL = 0.9999  # cosine of two tangents, which are exact at labelled points
@@ -32,13 +32,13 @@ def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tup
         for shifted in range(1, problem.period):
             yield problem.shifted(z, shifted), None if tangent is None else problem.shifted(tangent, shifted)
     yield z, tangent
-    for symmetry in problem.system.model.symmetries:
-        mapped = apply_symmetry(problem, symmetry.name, z)[0]
+    for symmetry in symmetry_names(problem):
+        mapped = apply_symmetry(problem, symmetry, z)[0]
         image = None
         if tangent is not None:
             size = 1e-6 * max(float(np.abs(z).max()), 1e-12) / max(float(np.abs(tangent).max()), 1e-300)
-            ahead = apply_symmetry(problem, symmetry.name, z + size * tangent)[0]
-            behind = apply_symmetry(problem, symmetry.name, z - size * tangent)[0]
+            ahead = apply_symmetry(problem, symmetry, z + size * tangent)[0]
+            behind = apply_symmetry(problem, symmetry, z - size * tangent)[0]
             image = (ahead - behind) / (2.0 * size)
         yield mapped, image
 

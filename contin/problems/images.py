@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
-from contin.problems.symmetry import apply_symmetry
+from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 STEP = 1e-6  # of the difference quotient that maps tangents, relative to the point
 
@@ -20,7 +20,7 @@ def images(branch: Branch) -> list[Branch]:
     Symmetries that have the same image there (a group of several) give one branch, named after the first.
     """
     found: list[Branch] = []
-    declared = [s.name for s in branch.problem.system.model.symmetries]
+    declared = symmetry_names(branch.problem)
     for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
         if not any(np.allclose(candidate.z, other.z, rtol=1e-9, atol=1e-12) for other in found):

@@ -12,8 +12,17 @@ STEP = 1e-4  # of the finite difference along a direction (relative to the direc
 AGREES = 1e-5
 
 
+def symmetry_names(problem: Any) -> tuple[str, ...]:
+    """The declared symmetries, then their products in pairs (`a*b`: first b, then a): compositions are symmetries too."""
+    declared = tuple(s.name for s in problem.system.model.symmetries)
+    return declared + tuple(f"{a}*{b}" for a in declared for b in declared if a != b)
+
+
 def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
-    """Images of rows z (k, n + 1): the state part is mapped, the parameter stays."""
+    """Images of rows z (k, n + 1) under a name of `symmetry_names`: the state part is mapped, the parameter stays."""
+    if "*" in name:
+        outer, inner = name.split("*")
+        return apply_symmetry(problem, outer, apply_symmetry(problem, inner, z))
     z = np.atleast_2d(z)
     mapped = z.copy()
     p = np.tile(problem.base, (len(z), 1))
@@ -27,7 +36,7 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
 
     At a branch point they map one half of the new branch onto the other: the point breaks them.
     """
-    names = tuple(s.name for s in problem.system.model.symmetries)
+    names = symmetry_names(problem)
     found = []
     size = float(np.max(np.abs(direction[:-1]), initial=0.0))
     if size == 0.0:
