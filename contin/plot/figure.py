@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.plot.labels import densify, place
+from contin.plot.labels import densify, merged, place
 from contin.plot.series import Panel, Source, is_constant
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
@@ -162,27 +162,29 @@ def _angle_ticks(ax: Axes, panel: Panel, periods: Mapping[str, float]) -> None:
 
 
 def _draw_labels(ax: Axes, panel: Panel) -> None:
-    marks = [(x, y, mark.label) for curve in panel.curves for x, y, mark in curve.marks]
-    marks = [entry for entry in marks if math.isfinite(entry[0] + entry[1])]
-    if not marks:
-        return
     from matplotlib.patheffects import withStroke
 
+    marks = [(x, y, mark) for curve in panel.curves for x, y, mark in curve.marks if math.isfinite(x + y)]
+    if not marks:
+        return
     pixels = ax.figure.dpi / 72.0
     size = 7.5 * pixels
-    anchors = ax.transData.transform([(x, y) for x, y, _ in marks])
-    sizes = np.array([(0.62 * size * len(label), size) for *_, label in marks])
+    points = ax.transData.transform([(x, y) for x, y, _ in marks])
+    names = [(mark.type, int(mark.label.removeprefix(mark.type) or 0)) for *_, mark in marks]
+    labels = merged(names, points, 4.0 * pixels)
+    anchors = points[[first for first, _ in labels]]
+    sizes = np.array([(0.62 * size * len(text), size) for _, text in labels])
     strands = [ax.transData.transform(np.stack([p.x, p.y], axis=1)) for curve in panel.curves for p in curve.pieces]
     frame = ax.get_window_extent()
     centres = place(anchors, sizes, densify(strands, 2.5 * pixels), (frame.x0, frame.y0, frame.x1, frame.y1))
     back = ax.transData.inverted()
-    for (x, y, label), anchor, centre, box in zip(marks, anchors, centres, sizes, strict=True):
-        far = (
-            np.hypot(*((centre - anchor) / (box / 2 + size))) > 1.6
-        )  # too far to see what it belongs to without a line
+    for (first, text), anchor, centre, box in zip(labels, anchors, centres, sizes, strict=True):
+        if not np.isfinite(centre).all():
+            continue
+        far = np.hypot(*((centre - anchor) / (box / 2 + size))) > 1.6  # too far to see what it belongs to
         ax.annotate(
-            label,
-            (x, y),
+            text,
+            marks[first][:2],
             xytext=tuple(back.transform(centre)),
             fontsize=7.5,
             ha="center",

@@ -20,7 +20,7 @@ _CURVE_WEIGHT: Final = 1.0  # and each vertex of a curve under it is a little ba
 
 
 def place(anchors: Array, sizes: Array, obstacles: Array, frame: tuple[float, float, float, float]) -> Array:
-    """Centres of the label boxes, in the units of `anchors` (pixels).
+    """Centres of the label boxes, in the units of `anchors` (pixels); NaN for a label that has no room.
 
     Greedy: labels in the given order, each at the candidate with the least overlap with labels placed before, with all
     markers, and with the curves. Cost: labels x candidates x (labels + obstacles).
@@ -48,6 +48,9 @@ def place(anchors: Array, sizes: Array, obstacles: Array, frame: tuple[float, fl
         outside = (low[:, 0] < left) | (low[:, 1] < bottom) | (high[:, 0] > right) | (high[:, 1] > top)
         cost += 40.0 * outside + 0.01 * np.arange(len(candidates))  # ties go to the nearest
         best = int(np.argmin(cost))
+        if cost[best] >= _LABEL_WEIGHT:  # on another label it could not be read
+            centres[k] = np.nan
+            continue
         centres[k] = candidates[best]
         boxes = np.vstack([boxes, [*low[best], *high[best]]])
     return centres
@@ -76,6 +79,26 @@ def _overlaps(boxes: Array, low: Array, high: Array) -> Array:
     apart |= (boxes[None, :, 1] > high[:, None, 1]) | (boxes[None, :, 3] < low[:, None, 1])
     counts: Array = np.count_nonzero(~apart, axis=1).astype(float)
     return counts
+
+
+def merged(labels: Sequence[tuple[str, int]], anchors: Array, distance: float) -> list[tuple[int, str]]:
+    """One label for neighbouring points of one type within `distance`: (index of the first point, 'LP1-3').
+
+    `labels` are (type, number).
+    """
+    groups: list[list[int]] = []
+    for k, (kind, _) in enumerate(labels):
+        for group in groups:
+            if labels[group[0]][0] == kind and np.hypot(*(anchors[group[-1]] - anchors[k])) <= distance:
+                group.append(k)
+                break
+        else:
+            groups.append([k])
+    texts = []
+    for group in groups:
+        kind, numbers = labels[group[0]][0], sorted({labels[k][1] for k in group})
+        texts.append((group[0], f"{kind}{numbers[0]}" if len(numbers) == 1 else f"{kind}{numbers[0]}-{numbers[-1]}"))
+    return texts
 
 
 def densify(curves: Sequence[Array], spacing: float) -> Array:

@@ -95,6 +95,7 @@ class ContinEngine:
             diagram.parameter,
             diagram.range,
             start=list(diagram.starts),
+            box=diagram.box,
             parameters=parameters,
             orbits=diagram.orbits,
             values=diagram.values,

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 Number = float | int | str | Any  # a number, or a formula in the parameters
 StartPoint = str | Mapping[str, Any] | None
 
+EVERYWHERE = "all"  # the start of a diagram that stands for all equilibria in its box
+
 
 @dataclass(frozen=True)
 class RunPlan:
@@ -47,6 +49,7 @@ class DiagramPlan:
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     budget: Mapping[str, Any] = field(default_factory=dict)
+    box: Mapping[str, Sequence[float]] | None = None  # where `start: all` looks for equilibria
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,11 @@ class _Planner:
         path: Path = ("diagram",)
         starts: list[StartPoint] = [None]
         if entry.start is not None:
-            starts = [self.start(s, (*path, "start", k)) for k, s in enumerate(entry.start)]
+            starts = [
+                s if s == EVERYWHERE and not self.has_start(EVERYWHERE) else self.start(s, (*path, "start", k))
+                for k, s in enumerate(entry.start)
+            ]
+        box = self.box(entry.box, (*path, "box"))
         if not self.known(entry.parameter, (*path, "parameter")):
             return None
         bounds = self.bounds(entry.range, [entry.parameter], path).get(entry.parameter)
@@ -150,9 +157,10 @@ class _Planner:
         if bounds is None:
             return None
         for start in starts:
-            self.inside(start, entry.parameter, bounds, (*path, "range"))
+            if start != EVERYWHERE or self.has_start(EVERYWHERE):
+                self.inside(start, entry.parameter, bounds, (*path, "range"))
         budget = entry.budget.model_dump(exclude_none=True)
-        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, entry.settings.chosen(), budget)
+        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, entry.settings.chosen(), budget, box)
 
     def runs(self, entries: Sequence[ContinuationEntry]) -> list[RunPlan]:
         names: list[str] = []
@@ -212,6 +220,27 @@ class _Planner:
             self.problems.add(path, str(error), value=value, span=span)
             return None
         return float(evaluate(expression, self.values)) if self.values else None
+
+    def has_start(self, name: str) -> bool:
+        return any(start.name == name for start in self.model.starts)
+
+    def box(self, written: Mapping[str, Sequence[Any]] | None, path: Path) -> dict[str, tuple[float, float]] | None:
+        """Bounds of states, in numbers."""
+        if written is None:
+            return None
+        box: dict[str, tuple[float, float]] = {}
+        for name, (low, high) in written.items():
+            if name not in self.model.state_names:
+                known = list(self.model.state_names)
+                advice = closest(name, known) or f"there are {', '.join(known)}"
+                self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
+                continue
+            bounds = self.formula(low, (*path, name, 0)), self.formula(high, (*path, name, 1))
+            if bounds[0] is not None and bounds[1] is not None:
+                box[name] = (bounds[0], bounds[1])
+                if not box[name][0] < box[name][1]:
+                    self.problems.add((*path, name), f"the lower bound must be below the upper one; got {list(bounds)}")
+        return box
 
     def start(self, written: str | StartMapping, path: Path) -> StartPoint:
         """A start as the model takes it, its names checked."""

@@ -177,6 +177,7 @@ class DiagramEntry(Section):
     parameter: Text
     range: Ranges | None = None
     start: Starts | None = None
+    box: dict[str, Range] | None = None
     orbits: bool = True
     values: dict[str, Formulas] = {}
     settings: SettingsEntry = SettingsEntry()
