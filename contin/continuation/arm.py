@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.isolate import Found, Note, isolate, resolve_dip
+from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
 from contin.continuation.problem import Adaptive, Chunk, Frame, Planar, Problem, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
 CLOSED = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
 SHORTEST_RETRY = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
+JUMP = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 
@@ -78,7 +79,10 @@ class Arm:
             chunk = (self.march or self.problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
             )
-            corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
+            if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
+                chunk = _without_last(chunk)
+            else:
+                corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
             piece = self._resolve(chunk, before, corner is not None)
             if piece is None:  # the last step jumped to another branch: again, shorter
                 chunk, self.end = _without_last(chunk), None
@@ -141,15 +145,10 @@ class Arm:
         if point is not None and not self._is_known(point):
             self.known.append(point)
             marks = (Row(1, 0.0, point, beyond.tangent),)
-        piece = Piece(
-            beyond.z[None],
-            beyond.tangent[None],
-            np.array([beyond.unstable]),
-            beyond.eigenvalues[None],
-            self.scale,
-            marks,
-        )
-        return beyond, piece
+        notes: tuple[str, ...] = ()
+        if point is None and chunk.unstable[-1] != beyond.unstable:
+            notes = (f"{JUMP} near {self._position(beyond)}",)
+        return beyond, replace(_single(beyond, self.scale), found=marks, notes=notes)
 
     def _resolve(self, chunk: Chunk, before: Sample | None, corner: bool = False) -> Piece | None:
         """Labels and ends of a chunk; None where its last step must be repeated with a shorter one."""
@@ -169,14 +168,16 @@ class Arm:
                 last, replaced = closing, True
             items = list(isolate(stretch, stretch.base, last)) if chunk.stop is not Stop.LIMIT else []
             earlier = chunk.sample(rows - 2) if rows >= 2 else before
-            if chunk.stop is Stop.DIP and earlier is not None:
-                items += list(resolve_dip(stretch, earlier, stretch.base, last, chunk.dipped))
+            if chunk.stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
+                low = set(dips(stretch, earlier, stretch.base, chunk.sample(rows)))
+                for test in sorted(low | ({chunk.dipped} if chunk.stop is Stop.DIP else set())):
+                    items += list(resolve_dip(stretch, earlier, stretch.base, last, test))
             if chunk.lengths[-1] > SHORTEST_RETRY and any(isinstance(i, Note) and i.suspect for i in items):
                 return None
             for item in items:
                 if isinstance(item, Note):
                     notes.append(item.text)
-                elif not self._is_known(item.point):
+                elif not self._is_known(item.point) and not any(self._same(item.point, f.point) for f in found):
                     found.append(item)
             found.sort(key=lambda f: f.length)
             outside = next((f for f in found if self._walls_passed(f.point.z)), None)
@@ -235,12 +236,15 @@ class Arm:
         return None
 
     def _is_known(self, point: Verified) -> bool:
-        return any(
-            k.type == point.type
-            and k.z.size == point.z.size
-            and np.linalg.norm(self._seen((k.z - point.z) / self.scale)) < SAME_POINT
-            for k in self.known
-        )
+        return any(self._same(point, k) for k in self.known)
+
+    def _same(self, a: Verified, b: Verified) -> bool:
+        """One type at one place (angles modulo their periods) and, for oscillations, one frequency."""
+        if a.type != b.type or a.z.size != b.z.size:
+            return False
+        u, v = a.vectors.get("omega", 0.0), b.vectors.get("omega", 0.0)
+        near = float(np.linalg.norm(self._seen(self._wrapped(a.z - b.z) / self.scale))) < SAME_POINT
+        return near and abs(u - v) <= 1e-6 * (abs(u) + abs(v))
 
     def _at_bound(self, stretch: Stretch, beyond: Sample) -> Sample:
         """The point of the curve on the bound that was passed; ends the arm."""

@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contin.continuation.curve import Stretch
+from contin.continuation.march import is_dip
 from contin.continuation.problem import Sample, Verified
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
-DIP_BUDGET = 30
+DIP_BUDGET = 45
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
+CHORD = 1e-7  # shorter chords have no direction
 DEPTH = 60  # halvings of one step
 
 
@@ -102,7 +104,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
             length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
             if moved <= 0.2 * width + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
-                return low, high, Found(length, verified, _at_point(stretch, near, a, b, verified))
+                return low, high, Found(length, verified, _at_point(stretch, near, verified))
             outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
         else:
             outcome = verified
@@ -112,7 +114,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
 
 
 def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> Iterator[Found]:
-    """`found`, or everything that coincides with it: crossings in opposite senses leave signs and counts as they were."""
+    """`found`, or all that coincides with it: crossings in opposite senses leave signs and counts as they were."""
     if found.point.crowded:
         z = found.point.z
         items = stretch.problem.verify_compound(replace(a, z=z), replace(b, z=z), stretch.frame)
@@ -124,18 +126,18 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
     yield found
 
 
-def _at_point(stretch: Stretch, near: Sample, a: Sample, b: Sample, point: Verified) -> Sample:
-    """`near` with the tangent at the point: of the branches through it, the one that continues a to b.
+def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
+    """`near` with the tangent at the point: of the branches through it, the one that the stretch follows.
 
-    Close to a branch point the Jacobian is too small to give a direction, so the nearest sample's own tangent is
-    useless.
+    Close to a branch point the Jacobian is too small to give a direction, so the tangents of samples next to it are
+    useless; the stretch's base and the chord from there to the point (a circle through both) tell which branch it is.
     """
-    s_a, s_b = stretch.length_of(a), stretch.length_of(b)
-    s = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
-    weight = min(max((s - s_a) / (s_b - s_a), 0.0), 1.0) if s_b != s_a else 0.5
-    expected = (1.0 - weight) * a.tangent + weight * b.tangent
+    base, scale = stretch.base, stretch.frame.scale
+    chord = (point.z - base.z) / scale
+    length = float(base.tangent @ chord)
+    expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
     expected = expected / np.linalg.norm(expected)
-    best = max(stretch.problem.tangents(point.z, stretch.frame.scale), key=lambda t: abs(float(t @ expected)))
+    best = max(stretch.problem.tangents(point.z, scale), key=lambda t: abs(float(t @ expected)))
     alignment = float(best @ expected)
     return replace(near, tangent=best * np.sign(alignment) if abs(alignment) > 0.9 else expected)
 
@@ -149,9 +151,17 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
     for item in items:
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
-            yield Found(length, item, _at_point(stretch, a, stretch.base, b, item))
+            yield Found(length, item, _at_point(stretch, a, item))
         elif item:
             yield Note(_where(stretch, a, item), "not verified" in item)
+
+
+def dips(stretch: Stretch, a: Sample, here: Sample, b: Sample) -> list[int]:
+    """Indices of the tests that come close to zero at `here`, between a and b, without changing sign."""
+    before, after = stretch.distance(a, here), stretch.distance(here, b)
+    if before == 0.0 or after == 0.0:
+        return []
+    return [i for i in range(len(here.tests)) if is_dip(a.tests[i], here.tests[i], b.tests[i], before, after)]
 
 
 def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
@@ -196,6 +206,8 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
             low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
         else:
             low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
+    if size(middle) <= 1e-5 * size(here):
+        yield from _touching(stretch, low, high, test)
 
 
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterator[Found | Note]:
@@ -205,7 +217,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterato
     points = [item for item in items if isinstance(item, Verified) and item.error < ACCURATE * scale]
     for point in points:
         length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
-        yield Found(length, point, _at_point(stretch, low, low, high, point))
+        yield Found(length, point, _at_point(stretch, low, point))
     if not points and (items or test == 0):
         text = "a test function touches zero without crossing it: a degenerate point, not labelled"
         yield Note(_where(stretch, low, text))

@@ -164,6 +164,8 @@ def march(
                 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
             )
             found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.newton_tolerance)
+            if not isinstance(found, str) and np.linalg.norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
+                found = "not the curve that the step set out on"
             if isinstance(found, str):
                 evaluations += 1
                 if h <= settings.min_step:
@@ -219,7 +221,7 @@ def _what_happened(
         return Stop.EVENT, 0
     if old is not None and h_previous > 0:
         for i in range(len(sample.tests)):
-            if _is_dip(old.tests[i], last.tests[i], sample.tests[i], h_previous, h):
+            if is_dip(old.tests[i], last.tests[i], sample.tests[i], h_previous, h):
                 return Stop.DIP, i
     if loop is not None:
         difference = sample.z - loop.z
@@ -237,11 +239,17 @@ def _what_happened(
     return None, 0
 
 
-def _is_dip(before: Any, here: Any, after: Any, h_before: float, h_after: float) -> bool:
+def is_dip(before: Any, here: Any, after: Any, h_before: float, h_after: float) -> bool:
+    """True where |test| has a local minimum at `here` that may hide two zeros.
+
+    So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).
+    """
     a, b, c = abs(before), abs(here), abs(after)
     if before * here <= 0 or here * after <= 0 or not (b < a and b <= c):
         return False
     left, right = (b - a) / h_before, (c - b) / h_after
+    if b + left * h_after <= 0 or b - right * h_before <= 0:
+        return True
     second = (right - left) / (h_before + h_after)
     slope = (left * h_after + right * h_before) / (h_before + h_after)
     return bool(second > 0 and b - slope**2 / (4 * second) < DIP_FRACTION * b)

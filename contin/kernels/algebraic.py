@@ -162,8 +162,8 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
 
 @kernel
 def probe(
-    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re, im,
-    sizes,
+    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re,
+    im, sizes,
 ):  # fmt: skip
     """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there.
 
@@ -181,8 +181,8 @@ def probe(
         z[j] = guess[j]
         y[j] = (guess[j] - z0[j]) / scale[j]
     sign = correct(
-        address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots, step,
-        sizes,
+        address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
+        step, sizes,
     )  # fmt: skip
     if sign == 0:
         return -1
@@ -194,7 +194,10 @@ def probe(
 
 @kernel
 def is_dip(before, here, after, h_before, h_after):
-    """True where |test| has a local minimum at `here` that may hide two zeros (parabola through three points)."""
+    """True where |test| has a local minimum at `here` that may hide two zeros.
+
+    So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).
+    """
     if before * here <= 0.0 or here * after <= 0.0:
         return False
     a, b, c = abs(before), abs(here), abs(after)
@@ -202,6 +205,8 @@ def is_dip(before, here, after, h_before, h_after):
         return False
     left = (b - a) / h_before
     right = (c - b) / h_after
+    if b + left * h_after <= 0.0 or b - right * h_before <= 0.0:
+        return True
     second = (right - left) / (h_before + h_after)
     if second <= 0.0:
         return False
@@ -283,6 +288,11 @@ def march(
                 block, pivots, step, sizes,
             )  # fmt: skip
             info[2] += sizes[1]
+            length = 0.0
+            for j in range(n + 1):
+                length += y[j] * y[j]
+            if math.sqrt(length) > 2.0 * h + 10.0 * tolerance:  # not the curve that the step set out on
+                sign = 0
             if sign == 0 or sign == 2:
                 if h <= h_min:
                     info[5] = h

@@ -12,6 +12,8 @@ from contin.continuation.settings import Settings
 
 BUDGET = 30
 AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked for
+PASSED = -1e-4  # ... and how far behind it: Newton's last step may have crossed it unseen
+BESIDE = 1e-8  # a corner this close to two samples lies between them: Newton moves them that far
 BEHIND = 1e-5  # how far behind it the branch is taken up again
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
@@ -28,11 +30,15 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     n = problem.n
     h_a = system.switches(a.z[:n], problem.full_parameters(a.z))
     h_b = system.switches(b.z[:n], problem.full_parameters(b.z))
-    for k in np.flatnonzero((h_a * h_b <= 0.0) & (h_a != h_b)):
+    gap = 4.0 * float(np.linalg.norm((b.z - a.z) / frame.scale)) + BESIDE
+    crossed = (h_a * h_b <= 0.0) & (h_a != h_b)
+    for k in np.argsort(~crossed, kind="stable"):  # those that change sign first
         solved = _on_surface(problem, int(k), 0.5 * (a.z + b.z), a, frame)
         if solved is None:
             continue
         z, residual, error = solved
+        if not crossed[k] and np.linalg.norm((z - a.z) / frame.scale) > gap:
+            continue
         if a.tests[0] * b.tests[0] < 0.0:
             stable = min(a.unstable, b.unstable)
             return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
@@ -62,7 +68,7 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = np.where(slope != 0.0, -here / slope, np.inf)
     for k in np.argsort(np.abs(distance)):
-        if not -STEP < distance[k] < AHEAD:
+        if not PASSED < distance[k] < AHEAD:
             continue
         solved = _on_surface(problem, int(k), last.z, last, frame)
         if solved is None:

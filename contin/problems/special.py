@@ -20,6 +20,7 @@ COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the larges
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
+CENTRE = 1e-11  # a pair this close to the boundary on both sides of a point stays there
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
 
 
@@ -62,10 +63,21 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
     pair = _critical_pair(near.eigenvalues, problem.is_map)
     if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
-        return "" if type_ == "neutral" else f"{type_}: the two eigenvalues that cross are real"
+        if type_ == "neutral":
+            return _opposite_zeros(problem, local, y, frame, near.tangent)
+        return f"{type_}: the two eigenvalues that cross are real"
     if type_ == "neutral":
         return "a pair of eigenvalues touches the stability boundary without a change of the unstable count"
-    return _oscillatory(problem, local, y, frame, pair)
+    return _oscillatory(problem, local, y, frame, pair, near.tangent)
+
+
+def _opposite_zeros(problem: Any, local: ScaledSystem, y: Array, frame: Frame, tangent: Array) -> Verified | str:
+    """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
+    here, there = (np.linalg.svd(local.linearise(at)[1], compute_uv=False) for at in (y, y + BESIDE * tangent))
+    if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
+        return ""
+    found = _branch_point(problem, local, y, frame, 2, tangent)
+    return found if isinstance(found, Verified) else ""
 
 
 def _critical_pair(values: Any, is_map: bool) -> complex | None:
@@ -81,9 +93,11 @@ def _critical_pair(values: Any, is_map: bool) -> complex | None:
 
 
 def _oscillatory(
-    problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex, corank: int = 1
+    problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array, corank: int = 1
 ) -> Verified | str:
     """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
+    if _critical_throughout(problem, local, y, pair, tangent, corank):
+        return ""
     if problem.is_map:
         angle = float(np.angle(pair))
         solved = defining.critical_pair(
@@ -113,21 +127,43 @@ def _with(point: Verified, **changes: Any) -> Verified:
     return replace(point, **changes)
 
 
+def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
+    """Points of the curve on both sides of y, even where the Jacobian is singular all along; [] where there are none."""
+    found = []
+    for side in (-BESIDE, BESIDE):
+        at = y + side * tangent
+        for _ in range(4):  # minimum-norm Newton steps, which singular Jacobians do not disturb
+            f, jacobian = local.linearise(at)
+            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(jacobian))):
+                return []
+            at = at - np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
+        found.append(at)
+    return found
+
+
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
     """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
     at_point = np.linalg.svd(local.linearise(y)[1], compute_uv=False)
-    for side in (-BESIDE, BESIDE):
-        beside = y + side * tangent
-        for _ in range(4):  # back to the curve by minimum-norm Newton steps, which singular Jacobians do not disturb
-            f, jacobian = local.linearise(beside)
-            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(jacobian))):
-                return False
-            beside = beside - np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
-        _, jacobian = local.linearise(beside)
-        singular = np.linalg.svd(jacobian, compute_uv=False)
+    beside = _beside(local, y, tangent)
+    for at in beside:
+        singular = np.linalg.svd(local.linearise(at)[1], compute_uv=False)
         if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
             return False
-    return True
+    return bool(beside)
+
+
+def _critical_throughout(
+    problem: Any, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
+) -> bool:
+    """True where `count` pairs stay on the stability boundary along the branch: centres of a conservative system."""
+    beside = _beside(local, y, tangent)
+    for at in beside:
+        values = eigenvalues_of(problem, at * local.scale)
+        nearest = values[np.argsort(np.abs(values - pair))[:count]]
+        distance = np.abs(np.abs(nearest) - 1.0) if problem.is_map else np.abs(nearest.real)
+        if float(distance.max()) > CENTRE * float(np.max(np.abs(values))):
+            return False
+    return bool(beside)
 
 
 def _branch_point(
@@ -214,7 +250,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
         flip = defining.eigenvalue_at(local, y, -2.0)
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
     for pair, count in _pairs_on_boundary(eigenvalues_of(problem, y * frame.scale), problem.is_map, size):
-        found.append(_oscillatory(problem, local, y, frame, pair, count))
+        found.append(_oscillatory(problem, local, y, frame, pair, a.tangent, count))
     return _merge(found, frame)
 
 
@@ -267,7 +303,14 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     )
     if singular[-1] > 1e-9 * size:
         return [right[-1]]
-    return crossing_tangents(local, y) or [right[-1]]
+    corank = int(np.sum(singular <= 1e-9 * size))
+    if corank > 1:
+        from contin.problems.multiple import reduced_branches
+
+        tangents = [t for t, _ in reduced_branches(local, y, np.zeros(local.n + 1), corank)]
+    else:
+        tangents = crossing_tangents(local, y)
+    return tangents or [right[-1]]
 
 
 def crossing_tangents(local: ScaledSystem, y: Array) -> list[Array]:

@@ -24,7 +24,9 @@ def rows_exchanged(pivots):
 
 def random_matrix(n, seed, spread):
     rng = np.random.default_rng(seed)
-    return 10.0 ** rng.uniform(-spread, spread, (n, 1)) * rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-spread, spread, n)
+    return (
+        10.0 ** rng.uniform(-spread, spread, (n, 1)) * rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-spread, spread, n)
+    )
 
 
 @given(n=st.integers(1, 12), seed=st.integers(0, 10**6), spread=st.sampled_from([0.0, 3.0]))

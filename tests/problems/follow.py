@@ -28,7 +28,9 @@ def labels(branch: Branch, types: str = "LP BP HB PD NS") -> list[tuple[str, flo
     return [(p.type, p.values[branch.parameters[0]]) for p in branch.points if p.type in types.split()]
 
 
-def assert_labels(branch: Branch, expected: Sequence[tuple[str, float]], rtol: float = 1e-12, atol: float = 1e-12) -> None:
+def assert_labels(
+    branch: Branch, expected: Sequence[tuple[str, float]], rtol: float = 1e-12, atol: float = 1e-12
+) -> None:
     """Exactly these labels, in any order of rows; every error estimate bounds the true error."""
     found = sorted(labels(branch))
     wanted = sorted(expected)
