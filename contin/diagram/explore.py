@@ -19,7 +19,8 @@ from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
 from contin.errors import ContinError, InputError
-from contin.problems.images import images
+from contin.problems.images import images, images_through
+from contin.problems.symmetry import apply_symmetry
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,18 @@ class Explorer:
     watch: Watcher | None = None
     journal: Journal | None = None
 
-    def explore(self, starts: Sequence[tuple[str, Seed]]) -> Diagram:
-        """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again."""
+    def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
+        """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
+
+        `reserve` are seeds that are tried when all else is followed: those on no branch yet begin `all1`, `all2`...
+        """
         diagram = Diagram(self.parameter, self.bounds, explorer=self)
         queue: deque[tuple[str, Seed]] = deque(starts)
         self._work(diagram, queue)
+        number = 1
+        for seed in reserve:
+            if self._known(diagram, seed) is None and self._work(diagram, deque([(f"all{number}", seed)])):
+                number += 1
         return diagram
 
     def _work(self, diagram: Diagram, queue: deque[tuple[str, Seed]]) -> list[Branch]:
@@ -96,6 +104,8 @@ class Explorer:
         if known is not None:
             if not seed.born:
                 diagram.notes.append(f"start {name!r} lies on branch {known.name!r}")
+            elif known.parent is not None:
+                diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
         try:
             branch = trace(
@@ -112,8 +122,18 @@ class Explorer:
             return None
         diagram.branches.append(branch)
         diagram.branches.extend(images(branch))
+        self._mirror_births(diagram, branch, seed)
         diagram.notes.extend(f"{name}: {note}" for note in branch.notes)
         return branch
+
+    def _mirror_births(self, diagram: Diagram, branch: Branch, seed: Seed) -> None:
+        """What is born on a branch is born, mirrored, on that branch's images."""
+        if branch.kind not in ("equilibrium", "fixed-point"):
+            return
+        for mirror in [b for b in diagram.branches if b.image_of and branch.parent]:
+            if mirror.image_of and branch.parent and mirror.image_of.branch == branch.parent.branch:
+                born_at = apply_symmetry(seed.problem, mirror.image_of.symmetry, seed.z)[0]
+                diagram.branches.extend(images_through(branch, born_at, diagram.branches))
 
     def _known(self, diagram: Diagram, seed: Seed) -> Branch | None:
         problem = seed.problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
+SAME = 1e-7  # relative difference from which two points are two
 STEP = 1e-6  # of the difference quotient that maps tangents, relative to the point
 
 
@@ -25,6 +27,23 @@ def images(branch: Branch) -> list[Branch]:
         candidate = image(branch, name)
         if not any(np.allclose(candidate.z, other.z, rtol=1e-9, atol=1e-12) for other in found):
             found.append(candidate)
+    return found
+
+
+def images_through(branch: Branch, z: Array, known: Iterable[Branch]) -> list[Branch]:
+    """Images of a computed branch that contain the point z and are not among the `known` branches.
+
+    Where symmetries map several branches through a point onto each other, one is computed and these are the rest.
+    """
+    found: list[Branch] = []
+    size = np.maximum(np.abs(branch.z), 1e-6 * float(np.nanmax(np.abs(branch.z))))
+    for name in symmetry_names(branch.problem):
+        mapped = apply_symmetry(branch.problem, name, branch.z)
+        others = [b.z for b in (*known, *found) if b.z.shape == mapped.shape]
+        if any(np.all(np.abs(mapped - other) <= SAME * size) for other in others):
+            continue
+        if np.any(np.all(np.abs(mapped - z) <= SAME * np.maximum(size, np.abs(z)), axis=1)):
+            found.append(image(branch, name))
     return found
 
 

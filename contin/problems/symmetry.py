@@ -13,7 +13,7 @@ AGREES = 1e-5
 
 
 def symmetry_names(problem: Any) -> tuple[str, ...]:
-    """The declared symmetries, then their products in pairs (`a*b`: first b, then a): compositions are symmetries too."""
+    """The declared symmetries, then their products in pairs (`a*b`: first b, then a), which are symmetries too."""
     declared = tuple(s.name for s in problem.system.model.symmetries)
     return declared + tuple(f"{a}*{b}" for a in declared for b in declared if a != b)
 
