@@ -31,7 +31,8 @@ def test_square_symmetry_gives_all_eight_half_branches_from_two_computed_ones():
 
 
 def test_what_is_born_on_a_branch_is_born_on_its_image():
-    # pure modes x^2 = p and y^2 = p - 1/5; mixed x^2 = (p - 2(p - 1/5))/(1 - 4), y^2 = (p - 1/5 - 2 p)/(1 - 4) beyond 2/5
+    # pure modes x^2 = p and y^2 = p - 1/5
+    # mixed x^2 = (p - 2(p - 1/5))/(1 - 4), y^2 = (p - 1/5 - 2 p)/(1 - 4) beyond 2/5
     model = Model(
         "modes",
         states={"x": 0, "y": 0},
