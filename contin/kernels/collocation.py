@@ -8,6 +8,7 @@ Layout of z: u at the N m + 1 nodes (n values each), T, the lengths h_1 .. h_N o
 along, never solved for), p. So a point knows its own mesh.
 """
 
+import math
 from collections import namedtuple
 
 import numpy as np
@@ -50,7 +51,6 @@ Points = namedtuple(
 )
 
 
-@kernel
 def new_points(n, m, intervals, p):
     """Memory for values at the Gauss points of one mesh."""
     return Points(
@@ -71,129 +71,184 @@ def new_points(n, m, intervals, p):
 @kernel
 def set_phase(e, w, reference, sizes):
     """Phase condition with respect to `reference` (layout of z): row of weights at the nodes, and its right-hand side."""
-    n, m = e.n, e.m
-    intervals = w.u.shape[2]
-    w.phase_right[0] = 0.0
+    w_u = w.u
+    w_phase_right = w.phase_right
+    w_phase = w.phase
+    e_n = e.n
+    e_m = e.m
+    e_weights = e.weights
+    e_slopes = e.slopes
+    e_values = e.values
+    n, m = e_n, e_m
+    intervals = w_u.shape[2]
+    w_phase_right[0] = 0.0
     for j in range(m + 1):
         for k in range(n):
             for i in range(intervals):
-                w.u[j, k, i] = reference[(i * m + j) * n + k]
-    w.phase[:, :, :] = 0.0
+                w_u[j, k, i] = reference[(i * m + j) * n + k]
+    for j in range(m + 1):
+        for k in range(n):
+            for i in range(intervals):
+                w_phase[j, k, i] = 0.0
     total = 0.0
     for c in range(m):
         for k in range(n):
-            inverse = e.weights[c] / (sizes[k] * sizes[k])
+            inverse = e_weights[c] / (sizes[k] * sizes[k])
             for i in range(intervals):
                 slope = 0.0
                 here = 0.0
                 for j in range(m + 1):
-                    slope += e.slopes[c, j] * w.u[j, k, i]
-                    here += e.values[c, j] * w.u[j, k, i]
+                    slope += e_slopes[c, j] * w_u[j, k, i]
+                    here += e_values[c, j] * w_u[j, k, i]
                 slope *= inverse
                 total += slope * here
                 for j in range(m + 1):
-                    w.phase[j, k, i] += slope * e.values[c, j]
-    w.phase_right[0] = total
+                    w_phase[j, k, i] += slope * e_values[c, j]
+    w_phase_right[0] = total
 
 
 @kernel
 def evaluate(e, w, z, with_jacobian):
     """f (and its Jacobian) at all Gauss points; False where something is not finite."""
-    n, m = e.n, e.m
-    intervals = w.u.shape[2]
+    w_u = w.u
+    w_p = w.p
+    w_at = w.at
+    w_F = w.F
+    w_J = w.J
+    w_fu = w.fu
+    w_fp = w.fp
+    w_ft = w.ft
+    w_f = w.f
+    e_n = e.n
+    e_m = e.m
+    e_active = e.active
+    e_values = e.values
+    e_forcing = e.forcing
+    e_gauss = e.gauss
+    e_jacobian = e.jacobian
+    e_value = e.value
+    n, m = e_n, e_m
+    intervals = w_u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]
-    w.p[e.active] = z[z.size - 1]
+    w_p[e_active] = z[z.size - 1]
     for j in range(m + 1):
         for k in range(n):
             for i in range(intervals):
-                w.u[j, k, i] = z[(i * m + j) * n + k]
+                w_u[j, k, i] = z[(i * m + j) * n + k]
     for c in range(m):
         for k in range(n):
             for i in range(intervals):
-                w.at[c, k, i] = e.values[c, 0] * w.u[0, k, i]
+                w_at[c, k, i] = e_values[c, 0] * w_u[0, k, i]
             for j in range(1, m + 1):
-                x = e.values[c, j]
+                x = e_values[c, j]
                 for i in range(intervals):
-                    w.at[c, k, i] += x * w.u[j, k, i]
+                    w_at[c, k, i] += x * w_u[j, k, i]
     here = np.empty(n)
     total = 0.0
     start = 0.0
-    time_column = n + w.p.size - 1
+    time_column = n + w_p.size - 1
     for i in range(intervals):
         h = z[nodes + 1 + i]
         for c in range(m):
             for k in range(n):
-                here[k] = w.at[c, k, i]
-            if e.forcing != 0:
-                w.p[w.p.size - 1] = period * (start + h * e.gauss[c])
+                here[k] = w_at[c, k, i]
+            if e_forcing != 0:
+                w_p[w_p.size - 1] = period * (start + h * e_gauss[c])
             if with_jacobian:
-                call4(e.jacobian, here, w.p, w.F, w.J)
+                call4(e_jacobian, here, w_p, w_F, w_J)
                 for k in range(n):
                     for q in range(n):
-                        value = w.J[k, q]
-                        w.fu[c, k, q, i] = value
+                        value = w_J[k, q]
+                        w_fu[c, k, q, i] = value
                         total += value
-                    value = w.J[k, n + e.active]
-                    w.fp[c, k, i] = value
+                    value = w_J[k, n + e_active]
+                    w_fp[c, k, i] = value
                     total += value
-                    if e.forcing != 0:
-                        w.ft[c, k, i] = w.J[k, time_column]
-                        total += w.J[k, time_column]
+                    if e_forcing != 0:
+                        w_ft[c, k, i] = w_J[k, time_column]
+                        total += w_J[k, time_column]
             else:
-                call3(e.value, here, w.p, w.F)
+                call3(e_value, here, w_p, w_F)
             for k in range(n):
-                w.f[c, k, i] = w.F[k]
-                total += w.F[k]
+                w_f[c, k, i] = w_F[k]
+                total += w_F[k]
         start += h
-    return np.isfinite(total)
+    return math.isfinite(total)
 
 
 @kernel
 def forcing_period(e, w, z):
     """(period, its derivative by the varying parameter) of a forced system's orbit."""
-    w.p[e.active] = z[z.size - 1]
+    w_p = w.p
+    w_J = w.J
+    w_F = w.F
+    e_active = e.active
+    e_forcing = e.forcing
+    e_multiple = e.multiple
+    w_p[e_active] = z[z.size - 1]
     period = np.empty(1)
-    derivatives = np.empty((1, w.J.shape[1]))
-    call4(e.forcing, w.F, w.p, period, derivatives)
-    return e.multiple * period[0], e.multiple * derivatives[0, w.F.size + e.active]
+    derivatives = np.empty((1, w_J.shape[1]))
+    call4(e_forcing, w_F, w_p, period, derivatives)
+    return e_multiple * period[0], e_multiple * derivatives[0, w_F.size + e_active]
 
 
 @kernel
 def residual(e, w, z, right, jump, border):
     """Minus the residual: right (m n + 2, N) collocation, jump (n,) periodicity, border[0] phase. Needs `evaluate`."""
-    n, m = e.n, e.m
-    intervals = w.u.shape[2]
+    w_u = w.u
+    w_f = w.f
+    w_phase_right = w.phase_right
+    w_phase = w.phase
+    e_n = e.n
+    e_m = e.m
+    e_slopes = e.slopes
+    e_winding = e.winding
+    e_forcing = e.forcing
+    n, m = e_n, e_m
+    intervals = w_u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]
     for c in range(m):
         for k in range(n):
             r = c * n + k
             for i in range(intervals):
-                right[r, i] = z[nodes + 1 + i] * period * w.f[c, k, i] - e.slopes[c, 0] * w.u[0, k, i]
+                right[r, i] = z[nodes + 1 + i] * period * w_f[c, k, i] - e_slopes[c, 0] * w_u[0, k, i]
             for j in range(1, m + 1):
-                x = e.slopes[c, j]
+                x = e_slopes[c, j]
                 for i in range(intervals):
-                    right[r, i] -= x * w.u[j, k, i]
+                    right[r, i] -= x * w_u[j, k, i]
     for k in range(n):
-        jump[k] = z[k] + e.winding[k] - z[nodes - n + k]
-    if e.forcing != 0:
+        jump[k] = z[k] + e_winding[k] - z[nodes - n + k]
+    if e_forcing != 0:
         wanted, _ = forcing_period(e, w, z)
         border[0] = wanted - period
     else:
-        total = w.phase_right[0]
+        total = w_phase_right[0]
         for j in range(m + 1):
             for k in range(n):
                 for i in range(intervals):
-                    total -= w.phase[j, k, i] * w.u[j, k, i]
+                    total -= w_phase[j, k, i] * w_u[j, k, i]
         border[0] = total
 
 
 @kernel
 def fill(e, w, z, tangent, scale, local, border):
     """The matrix: `local` of `Factors`, border (2, 2) coefficients of T and p. Needs `evaluate` with the Jacobian."""
-    n, m = e.n, e.m
-    intervals = w.u.shape[2]
+    w_u = w.u
+    w_fu = w.fu
+    w_phase = w.phase
+    w_f = w.f
+    w_fp = w.fp
+    w_ft = w.ft
+    e_n = e.n
+    e_m = e.m
+    e_values = e.values
+    e_slopes = e.slopes
+    e_forcing = e.forcing
+    e_gauss = e.gauss
+    n, m = e_n, e_m
+    intervals = w_u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]
     inner = (m - 1) * n
@@ -202,17 +257,17 @@ def fill(e, w, z, tangent, scale, local, border):
     for j in range(m + 1):
         column = left if j == 0 else (right if j == m else (j - 1) * n)
         for c in range(m):
-            value = e.values[c, j] * period
-            slope = e.slopes[c, j]
+            value = e_values[c, j] * period
+            slope = e_slopes[c, j]
             for k in range(n):
                 for q in range(n):
                     for i in range(intervals):
-                        local[c * n + k, column + q, i] = -value * z[nodes + 1 + i] * w.fu[c, k, q, i]
+                        local[c * n + k, column + q, i] = -value * z[nodes + 1 + i] * w_fu[c, k, q, i]
                 for i in range(intervals):
                     local[c * n + k, column + k, i] += slope
         for k in range(n):
             for i in range(intervals):
-                local[m * n, column + k, i] = w.phase[j, k, i]
+                local[m * n, column + k, i] = w_phase[j, k, i]
                 t = 0.0
                 if j < m or i == intervals - 1:
                     index = (i * m + j) * n + k
@@ -221,16 +276,16 @@ def fill(e, w, z, tangent, scale, local, border):
     for c in range(m):
         for k in range(n):
             for i in range(intervals):
-                local[c * n + k, right + n, i] = -z[nodes + 1 + i] * w.f[c, k, i]
-                local[c * n + k, right + n + 1, i] = -z[nodes + 1 + i] * period * w.fp[c, k, i]
-    if e.forcing != 0:
+                local[c * n + k, right + n, i] = -z[nodes + 1 + i] * w_f[c, k, i]
+                local[c * n + k, right + n + 1, i] = -z[nodes + 1 + i] * period * w_fp[c, k, i]
+    if e_forcing != 0:
         start = 0.0
         for i in range(intervals):
             h = z[nodes + 1 + i]
             for c in range(m):
-                t = period * (start + h * e.gauss[c])
+                t = period * (start + h * e_gauss[c])
                 for k in range(n):
-                    local[c * n + k, right + n, i] -= h * t * w.ft[c, k, i]
+                    local[c * n + k, right + n, i] -= h * t * w_ft[c, k, i]
             start += h
     for q in range(2):
         for c in range(2):
@@ -238,7 +293,7 @@ def fill(e, w, z, tangent, scale, local, border):
                 local[m * n + q, right + n + c, i] = 0.0
     border[0, 0] = 0.0
     border[0, 1] = 0.0
-    if e.forcing != 0:
+    if e_forcing != 0:
         for column in range(inner + 2 * n):
             for i in range(intervals):
                 local[m * n, column, i] = 0.0

@@ -7,9 +7,13 @@ factors. Layout of z and equations: `contin.kernels.collocation`; test functions
     0  dp/ds                        zero at folds of cycles
     1  sign det M / |y|             zero at branch points; M y = (a fixed jump of u over a period)
     2  pairs, 3  flips              of the nontrivial multipliers, see `tests_of_stability`
+
+Memory comes from Python (`new_scratch` and the like) and slices of arrays are avoided: numba compiles each of them as a
+function of its own, and that was two thirds of the time of the first compilation.
 """
 
 import math
+from collections import namedtuple
 
 import numpy as np
 
@@ -21,9 +25,11 @@ from contin.kernels.collocation import evaluate, fill, new_points, residual, set
 from contin.kernels.collocation_elimination import eliminate
 from contin.kernels.collocation_mesh import mesh_error
 from contin.kernels.collocation_system import factorise, new_factors, solve
-from contin.kernels.compile import call3, kernel
+from contin.kernels.compile import call3, kernel, part
 from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.tests_of_stability import map_tests
+
+MARCH, PROBE, STABILITY = range(3)  # what `follow` does
 
 ITERATIONS = 14
 FACTORISATIONS = 6
@@ -32,25 +38,71 @@ STALE = 2e-3  # factors are renewed before measuring when the point has moved fu
 WANTED = 4e-3  # first correction that the step control aims at
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
 
+Scratch = namedtuple(
+    "Scratch",
+    [
+        "z",
+        "step",
+        "old",  # the tangent before the last one
+        "tests",
+        "sizes",  # of a correction: [first, evaluations, moved since the last factorisation, factorisations]
+        "density",
+        "transitions",  # (N, n, n)
+        "field",  # (N, n) f at the mesh points
+        "basis",  # (d, d) of the multipliers' iteration, d nontrivial ones; NaN where unknown
+        "re",  # (d,)
+        "im",
+        "jump",  # (n,)
+        "right",  # (2,)
+        "border",  # (2, 2)
+        "state",  # (n,)
+    ],
+)
 
-@kernel
-def correct(e, w, s, z, z0, tangent, scale, length, tolerance, step, sizes):
-    """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = length (z in place, phase row set).
+
+def new_scratch(n, nontrivial, intervals, size):
+    """Memory for `follow`."""
+    return Scratch(
+        np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(TESTS), np.zeros(4), np.zeros(intervals),
+        np.zeros((intervals, n, n)), np.zeros((intervals, n)), np.full((nontrivial, nontrivial), np.nan),
+        np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros(n),
+    )  # fmt: skip
+
+
+def new_memory(n, m, nontrivial, intervals, size, p):
+    """(points, factors, scratch) for one mesh."""
+    return new_points(n, m, intervals, p), new_factors(n, m, intervals), new_scratch(n, nontrivial, intervals, size)
+
+
+@part
+def advance(z, step, scale, nodes):
+    """z += step (which has no mesh entries) over u, T and p; returns the length of the step in the metric."""
+    last = z.size - 1
+    total = 0.0
+    for j in range(nodes + 1):
+        d = step[j] / scale[j]
+        total += d * d
+        z[j] += step[j]
+    d = step[nodes + 1] / scale[last]
+    z[last] += step[nodes + 1]
+    return math.sqrt(total + d * d)
+
+
+@part
+def correct(e, w, s, x, z0, tangent, scale, length, tolerance):
+    """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = length, on x.z (phase row set).
 
     Returns the sign of the determinant (+1, -1), 0 (no convergence) or 2 (not finite); `s` holds the last factors.
-    sizes : [first correction, evaluations, distance moved since the last factorisation, factorisations].
     """
     n, m = e.n, e.m
-    intervals = w.u.shape[2]
-    nodes = (intervals * m + 1) * n
-    jump = np.empty(n)
-    right = np.empty(2)
-    border = np.zeros((2, 2))
+    z, step, sizes, jump, right, border = x.z, x.step, x.sizes, x.jump, x.right, x.border
     last = z.size - 1
+    nodes = last - 1 - x.density.size
     sign = 0
     fresh = True
     before = math.inf
-    sizes[:] = 0.0
+    for j in range(4):
+        sizes[j] = 0.0
     for iteration in range(ITERATIONS):
         sizes[1] += 1.0
         if not evaluate(e, w, z, fresh):
@@ -68,14 +120,7 @@ def correct(e, w, s, z, z0, tangent, scale, length, tolerance, step, sizes):
             if sign == 0:
                 return 0
         solve(s, n, m, jump, right, 1.0, True, step)
-        size = 0.0
-        for j in range(nodes + 1):
-            d = step[j] / scale[j]
-            size += d * d
-            z[j] += step[j]
-        d = step[nodes + 1] / scale[last]
-        size = math.sqrt(size + d * d)
-        z[last] += step[nodes + 1]
+        size = advance(z, step, scale, nodes)
         sizes[2] += size
         if iteration == 0:
             sizes[0] = size
@@ -89,43 +134,73 @@ def correct(e, w, s, z, z0, tangent, scale, length, tolerance, step, sizes):
                 return sign
             if ratio > 0.5 and size < STAGNATION and size < sizes[0]:
                 return sign
-            if fresh and ratio > 0.8:
+            if (fresh and ratio > 0.8) or sizes[3] >= FACTORISATIONS:
                 return 0
-            if sizes[3] >= FACTORISATIONS:
-                return 0
-        fresh = iteration > 0 and ratio > SLOW
-        if iteration == 0 and size > 0.1:
-            fresh = True
+        fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
         before = size
     return 0
 
 
-@kernel
-def measure(e, w, s, z, tangent, scale, sizes, sign, reference, m_all, basis_q, tangent_out, tests, re, im, step):
-    """Unit tangent, test functions and multipliers from the factors in `s` (at z, or near it); returns the unstable count.
+@part
+def renew(e, w, s, x, tangent, scale):
+    """Factors at x.z itself; returns the sign of the determinant."""
+    if not evaluate(e, w, x.z, True):
+        return 0
+    fill(e, w, x.z, tangent, scale, s.local, x.border)
+    return factorise(s, e.n, e.m, x.border, 1.0)
 
-    re, im : multipliers (n,), on entry those of a neighbour or NaN; autonomous systems have the trivial one first.
+
+@part
+def floquet(e, w, s, x):
+    """Multipliers from the condensed blocks in `s`: nontrivial ones into x.re, x.im; returns the trivial one (NaN: failed)."""
+    n, m = e.n, e.m
+    z, m_all, field, state = x.z, x.transitions, x.field, x.state
+    F, p = w.F, w.p
+    fine = transitions(s.local, n, m, m_all)
+    trivial = 1.0
+    skip = 0
+    if e.forcing == 0:
+        skip = 1
+        p[e.active] = z[z.size - 1]
+        for i in range(field.shape[0]):
+            for k in range(n):
+                state[k] = z[i * m * n + k]
+            call3(e.value, state, p, F)
+            for k in range(n):
+                field[i, k] = F[k]
+        trivial = deflate(m_all, field)
+        fine &= math.isfinite(trivial)
+    if fine and multipliers(m_all, skip, x.basis, x.re, x.im):
+        return trivial
+    return math.nan
+
+
+@part
+def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, out_re, out_im):
+    """Tangent (row of out_t), test functions (x.tests) and multipliers (row of out_re, out_im) at x.z, from the factors.
+
+    `near` is the row with the multipliers of a neighbour, or -1. Returns the number of unstable ones.
     """
     n, m = e.n, e.m
-    intervals = w.u.shape[2]
-    nodes = (intervals * m + 1) * n
+    z, step, jump, right = x.z, x.step, x.jump, x.right
     last = z.size - 1
-    jump = np.zeros(n)
-    right = np.zeros(2)
+    nodes = last - 1 - x.density.size
+    for k in range(n):
+        jump[k] = 0.0
+    right[0] = 0.0
     right[1] = 1.0
     solve(s, n, m, jump, right, 1.0, False, step)
     norm = 0.0
     for j in range(nodes + 1):
-        tangent_out[j] = step[j] / scale[j]
-        norm += tangent_out[j] * tangent_out[j]
-    tangent_out[last] = step[nodes + 1] / scale[last]
-    norm = math.sqrt(norm + tangent_out[last] * tangent_out[last])
-    for j in range(nodes + 1):
-        tangent_out[j] /= norm
-    for j in range(nodes + 1, last):
-        tangent_out[j] = 0.0
-    tangent_out[last] /= norm
-    tests[0] = tangent_out[last]
+        out_t[row, j] = step[j] / scale[j]
+        norm += out_t[row, j] * out_t[row, j]
+    out_t[row, last] = step[nodes + 1] / scale[last]
+    norm = math.sqrt(norm + out_t[row, last] * out_t[row, last])
+    for j in range(last + 1):
+        if j > nodes and j < last:
+            out_t[row, j] = 0.0
+        out_t[row, j] /= norm
+    tests[0] = out_t[row, last]
     for k in range(n):
         jump[k] = sizes[k] * math.cos(1.0 + k)
     right[1] = 0.0
@@ -136,70 +211,25 @@ def measure(e, w, s, z, tangent, scale, sizes, sign, reference, m_all, basis_q, 
         size += d * d
     exponent = -0.5 * math.log(size) - reference
     tests[1] = sign * math.exp(min(max(exponent, -700.0), 700.0))
-    skip = 0
-    fine = transitions(s.local, n, m, m_all)
-    if e.forcing == 0:
-        skip = 1
-        field = np.empty((intervals, n))
-        here = np.empty(n)
-        w.p[e.active] = z[last]
-        for i in range(intervals):
-            for k in range(n):
-                here[k] = z[i * m * n + k]
-            call3(e.value, here, w.p, w.F)
-            for k in range(n):
-                field[i, k] = w.F[k]
-        re[0] = deflate(m_all, field)
-        im[0] = 0.0
-        fine &= math.isfinite(re[0])
-    if not (fine and multipliers(m_all, skip, basis_q, re, im)):
-        re[skip:] = math.nan
-        im[skip:] = 0.0
+    d = x.re.size
+    for k in range(d):
+        x.re[k] = out_re[near, k + n - d] if near >= 0 else math.nan
+        x.im[k] = out_im[near, k + n - d] if near >= 0 else math.nan
+    trivial = floquet(e, w, s, x)
+    out_re[row, 0] = trivial
+    out_im[row, 0] = 0.0
+    failed = not math.isfinite(trivial)
+    for k in range(d):
+        out_re[row, k + n - d] = math.nan if failed else x.re[k]
+        out_im[row, k + n - d] = 0.0 if failed else x.im[k]
+    if failed:
         tests[2] = math.nan
         tests[3] = math.nan
         return 0
-    return map_tests(re[skip:], im[skip:], tests)
+    return map_tests(x.re, x.im, tests)
 
 
-@kernel
-def probe(
-    e, z0, tangent, length, guess, p, scale, sizes, tolerance, reference, z, tangent_out, tests, re, im, basis_q
-):
-    """Solve on the plane <tangent, (z - z0) / scale> = length from `guess` and measure there; unstable count, -1 or -2 (not finite)."""
-    n, m = e.n, e.m
-    intervals = (z.size - n - 2) // (m * n + 1)
-    w = new_points(n, m, intervals, p)
-    s = new_factors(n, m, intervals)
-    step = np.empty(z.size)
-    info = np.zeros(4)
-    z[:] = guess
-    set_phase(e, w, guess, sizes)
-    sign = correct(e, w, s, z, z0, tangent, scale, length, tolerance, step, info)
-    if sign == 0:
-        return -1
-    if sign == 2:
-        return -2
-    sign = _renew(e, w, s, z, tangent, scale)
-    if sign == 0:
-        return -1
-    re[:] = math.nan
-    m_all = np.empty((intervals, n, n))
-    return measure(
-        e, w, s, z, tangent, scale, sizes, sign, reference, m_all, basis_q, tangent_out, tests, re, im, step
-    )
-
-
-@kernel
-def _renew(e, w, s, z, tangent, scale):
-    """Factors at z itself."""
-    border = np.zeros((2, 2))
-    if not evaluate(e, w, z, True):
-        return 0
-    fill(e, w, z, tangent, scale, s.local, border)
-    return factorise(s, e.n, e.m, border, 1.0)
-
-
-@kernel
+@part
 def amplitude(z, n, count, sizes):
     """Largest max - min of a state over the orbit, relative to its size."""
     largest = 0.0
@@ -213,7 +243,7 @@ def amplitude(z, n, count, sizes):
     return largest
 
 
-@kernel
+@part
 def outgrown(z, n, count, sizes, period_limit):
     """True where a state has become larger than twice its size, or the period has reached its limit."""
     if z[count * n] > period_limit:
@@ -225,52 +255,86 @@ def outgrown(z, n, count, sizes, period_limit):
     return False
 
 
-@kernel
-def march(
-    e, p, scale, sizes, bounds, controls, limit, top, error_constant, previous_tangent, previous_tests, loop_z,
-    loop_tangent, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, out_error, basis_q, info,
-):  # fmt: skip
-    """Follow the family from row 0 of out_z (guide tangent out_t[0], scaled) for up to `limit` accepted orbits.
+@part
+def passes(z, out_z, row, loop_z, loop_tangent, scale, h):
+    """True where the step from a row to z passes the start of the branch closely."""
+    here = 0.0
+    earlier = 0.0
+    distance = 0.0
+    for j in range(z.size):
+        d = (z[j] - loop_z[j]) / scale[j]
+        here += loop_tangent[j] * d
+        earlier += loop_tangent[j] * (out_z[row, j] - loop_z[j]) / scale[j]
+        distance += d * d
+    return earlier < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h
 
+
+@kernel
+def follow(
+    mode, e, w, s, x, scale, sizes, bounds, controls, limit, top, error_constant, previous_tangent, previous_tests,
+    loop_z, loop_tangent, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, out_error, info,
+):  # fmt: skip
+    """What `mode` says. One kernel for all three: each kernel that calls others compiles them once more.
+
+    MARCH : follow the family from row 0 of out_z (guide tangent out_t[0], scaled) for up to `limit` accepted orbits.
+        Returns the reason, as `contin.kernels.algebraic.march`; RESCALE also where the mesh no longer resolves the orbit,
+        the period has reached its limit, or the orbit is about to shrink to a point.
+    PROBE : solve on the plane <out_t[0], (z - out_z[0]) / scale> = controls[0] from the guess in row 1 of out_z and
+        measure there (row 1); info[3] is the reference of test 1. Returns the unstable count, -1 or -2 (not finite).
+    STABILITY : multipliers of row 0, whatever the rank of the boundary-value problem. Returns 1 (done) or 0.
+
+    e : `Equations`; w, s, x : `new_memory`.
     controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, error_limit, period_limit]
         h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown.
     info : [rows beyond row 0, next h, evaluations, log reference of test 1, test that dipped, h that failed]
-    Returns the reason, as `contin.kernels.algebraic.march`; RESCALE also where the mesh no longer resolves the orbit or
-    the orbit is about to shrink to a point.
     """
     n, m = e.n, e.m
     size = scale.size
     last = size - 1
-    intervals = (size - n - 2) // (m * n + 1)
+    z, old, tests, sizes_of, density = x.z, x.old, x.tests, x.sizes, x.density
+    intervals = density.size
     count = intervals * m + 1
     nodes = count * n
-    w = new_points(n, m, intervals, p)
-    s = new_factors(n, m, intervals)
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
-    h_previous, target_angle, error_limit = controls[5], controls[6], controls[7]
-    z = out_z[0].copy()
-    step = np.empty(size)
-    old = np.empty(size)
-    tests = np.empty(TESTS)
-    sizes_of = np.zeros(4)
-    density = np.empty(intervals)
-    m_all = np.empty((intervals, n, n))
-    info[:] = 0.0
-    info[1] = h
-    set_phase(e, w, z, sizes)
-    info[2] += 1
-    guide = out_t[0].copy()
-    if not evaluate(e, w, z, True):
-        return NOT_FINITE
-    border = np.zeros((2, 2))
-    fill(e, w, z, guide, scale, s.local, border)
-    sign = factorise(s, n, m, border, 1.0)
+    h_previous, target_angle, error_limit, period_limit = controls[5], controls[6], controls[7], controls[8]
+    reference = info[3] if mode == PROBE else 0.0
+    start = 1 if mode == PROBE else 0
+    for j in range(size):
+        z[j] = out_z[start, j]
+    if mode != STABILITY:
+        set_phase(e, w, z, sizes)
+    if mode == PROBE:
+        sign = correct(e, w, s, x, out_z[0], out_t[0], scale, h, tolerance)
+        if sign == 0 or sign == 2:
+            return -1 if sign == 0 else -2
+    if mode == STABILITY:
+        if not evaluate(e, w, z, True):
+            return 0
+        fill(e, w, z, out_t[0], scale, s.local, x.border)
+        if eliminate(s.local, (m - 1) * n, m * n, 0, intervals, s.local_pivots, s.work) == 0:
+            return 0
+        for k in range(x.re.size):
+            x.re[k] = math.nan
+        out_re[0, 0] = floquet(e, w, s, x)
+        out_im[0, 0] = 0.0
+        for k in range(x.re.size):
+            out_re[0, k + n - x.re.size] = x.re[k]
+            out_im[0, k + n - x.re.size] = x.im[k]
+        return 1 if math.isfinite(out_re[0, 0]) else 0
+    sign = renew(e, w, s, x, out_t[0], scale)
     if sign == 0:
-        return CORRECTOR
-    out_re[0] = math.nan
-    unstable = measure(
-        e, w, s, z, guide, scale, sizes, sign, 0.0, m_all, basis_q, out_t[0], tests, out_re[0], out_im[0], step
-    )
+        return -1 if mode == PROBE else CORRECTOR
+    unstable = measure(e, w, s, x, scale, sizes, sign, reference, -1, start, out_t, tests, out_re, out_im)
+    if mode == PROBE:
+        for j in range(size):
+            out_z[1, j] = z[j]
+        for i in range(TESTS):
+            out_tests[1, i] = tests[i]
+        return unstable
+    for i in range(6):
+        info[i] = 0.0
+    info[1] = h
+    info[2] = 1.0
     reference = math.log(abs(tests[1]))
     tests[1] = float(sign)
     info[3] = reference
@@ -283,26 +347,26 @@ def march(
     for k in range(limit):
         row = k + 1
         tangent = out_t[k]
+        for j in range(size):
+            old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
         if k > 0:
-            old[:] = out_t[k - 1]
             h_previous = out_h[k]
-        else:
-            old[:] = previous_tangent
-        if k > 0:
-            set_phase(e, w, out_z[k], sizes)
+            for j in range(size):
+                z[j] = out_z[k, j]
+            set_phase(e, w, z, sizes)
         corner = False
         cosine = 1.0
         while True:
             bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
             for j in range(size):
-                z[j] = out_z[k, j] + scale[j] * (h * tangent[j] + bend * (tangent[j] - old[j]))
-            for j in range(nodes + 1, last):
                 z[j] = out_z[k, j]
-            sign = correct(e, w, s, z, out_z[k], tangent, scale, h, tolerance, step, sizes_of)
+                if j <= nodes or j == last:
+                    z[j] += scale[j] * (h * tangent[j] + bend * (tangent[j] - old[j]))
+            sign = correct(e, w, s, x, out_z[k], tangent, scale, h, tolerance)
             info[2] += sizes_of[1]
             if sign != 0 and sign != 2 and sizes_of[2] > STALE:
-                sign = _renew(e, w, s, z, tangent, scale)
-                info[2] += 1
+                sign = renew(e, w, s, x, tangent, scale)
+                info[2] += 1.0
             if sign == 0 or sign == 2:
                 if h <= h_min:
                     info[5] = h
@@ -310,13 +374,7 @@ def march(
                     return NOT_FINITE if sign == 2 else CORRECTOR
                 h = max(0.4 * h, h_min)
                 continue
-            for j in range(n):
-                out_re[row, j] = out_re[k, j]
-                out_im[row, j] = out_im[k, j]
-            unstable = measure(
-                e, w, s, z, tangent, scale, sizes, sign, reference, m_all, basis_q, out_t[row], tests, out_re[row],
-                out_im[row], step,
-            )  # fmt: skip
+            unstable = measure(e, w, s, x, scale, sizes, sign, reference, k, row, out_t, tests, out_re, out_im)
             cosine = 0.0
             for j in range(size):
                 cosine += tangent[j] * out_t[row, j]
@@ -342,7 +400,8 @@ def march(
         guard_blocks = 0
         out_h[row] = h
         out_unstable[row] = unstable
-        out_z[row, :] = z
+        for j in range(size):
+            out_z[row, j] = z[j]
         for i in range(TESTS):
             out_tests[row, i] = tests[i]
         out_error[row] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
@@ -373,58 +432,12 @@ def march(
                 if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
                     info[4] = i
                     return DIP
-        if loop_z.size == size and _passes(z, out_z[k], loop_z, loop_tangent, scale, h_used):
+        if loop_z.size == size and passes(z, out_z, k, loop_z, loop_tangent, scale, h_used):
             return LOOP
         before = swing
         swing = amplitude(z, n, count, sizes)
         if swing < before and swing < SHRINKING * max(h, h_used):
             return RESCALE
-        if out_error[row] > error_limit or outgrown(z, n, count, sizes, controls[8]):
+        if out_error[row] > error_limit or outgrown(z, n, count, sizes, period_limit):
             return RESCALE
     return LIMIT
-
-
-@kernel
-def _passes(z, before, loop_z, loop_tangent, scale, h):
-    """True where the step from `before` to z passes the start of the branch closely."""
-    here = 0.0
-    earlier = 0.0
-    distance = 0.0
-    for j in range(z.size):
-        d = (z[j] - loop_z[j]) / scale[j]
-        here += loop_tangent[j] * d
-        earlier += loop_tangent[j] * (before[j] - loop_z[j]) / scale[j]
-        distance += d * d
-    return earlier < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h
-
-
-@kernel
-def stability(e, z, p, re, im):
-    """Multipliers of the orbit z into re, im (n,), whatever the rank of the boundary-value problem; False on failure."""
-    n, m = e.n, e.m
-    intervals = (z.size - n - 2) // (m * n + 1)
-    w = new_points(n, m, intervals, p)
-    s = new_factors(n, m, intervals)
-    if not evaluate(e, w, z, True):
-        return False
-    fill(e, w, z, z, np.ones(z.size), s.local, np.zeros((2, 2)))
-    if eliminate(s.local, (m - 1) * n, m * n, 0, intervals, s.local_pivots, s.work) == 0:
-        return False
-    m_all = np.empty((intervals, n, n))
-    fine = transitions(s.local, n, m, m_all)
-    skip = 0
-    re[:] = math.nan
-    if e.forcing == 0:
-        skip = 1
-        field = np.empty((intervals, n))
-        here = np.empty(n)
-        for i in range(intervals):
-            for k in range(n):
-                here[k] = z[i * m * n + k]
-            call3(e.value, here, w.p, w.F)
-            for k in range(n):
-                field[i, k] = w.F[k]
-        re[0] = deflate(m_all, field)
-        im[0] = 0.0
-    q = np.full((n - skip, n - skip), math.nan)
-    return fine and multipliers(m_all, skip, q, re, im)

@@ -13,7 +13,8 @@ def mesh_error(z, n, m, intervals, top, constant, sizes, density):
     mesh points themselves (and of T and p) is of order 2 m, much smaller.
     """
     nodes = (intervals * m + 1) * n
-    density[:] = 0.0
+    for i in range(intervals):
+        density[i] = 0.0
     for k in range(n):
         previous = 0.0
         for j in range(m + 1):

@@ -40,11 +40,11 @@ Factors = namedtuple(
         "right_last",  # (n + 2,)
         "known",  # (2 n + 2, N)
         "points",  # (n, N + 1) solution at the mesh points
+        "here",  # (N + 1,) mesh points that are left at a level
     ],
 )
 
 
-@kernel
 def new_factors(n, m, intervals):
     """Memory for one matrix."""
     return Factors(
@@ -66,6 +66,7 @@ def new_factors(n, m, intervals):
         np.zeros(n + 2),
         np.zeros((2 * n + 2, intervals)),
         np.zeros((n, intervals + 1)),
+        np.zeros(intervals + 1, np.int64),
     )
 
 
@@ -76,65 +77,77 @@ def factorise(s, n, m, border, sign_of_end):
     u(1) = sign_of_end * u(0) (1: periodic, -1: antiperiodic). Returns the sign of the determinant up to a factor that
     depends on the number of intervals only; 0 where the matrix is singular.
     """
-    intervals = s.local.shape[2]
+    s_local = s.local
+    s_local_pivots = s.local_pivots
+    s_work = s.work
+    s_blocks = s.blocks
+    s_nodes = s.nodes
+    s_depth = s.depth
+    s_levels = s.levels
+    s_level_pivots = s.level_pivots
+    s_last = s.last
+    s_last_right_block = s.last_right_block
+    s_last_border_right = s.last_border_right
+    s_last_pivots = s.last_pivots
+    s_here = s.here
+    intervals = s_local.shape[2]
     inner = (m - 1) * n
-    sign = eliminate(s.local, inner, m * n, 0, intervals, s.local_pivots, s.work)
+    sign = eliminate(s_local, inner, m * n, 0, intervals, s_local_pivots, s_work)
     if sign == 0:
         return 0
     for r in range(n + 2):
         for c in range(2 * n + 2):
             for i in range(intervals):
-                s.blocks[r, c, i] = s.local[inner + r, inner + c, i]
-    left = s.nodes[0]
-    right = s.nodes[2]
-    here = np.arange(intervals + 1)
+                s_blocks[r, c, i] = s_local[inner + r, inner + c, i]
+    for i in range(intervals + 1):
+        s_here[i] = i
     count = intervals
     first = 0
     level = 0
     while count > 1:
         pairs = count // 2
-        s.depth[0, level] = first
-        s.depth[1, level] = pairs
-        s.depth[2, level] = count
+        s_depth[0, level] = first
+        s_depth[1, level] = pairs
+        s_depth[2, level] = count
         for j in range(pairs):
-            left[first + j] = here[2 * j]
-            s.nodes[1, first + j] = here[2 * j + 1]
-            right[first + j] = here[2 * j + 2]
-        _pair_up(s.blocks, s.levels, n, pairs, first)
-        part = eliminate(s.levels, n, 2 * n, first, first + pairs, s.level_pivots, s.work)
+            s_nodes[0, first + j] = s_here[2 * j]
+            s_nodes[1, first + j] = s_here[2 * j + 1]
+            s_nodes[2, first + j] = s_here[2 * j + 2]
+        _pair_up(s_blocks, s_levels, n, pairs, first)
+        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s_level_pivots, s_work)
         if part == 0:
             return 0
         sign *= part
         for r in range(n + 2):
             for c in range(2 * n + 2):
                 for j in range(pairs):
-                    s.blocks[r, c, j] = s.levels[n + r, n + c, first + j]
+                    s_blocks[r, c, j] = s_levels[n + r, n + c, first + j]
         for j in range(pairs):
-            here[j + 1] = here[2 * j + 2]
+            s_here[j + 1] = s_here[2 * j + 2]
         if count % 2 == 1:
             for r in range(n + 2):
                 for c in range(2 * n + 2):
-                    s.blocks[r, c, pairs] = s.blocks[r, c, count - 1]
-            here[pairs + 1] = here[count]
+                    s_blocks[r, c, pairs] = s_blocks[r, c, count - 1]
+            s_here[pairs + 1] = s_here[count]
         first += pairs
         count = pairs + count % 2
         level += 1
-    s.depth[0, 69] = level
+    s_depth[0, 69] = level
     for r in range(n + 2):
         for c in range(n):
-            s.last[r, c] = s.blocks[r, c, 0] + sign_of_end * s.blocks[r, n + c, 0]
+            s_last[r, c] = s_blocks[r, c, 0] + sign_of_end * s_blocks[r, n + c, 0]
         for c in range(2):
-            s.last[r, n + c] = s.blocks[r, 2 * n + c, 0]
+            s_last[r, n + c] = s_blocks[r, 2 * n + c, 0]
             if r >= n:
-                s.last[r, n + c] += border[r - n, c]
+                s_last[r, n + c] += border[r - n, c]
     for c in range(n):
         for r in range(n):
-            s.last_right_block[r, c] = s.blocks[r, n + c, 0]
+            s_last_right_block[r, c] = s_blocks[r, n + c, 0]
         for q in range(2):
-            s.last_border_right[q, c] = s.blocks[n + q, n + c, 0]
-    part = lu_factor(s.last, s.last_pivots)
+            s_last_border_right[q, c] = s_blocks[n + q, n + c, 0]
+    part = lu_factor(s_last, s_last_pivots)
     for k in range(n + 2):
-        if s.last[k, k] < 0.0:
+        if s_last[k, k] < 0.0:
             part = -part
     return sign * part
 
@@ -174,80 +187,102 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
 
     out : node values (node-major), then T, then p. Where has_local is False the intervals' right-hand sides are zero.
     """
-    intervals = s.local.shape[2]
+    s_local = s.local
+    s_depth = s.depth
+    s_right_local = s.right_local
+    s_local_pivots = s.local_pivots
+    s_right_blocks = s.right_blocks
+    s_right_levels = s.right_levels
+    s_levels = s.levels
+    s_level_pivots = s.level_pivots
+    s_right_last = s.right_last
+    s_last_right_block = s.last_right_block
+    s_last_border_right = s.last_border_right
+    s_last = s.last
+    s_last_pivots = s.last_pivots
+    s_points = s.points
+    s_known = s.known
+    s_nodes = s.nodes
+    intervals = s_local.shape[2]
     inner = (m - 1) * n
-    level_count = s.depth[0, 69]
+    level_count = s_depth[0, 69]
     if has_local:
-        s.right_local[m * n :, :] = 0.0
-        eliminate_right(s.local, inner, 0, intervals, s.local_pivots, s.right_local)
+        for q in range(2):
+            for i in range(intervals):
+                s_right_local[m * n + q, i] = 0.0
+        eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
         for r in range(n + 2):
             for i in range(intervals):
-                s.right_blocks[r, i] = s.right_local[inner + r, i]
+                s_right_blocks[r, i] = s_right_local[inner + r, i]
         for level in range(level_count):
-            first = s.depth[0, level]
-            pairs = s.depth[1, level]
-            count = s.depth[2, level]
+            first = s_depth[0, level]
+            pairs = s_depth[1, level]
+            count = s_depth[2, level]
             for j in range(pairs):
                 k = first + j
                 for r in range(n):
-                    s.right_levels[r, k] = s.right_blocks[r, 2 * j]
-                    s.right_levels[n + r, k] = s.right_blocks[r, 2 * j + 1]
+                    s_right_levels[r, k] = s_right_blocks[r, 2 * j]
+                    s_right_levels[n + r, k] = s_right_blocks[r, 2 * j + 1]
                 for q in range(2):
-                    s.right_levels[2 * n + q, k] = s.right_blocks[n + q, 2 * j] + s.right_blocks[n + q, 2 * j + 1]
-            eliminate_right(s.levels, n, first, first + pairs, s.level_pivots, s.right_levels)
+                    s_right_levels[2 * n + q, k] = s_right_blocks[n + q, 2 * j] + s_right_blocks[n + q, 2 * j + 1]
+            eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
             for r in range(n + 2):
                 for j in range(pairs):
-                    s.right_blocks[r, j] = s.right_levels[n + r, first + j]
+                    s_right_blocks[r, j] = s_right_levels[n + r, first + j]
                 if count % 2 == 1:
-                    s.right_blocks[r, pairs] = s.right_blocks[r, count - 1]
+                    s_right_blocks[r, pairs] = s_right_blocks[r, count - 1]
         for r in range(n + 2):
-            s.right_last[r] = s.right_blocks[r, 0]
+            s_right_last[r] = s_right_blocks[r, 0]
     else:
-        s.right_local[:, :] = 0.0
-        s.right_levels[:, :] = 0.0
-        s.right_last[:] = 0.0
+        for i in range(intervals):
+            for r in range(m * n + 2):
+                s_right_local[r, i] = 0.0
+            for r in range(2 * n + 2):
+                s_right_levels[r, i] = 0.0
+        for r in range(n + 2):
+            s_right_last[r] = 0.0
     for q in range(2):
-        s.right_last[n + q] += border[q]
+        s_right_last[n + q] += border[q]
     for c in range(n):
         for r in range(n):
-            s.right_last[r] -= s.last_right_block[r, c] * jump[c]
+            s_right_last[r] -= s_last_right_block[r, c] * jump[c]
         for q in range(2):
-            s.right_last[n + q] -= s.last_border_right[q, c] * jump[c]
-    lu_solve(s.last, s.last_pivots, s.right_last)
+            s_right_last[n + q] -= s_last_border_right[q, c] * jump[c]
+    lu_solve(s_last, s_last_pivots, s_right_last)
     for k in range(n):
-        s.points[k, 0] = s.right_last[k]
-        s.points[k, intervals] = sign_of_end * s.right_last[k] + jump[k]
-    period = s.right_last[n]
-    parameter = s.right_last[n + 1]
+        s_points[k, 0] = s_right_last[k]
+        s_points[k, intervals] = sign_of_end * s_right_last[k] + jump[k]
+    period = s_right_last[n]
+    parameter = s_right_last[n + 1]
     for level in range(level_count - 1, -1, -1):
-        first = s.depth[0, level]
-        beyond = first + s.depth[1, level]
+        first = s_depth[0, level]
+        beyond = first + s_depth[1, level]
         for k in range(n):
             for j in range(first, beyond):
-                s.known[k, j] = s.points[k, s.nodes[0, j]]
-                s.known[n + k, j] = s.points[k, s.nodes[2, j]]
+                s_known[k, j] = s_points[k, s_nodes[0, j]]
+                s_known[n + k, j] = s_points[k, s_nodes[2, j]]
         for j in range(first, beyond):
-            s.known[2 * n, j] = period
-            s.known[2 * n + 1, j] = parameter
-        substitute_back(s.levels, n, first, beyond, s.known, s.right_levels)
+            s_known[2 * n, j] = period
+            s_known[2 * n + 1, j] = parameter
+        substitute_back(s_levels, n, first, beyond, s_known, s_right_levels)
         for k in range(n):
             for j in range(first, beyond):
-                s.points[k, s.nodes[1, j]] = s.right_levels[k, j]
+                s_points[k, s_nodes[1, j]] = s_right_levels[k, j]
     for k in range(n):
         for i in range(intervals):
-            s.known[k, i] = s.points[k, i]
-            s.known[n + k, i] = s.points[k, i + 1]
+            s_known[k, i] = s_points[k, i]
+            s_known[n + k, i] = s_points[k, i + 1]
     for i in range(intervals):
-        s.known[2 * n, i] = period
-        s.known[2 * n + 1, i] = parameter
-    substitute_back(s.local, inner, 0, intervals, s.known, s.right_local)
+        s_known[2 * n, i] = period
+        s_known[2 * n + 1, i] = parameter
+    substitute_back(s_local, inner, 0, intervals, s_known, s_right_local)
     for i in range(intervals):
         for k in range(n):
-            out[i * m * n + k] = s.points[k, i]
+            out[i * m * n + k] = s_points[k, i]
         for r in range(inner):
-            out[i * m * n + n + r] = s.right_local[r, i]
+            out[i * m * n + n + r] = s_right_local[r, i]
     nodes = intervals * m * n
     for k in range(n):
-        out[nodes + k] = s.points[k, intervals]
+        out[nodes + k] = s_points[k, intervals]
     out[nodes + n] = period
     out[nodes + n + 1] = parameter

@@ -91,7 +91,7 @@ def sweep(m_all, skip, q, r_product):
     count, n, _ = m_all.shape
     d = n - skip
     y = np.empty((d, d))
-    r = np.zeros((d, d))
+    r = np.empty((d, d))
     for a in range(d):
         for b in range(d):
             r_product[a, b] = 1.0 if a == b else 0.0
@@ -136,7 +136,7 @@ def sweep(m_all, skip, q, r_product):
 
 @kernel
 def multipliers(m_all, skip, q, re, im):
-    """Multipliers of the cycle into re and im (n,), from index `skip` on; q (d, d) is the basis of a neighbour, or NaN.
+    """Multipliers of the cycle into re and im (d,), d = n - skip; q (d, d) is the basis of a neighbour, or NaN.
 
     q becomes the basis at the end of the cycle. re, im on entry: those of a neighbour, or NaN. Returns False on failure.
     """
@@ -151,13 +151,15 @@ def multipliers(m_all, skip, q, re, im):
             for b in range(d):
                 q[a, b] = 1.0 if a == b else 0.0
     begin = np.empty((d, d))
-    r = np.zeros((d, d))
+    r = np.empty((d, d))
     for _ in range(sweeps):
-        begin[:, :] = q
+        for a in range(d):
+            for b in range(d):
+                begin[a, b] = q[a, b]
         if not sweep(m_all, skip, q, r):
             q[0, 0] = math.nan
             return False
-    product = np.zeros((d, d))
+    product = np.empty((d, d))
     for a in range(d):
         for b in range(d):
             s = 0.0
@@ -167,4 +169,4 @@ def multipliers(m_all, skip, q, re, im):
                     w += begin[k, c] * q[k, b]
                 s += r[a, c] * w
             product[a, b] = s
-    return eigenvalues(product, re[skip:], im[skip:], re[skip:], im[skip:]) == 0
+    return eigenvalues(product, re, im, re, im) == 0

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
@@ -15,7 +16,6 @@ from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Ver
 from contin.continuation.settings import Settings
 from contin.continuation.departure import Seed
 from contin.kernels.collocation_basis import basis
-from contin.problems import special
 from contin.problems.orbit_forcing import ForcingPeriod
 from contin.problems.orbit_layout import Profile, extrema, make_scale, profile_of, sizes_of
 
@@ -27,7 +27,28 @@ DWELLING = 0.35  # part of the period spent slowly from which growing periods ar
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
 )  # fmt: skip
-_TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """What the kernel fills."""
+
+    z: Array
+    t: Array
+    tests: Array
+    unstable: NDArray[np.int64]
+    re: Array
+    im: Array
+    lengths: Array
+    errors: Array
+    info: Array
+
+    @classmethod
+    def of(cls, rows: int, size: int, n: int) -> _Rows:
+        return cls(
+            np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, 4)), np.zeros(rows, np.int64),
+            np.full((rows, n), np.nan), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows), np.zeros(6),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,14 +167,9 @@ class OrbitProblem:
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        from contin.kernels import collocation_march as kernel
-
-        n, size, rows = self.n, origin.z.size, limit + 1
-        z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
-        unstable = np.zeros(rows, np.int64)
-        re, im, lengths, errors = np.empty((rows, n)), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows)
-        info = np.zeros(6)
-        z[0], t[0] = origin.z, origin.tangent
+        rows = limit + 1
+        out = _Rows.of(rows, origin.z.size, self.n)
+        out.z[0], out.t[0] = origin.z, origin.tangent
         profile = self.profile(origin.z)
         sizes = self.sizes(origin.z, frame.scale)
         controls = np.array([
@@ -161,16 +177,8 @@ class OrbitProblem:
             length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._error_limit(profile, sizes),
             self._period_limit(profile, frame.scale),
         ])  # fmt: skip
-        scheme = basis(self.points)
-        free = n - 1 if self.autonomous else n
-        none = np.empty(0)
-        reason = kernel.march(
-            self.equations, self.full_parameters(origin.z), frame.scale, sizes, np.array(bounds, dtype=float), controls,
-            limit, scheme.top, scheme.error, origin.tangent if before is None else before.tangent,
-            np.zeros(kernel.TESTS) if before is None else before.tests,
-            none if loop is None else loop.z, none if loop is None else loop.tangent,
-            z, t, tests, unstable, re, im, lengths, errors, np.full((free, free), np.nan), info,
-        )  # fmt: skip
+        reason = self._kernel(0, out, frame.scale, controls, limit, bounds, before, loop)
+        z, t, info = out.z, out.t, out.info
         stop, m = _STOPS[reason], int(info[0]) + 1
         detail = ""
         if stop is Stop.NOT_FINITE:
@@ -178,7 +186,7 @@ class OrbitProblem:
             p = self.full_parameters(np.array([nearby.parameter]))
             detail = next((text for u in nearby.u if (text := self.system.explain(u, p))), "")
         return Chunk(
-            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
+            z[:m], t[:m], out.tests[:m], out.unstable[:m], out.re[:m] + 1j * out.im[:m], out.lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
 
@@ -204,17 +212,41 @@ class OrbitProblem:
     def _probe(
         self, z0: Array, tangent: Array, length: float, guess: Array, frame: Frame, tolerance: float
     ) -> Sample | None:
+        out = _Rows.of(2, z0.size, self.n)
+        out.z[0], out.t[0], out.z[1] = z0, tangent, guess
+        out.info[3] = frame.reference
+        controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, 0.0, 0.0])
+        count = self._kernel(1, out, frame.scale, controls, 0)
+        return None if count < 0 else Sample(out.z[1], out.t[1], out.tests[1], int(count), out.re[1] + 1j * out.im[1])
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
+        out = _Rows.of(1, z.size, self.n)
+        out.z[0], out.t[0] = z, 0.0
+        self._kernel(2, out, np.ones_like(z), np.zeros(9), 0)
+        return np.asarray(out.re[0] + 1j * out.im[0])
+
+    def _kernel(
+        self, mode: int, out: _Rows, scale: Array, controls: Array, limit: int, bounds: tuple[float, float] = (0.0, 0.0),
+        before: Sample | None = None, loop: Sample | None = None,
+    ) -> int:  # fmt: skip
         from contin.kernels import collocation_march as kernel
 
-        n = self.n
-        z, t, tests = np.empty(z0.size), np.empty(z0.size), np.empty(kernel.TESTS)
-        re, im = np.empty(n), np.zeros(n)
+        scheme, n = basis(self.points), self.n
+        none, size = np.empty(0), out.z.shape[1]
+        intervals = (size - n - 2) // (self.points * n + 1)
         free = n - 1 if self.autonomous else n
-        count = kernel.probe(
-            self.equations, z0, tangent, length, guess, self.full_parameters(z0), frame.scale,
-            self.sizes(z0, frame.scale), tolerance, frame.reference, z, t, tests, re, im, np.full((free, free), np.nan),
-        )  # fmt: skip
-        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+        points, factors, scratch = kernel.new_memory(
+            n, self.points, free, intervals, size, self.full_parameters(out.z[0])
+        )
+        return int(kernel.follow(
+            mode, self.equations, points, factors, scratch, scale, self.sizes(out.z[0], scale),
+            np.array(bounds, dtype=float), controls, limit, scheme.top, scheme.error,
+            out.t[0].copy() if before is None else before.tangent,
+            np.zeros(kernel.TESTS) if before is None else before.tests,
+            none if loop is None else loop.z, none if loop is None else loop.tangent,
+            out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, out.errors, out.info,
+        ))  # fmt: skip
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros_like(scale)
@@ -322,7 +354,3 @@ def dwelling(profile: Profile, sizes: Array) -> float:
     lengths = np.diff(profile.times)
     speed = steps / lengths
     return float(lengths[speed < 0.05 * float(steps.sum())].sum())
-
-
-TYPE_OF = _TYPES
-assert set(special.TEST_OF) >= {"LP", "BP", "PD"}

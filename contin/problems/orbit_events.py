@@ -44,16 +44,6 @@ def _distance_from_one(sample: Sample) -> float:
     return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
-def multipliers_at(problem: Any, z: Array) -> NDArray[np.complex128]:
-    """Multipliers of an orbit, the trivial one of an autonomous system first."""
-    from contin.kernels.collocation_march import stability
-
-    re, im = np.empty(problem.n), np.zeros(problem.n)
-    if not stability(problem.equations, z, problem.full_parameters(z), re, im):
-        return np.full(problem.n, np.nan, complex)
-    return np.asarray(re + 1j * im)
-
-
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     from contin.problems.orbit_defining import solve_special
@@ -73,7 +63,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     if type_ == "NS" and abs(solved.theta - theta) > 0.3:
         return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
-    values = multipliers_at(problem, solved.z)
+    values = problem.multipliers(solved.z)
     others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
     point = Verified(
