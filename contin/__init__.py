@@ -19,6 +19,7 @@ _EXPORTS = {
     "continuation": "contin.api",
     "diagram": "contin.api",
     "equilibrium": "contin.api",
+    "find_equilibria": "contin.api",
     "load": "contin.model.registry",
     "walk": "contin.api",
 }

@@ -19,11 +19,13 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.problems.deflation import FoundEquilibrium
 from contin.problems.function import FunctionProblem
 from contin.problems.maps import iterate
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
+EVERYWHERE = "all"  # the start of a diagram that stands for all equilibria
 _compiled: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
 
 
@@ -166,6 +168,8 @@ def as_seed(start: Any, parameter: str) -> Seed:
         return as_seed(start[0], parameter)
     if isinstance(start, FunctionProblem):
         start = equilibrium(start)
+    if isinstance(start, FoundEquilibrium):
+        start = start.equilibrium
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:
             raise InputError(
@@ -209,6 +213,7 @@ def diagram(
     range: Range | None = None,
     *,
     start: Any = None,
+    box: Any = None,
     parameters: Mapping[str, Any] | None = None,
     orbits: bool = True,
     values: Mapping[str, Sequence[float]] | None = None,
@@ -219,13 +224,15 @@ def diagram(
 ) -> Any:
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
-    start : a named start, a mapping of states, or a list of them; default the states' values.
+    start : a named start, a mapping of states, or a list of them; default the states' values. 'all' (unless the model
+        has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value and at
+        some others in the range, so that disconnected branches are found.
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
     """
     from contin.diagram.explore import Budget, Explorer
 
-    named = _named_starts(start)
+    named, everywhere = _named_starts(model, start)
     seeds: list[tuple[str, Seed]] = []
     notes: list[str] = []
     failure: ContinError | None = None
@@ -235,22 +242,98 @@ def diagram(
         except (NoSolutionError, NotFiniteError) as error:
             notes.append(f"start {name!r}: {error}")
             failure = error
-    if not seeds and failure is not None:
+    if not seeds and failure is not None and not everywhere:
         raise failure
-    problem = seeds[0][1].problem
+    reserve: list[Seed] = []
+    if everywhere:
+        limits = None if range is None else bounds_of(None, parameter, range)
+        reserve = everywhere_in(model, parameter, limits, box, parameters)
+    if not seeds and not reserve:
+        raise failure or NoSolutionError("no equilibrium found in the box; give a larger box")
+    problem = (seeds[0][1] if seeds else reserve[0]).problem
     bounds = bounds_of(problem, parameter, range)
     explorer = Explorer(
         parameter, bounds, Settings.of(settings), Budget.of(budget), targets_of(problem, values), orbits, watch, journal
     )
-    result = explorer.explore(seeds)
+    result = explorer.explore(seeds, reserve)
     result.notes[:0] = notes
     return result
 
 
-def _named_starts(start: Any) -> list[tuple[str, Any]]:
+def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
+    """Starts with their names, and whether all equilibria are wanted too."""
     given = list(start) if isinstance(start, list | tuple) else [start]
+    everywhere = any(isinstance(one, str) and one == EVERYWHERE for one in given) and not any(
+        s.name == EVERYWHERE for s in model.starts
+    )
+    if everywhere:
+        given = [one for one in given if not (isinstance(one, str) and one == EVERYWHERE)]
     named = []
     for k, one in enumerate(given):
         name = one if isinstance(one, str) else "start" if len(given) == 1 else f"start{k + 1}"
         named.append((name, one))
-    return named
+    return named, everywhere
+
+
+def find_equilibria(
+    model: Any,
+    box: Mapping[str, Sequence[float]] | Sequence[float] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    starts: int | None = None,
+) -> list[FoundEquilibrium]:
+    """Equilibria (fixed points of a map) in a box of states, by deflated Newton from many starts in compiled code.
+
+    box : {state: (lo, hi)}, or (lo, hi) for all states; angles need no bounds. Default: twice as far in both directions
+        as the model's states and starts reach.
+    starts : number of starting points a round; default so many that a search takes some tenths of a second.
+    Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
+    There is no guarantee that all are found: more `starts` or a smaller box find more.
+    """
+    from contin.problems.deflation import find, make_box
+
+    system = compiled(model)
+    _, p = model.start_point(None, dict(parameters or {}))
+    periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)
+    wanted = box if box is not None else reach_of(model, parameters)
+    return find(system, make_box(system.state_names, wanted, periods), p, starts)
+
+
+def reach_of(model: Any, parameters: Mapping[str, Any] | None = None) -> dict[str, tuple[float, float]]:
+    """Twice the largest size of each state in the model's default and named starts, in both directions; angles apart."""
+    names = (None, *(s.name for s in model.starts))
+    points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
+    largest = np.abs(np.array(points)).max(axis=0)
+    sizes = 2.0 * np.where(largest > 0.0, largest, max(float(largest.max(initial=0.0)), 0.5))
+    angles = np.asarray(model.periods()) > 0.0
+    return {
+        name: (-float(size), float(size))
+        for name, size, angle in zip(model.state_names, sizes, angles, strict=True)
+        if not angle
+    }
+
+
+def everywhere_in(
+    model: Any, parameter: str, limits: tuple[float, float] | None, box: Any, parameters: Mapping[str, Any] | None
+) -> list[Seed]:
+    """Seeds of all equilibria found at the parameter's own value and at some values spread over its range."""
+    _, p = model.start_point(None, dict(parameters or {}))
+    own = float(p[list(model.parameter_names).index(parameter)])
+    lo, hi = limits or bounds_of(_Ranges(model), parameter, None)
+    spread = lo + (hi - lo) * np.array([0.5, 0.25, 0.75, 0.05, 0.95])
+    seeds = []
+    for value in ([own] if lo <= own <= hi else []) + spread.tolist():
+        found = find_equilibria(model, box, {**(parameters or {}), parameter: value})
+        seeds += [as_seed(one, parameter) for one in found if one.isolated]
+    return seeds
+
+
+class _Ranges:
+    """The default ranges of a model, for `bounds_of`."""
+
+    def __init__(self, model: Any) -> None:
+        self.model = model
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found: tuple[float, float] | None = self.model.parameter_range(parameter)
+        return found
