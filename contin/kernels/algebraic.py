@@ -130,7 +130,8 @@ def correct(
             if size < 1e-4 and size * ratio * ratio < trust * tolerance:
                 return sign  # the next correction, by quadratic convergence, is far below the tolerance
             if ratio > 0.5:
-                return sign if size < STAGNATION and first > size else 0
+                limit = STAGNATION if trust > 0.0 else 0.01 * STAGNATION
+                return sign if size < limit and first > size else 0
         before = size
     return 0
 

@@ -85,6 +85,8 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
         beyond = problem.probe(base, BEHIND, z + BEHIND * scale * tangent, frame, settings)
         if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0:
             continue
+        if np.linalg.norm((beyond.z - z) / scale) > 10.0 * BEHIND:  # the equations jump here: that is another branch
+            continue
         turns = tangent[-1] * last.tangent[-1] < 0.0
         stable = min(last.unstable, beyond.unstable)
         form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}

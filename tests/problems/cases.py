@@ -49,7 +49,9 @@ FOLDS = {
     "quartic": Case(
         {"x": "p - x^4/4 + x^2/2"}, {"x": 2.0}, {"p": 2.0}, (-1.0, 2.5), [("LP", -0.25), ("LP", 0.0), ("LP", -0.25)]
     ),
-    "explosion: p e^x = x": Case({"x": "x - p*exp(x)"}, {"x": 0.01}, {"p": 0.01 * exp(-0.01)}, (0.005, 1.0), [("LP", 1 / e)]),
+    "explosion: p e^x = x": Case(
+        {"x": "x - p*exp(x)"}, {"x": 0.01}, {"p": 0.01 * exp(-0.01)}, (0.005, 1.0), [("LP", 1 / e)]
+    ),
     "folds 1e-5 apart": Case(
         {"x": "p - x^3 + 3*e*x"}, {"x": 1.0}, {"p": 1.0 - 3 * 2.5e-6 ** (2 / 3), "e": 2.5e-6 ** (2 / 3)}, R,
         [("LP", 5e-6), ("LP", -5e-6)],
@@ -72,7 +74,9 @@ BRANCH_POINTS = {
     "branch points 1e-5 apart": Case(
         {"x": "x*((p - 0.5123)^2 - 0.000005^2) - x^3"}, {"x": 0.0}, AT, R, [("BP", 0.512295), ("BP", 0.512305)]
     ),
-    "a vertical family: any x at p = -1": Case({"x": "(p + 1)*x*(1 + x)"}, {"x": 0.0}, {"p": -2.0}, (-3.0, 1.5), [("BP", -1.0)]),
+    "a vertical family: any x at p = -1": Case(
+        {"x": "(p + 1)*x*(1 + x)"}, {"x": 0.0}, {"p": -2.0}, (-3.0, 1.5), [("BP", -1.0)]
+    ),
     "amplitude equation odd in r": Case(
         {"r": "-p*r/2 + r*exp(-r^2)"}, {"r": 0.0}, {"p": 1.0}, (0.1, 4.0), [("BP", 2.0)]
     ),
@@ -83,7 +87,9 @@ BRANCH_POINTS = {
     ),
     "thirty modes of a chain: p = 4 sin^2(k pi/62)": Case(
         {
-            f"u{k}": f"p*u{k} - u{k}^3 - 2*u{k}" + (f" + u{k - 1}" if k > 1 else "") + (f" + u{k + 1}" if k < 30 else "")
+            f"u{k}": f"p*u{k} - u{k}^3 - 2*u{k}"
+            + (f" + u{k - 1}" if k > 1 else "")
+            + (f" + u{k + 1}" if k < 30 else "")
             for k in range(1, 31)
         },
         {f"u{k}": 0.0 for k in range(1, 31)}, {"p": -0.1}, (-0.1, 4.1),
@@ -112,7 +118,8 @@ HOPF_POINTS = {
     ),
     "neutral saddle": Case({"x": "x + y*x", "y": "-(p + 2)*y"}, zeros("x y"), AT, (-1.8, 1.5), []),
     "neutral saddle and Hopf point at one place": Case(
-        {"x": "x", "y": "-(p + 2)*y", **oscillator("u", "v", "p + 1")}, zeros("x y u v"), AT, (-1.8, 1.5), [("HB", -1.0)]
+        {"x": "x", "y": "-(p + 2)*y", **oscillator("u", "v", "p + 1")}, zeros("x y u v"), AT, (-1.8, 1.5),
+        [("HB", -1.0)],
     ),
     "pair that touches the axis": Case(oscillator("x", "y", "-p^2"), zeros("x y"), AT, R, []),
     "real pair that becomes complex": Case({"x": "y", "y": "-x - 2*p*y"}, zeros("x y"), {"p": 2.0}, (0.5, 3.0), []),
@@ -162,8 +169,57 @@ COINCIDENT = {
         },
         zeros("x0 y0 x1 y1 x2 y2 x3 y3"), AT, R, [("HB", 0.0), ("HB", 0.4), ("HB", 0.8)], kernels={0.4: 2},
     ),
-    "three folds at once on one branch of eight": Case(
+    "opposite senses, one eigenvalue twice as fast": Case(
+        {"x": "p*x - x^3", "y": "-2*p*y - y^3"}, zeros("x y"), AT, R, [("BP", 0.0)], kernels={0.0: 2}
+    ),
+    "opposite senses beside a stable mode": Case(
+        {"x": "p*x - x^3", "y": "-p*y - y^3", "z": "-z"}, zeros("x y z"), AT, R, [("BP", 0.0)], kernels={0.0: 2}
+    ),
+    "three pairs, one against the others": Case(
+        {**oscillator("x", "y", "p"), **oscillator("u", "v", "-p", "2.1"), **oscillator("a", "b", "p", "3.3")},
+        zeros("x y u v a b"), AT, R, [("HB", 0.0)] * 3,
+    ),
+    "opposite pairs 1e-3 apart": Case(
+        {**oscillator("x", "y", "p"), **oscillator("u", "v", "0.001 - p", "2.1")}, zeros("x y u v"), AT, R,
+        [("HB", 0.0), ("HB", 0.001)],
+    ),
+    "opposite pairs 1e-6 apart": Case(
+        {**oscillator("x", "y", "p"), **oscillator("u", "v", "0.000001 - p", "2.1")}, zeros("x y u v"), AT, R,
+        [("HB", 0.0), ("HB", 0.000001)],
+    ),
+    "opposite zeros 1e-3 apart": Case(
+        {"x": "p*x - x^3", "y": "(0.001 - p)*y - y^3"}, zeros("x y"), AT, R, [("BP", 0.0), ("BP", 0.001)]
+    ),
+    "pitchfork and pair at once": Case(
+        {**oscillator("x", "y", "p"), "z": "p*z - z^3"}, zeros("x y z"), AT, R, [("BP", 0.0)], also={0.0: ("ZH",)}
+    ),
+    "pitchfork and pair, 1e-5 apart": Case(
+        {**oscillator("x", "y", "p"), "z": "(p - 0.00001)*z - z^3"}, zeros("x y z"), AT, R,
+        [("HB", 0.0), ("BP", 0.00001)],
+    ),
+    "two transcritical points at once": Case(
+        {"x": "p*x - x^2", "y": "p*y - y^2"}, zeros("x y"), AT, R, [("BP", 0.0)], kernels={0.0: 2}
+    ),
+    "two folds at once are a crossing": Case(
         {"x": "p - x^2", "y": "p - y^2"}, {"x": 1.0, "y": 1.0}, {"p": 1.0}, R, [("BP", 0.0)]
+    ),
+}  # fmt: skip
+
+CONSERVATIVE = {
+    "Duffing without damping: centres are no Hopf points": Case(
+        {"x": "y", "y": "p*x - x^3"}, zeros("x y"), AT, R, [("BP", 0.0)]
+    ),
+    "pendulum under torque: a centre meets a saddle": Case(
+        {"x": "y", "y": "p - sin(x)"}, {"x": {"value": 0.0, "period": "2*pi"}, "y": 0.0}, {"p": 0.0}, (-2.0, 2.0),
+        [("LP", 1.0), ("LP", -1.0)], ("closed", "closed"),
+    ),
+    "predator and prey": Case({"x": "x*(p - y)", "y": "y*(x - 1)"}, {"x": 1.0, "y": 1.0}, {"p": 1.0}, (0.1, 3.0), []),
+    "centre beside a Hopf point": Case(
+        {"a": "2*b", "b": "-2*a - a^3", **oscillator("x", "y", "p")}, zeros("a b x y"), AT, R, [("HB", 0.0)]
+    ),
+    "centre with rounding errors beside a Hopf point": Case(
+        {"a": "0.3*a + 1.7*b + c", "b": "-1.7*a - 0.3*b", "c": "-c", **oscillator("x", "y", "p")}, zeros("a b c x y"),
+        AT, R, [("HB", 0.0)],
     ),
 }  # fmt: skip
 
@@ -199,4 +255,4 @@ LOOPS = {
     ),
 }  # fmt: skip
 
-ALL = {**FOLDS, **BRANCH_POINTS, **HOPF_POINTS, **COINCIDENT, **LOOPS}
+ALL = {**FOLDS, **BRANCH_POINTS, **HOPF_POINTS, **COINCIDENT, **CONSERVATIVE, **LOOPS}

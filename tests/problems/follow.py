@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from ast import literal_eval
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import pytest
 
@@ -14,12 +16,25 @@ def model(equations: Mapping[str, str], states: Mapping[str, object], parameters
     return contin.Model("case", states=dict(states), parameters=dict(parameters), equations=dict(equations), **parts)
 
 
+def _key(mapping: Mapping[str, object]) -> str:
+    return repr(dict(mapping))
+
+
+@lru_cache(maxsize=200)
+def _model(equations: str, states: str, parameters: tuple[str, ...], parts: str):
+    """One model, and so one compilation, for all starts and parameter values."""
+    return model(literal_eval(equations), literal_eval(states), dict.fromkeys(parameters, 0.0), **literal_eval(parts))
+
+
 def follow(
     equations: Mapping[str, str], states: Mapping[str, object], parameters: Mapping[str, object],
     range: tuple[float, float], parts: Mapping[str, object] | None = None, **options,
 ) -> Branch:  # fmt: skip
     """The branch of equilibria through `states` while the first parameter varies."""
-    start = contin.equilibrium(model(equations, states, parameters, **(parts or {})))
+    declared = {k: v if isinstance(v, dict) else 0.0 for k, v in states.items()}
+    system = _model(_key(equations), _key(declared), tuple(parameters), _key(parts or {}))
+    guess = {k: v["value"] if isinstance(v, dict) else v for k, v in states.items()}
+    start = contin.equilibrium(system, guess, parameters)
     return contin.continuation(start, next(iter(parameters)), range, **options)
 
 

@@ -1,0 +1,105 @@
+"""Piecewise equations: folds on a switching surface, corners that are no folds, jumps that end a branch."""
+
+from dataclasses import dataclass, field
+from math import pi
+
+import numpy as np
+import pytest
+
+from tests.problems.cases import oscillator, zeros
+from tests.problems.follow import assert_labels, follow, reasons
+
+R = (-1.0, 1.5)
+
+
+@dataclass(frozen=True)
+class Corner:
+    equations: dict[str, str]
+    states: dict[str, object]
+    start: float
+    range: tuple[float, float]
+    nonsmooth: list[float]  # parameter values of folds at corners
+    smooth: list[tuple[str, float]] = field(default_factory=list)
+    ends: tuple[str, str] = ("bound", "bound")
+
+
+def escapement(x1: float) -> str:
+    """r' = -p r/2 + min(1, (r/x1)^2) r/(pi (1 + r^2)): for x1 = 1, p has its maximum 1/pi where the impulse ends."""
+    return f"-p*r/2 + min(1, r^2/{x1 * x1!r})*r/(pi*(1 + r^2))"
+
+
+CORNERS = {
+    "p = |x|": Corner({"x": "p - abs(x)"}, {"x": -1.0}, 1.0, R, [0.0]),
+    "p = |x| in two states": Corner({"x": "p - abs(x) + y", "y": "x/10 - y"}, {"x": -1.0, "y": -0.1}, 1.1, R, [0.0]),
+    "p = max(x, -2x): slopes 1 and -2": Corner({"x": "p - max(x, -2*x)"}, {"x": -0.5}, 1.0, R, [0.0]),
+    "p = -min(x, -x/1000)": Corner({"x": "p + min(x, -x/1000)"}, {"x": -1.0}, 1.0, R, [0.0]),
+    "conditional: parabola against line": Corner({"x": "p - (x^2 + x if x > 0 else -x/2)"}, {"x": -1.0}, 0.5, R, [0.0]),
+    "diamond |x| + |p| = 1": Corner(
+        {"x": "abs(x) + abs(p) - 1"}, {"x": 0.5}, 0.5, (-2.0, 2.0), [1.0, -1.0], ends=("closed", "closed")
+    ),
+    "hysteresis of saturation: p = sat(3x) - x": Corner(
+        {"x": "p - max(-1, min(1, 3*x)) + x"}, {"x": -3.0}, 2.0, (-2.5, 2.5), [2 / 3, -2 / 3]
+    ),
+    "square wave: p = x + |x-1| - |x+1|": Corner(
+        {"x": "p + abs(x + 1) - abs(x - 1) - x"}, {"x": -3.0}, -1.0, (-3.0, 3.0), [1.0, -1.0]
+    ),
+    "a maximum at a corner: p = min(1, r^2) 2/(pi (1 + r^2))": Corner(
+        {"r": escapement(1.0)}, {"r": 2.0}, 2 / (5 * pi), (0.01, 2.0), [1 / pi]
+    ),
+    "a smooth fold 5e-4 from a corner that is none": Corner(
+        {"x": "p - (x^2 - 0.001*x if x > 0 else -x)"}, {"x": 1.0}, 0.999, R, [], [("LP", -2.5e-7)]
+    ),
+    "two slopes of one sign": Corner({"x": "p - min(x, 2*x)"}, {"x": 0.5}, 0.5, R, []),
+    "three slopes of one sign": Corner({"x": "p - 2*abs(x) + 2*abs(x - 1) - x/2"}, {"x": -2.0}, -3.0, (-3.0, 3.0), []),
+    "x |x| is smooth enough": Corner({"x": "p - x*abs(x) - x"}, {"x": 0.5}, 0.75, R, []),
+}
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_folds_at_corners_are_those_where_the_parameter_turns(name):
+    case = CORNERS[name]
+    branch = follow(case.equations, case.states, {"p": case.start}, case.range)
+    assert_labels(branch, [("LP", v) for v in case.nonsmooth] + case.smooth)
+    kinds = [p.normal_form.get("kind") for p in branch.points]
+    assert kinds.count("nonsmooth") == len(case.nonsmooth)
+    assert reasons(branch) == case.ends
+    assert branch.notes == ()
+    for point in branch.points:
+        wanted = min((v for v in [*case.nonsmooth, *(v for _, v in case.smooth)]), key=lambda v: abs(v - point.z[-1]))
+        assert abs(point.z[-1] - wanted) <= point.error
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_every_row_solves_the_equations_also_beside_corners(name):
+    case = CORNERS[name]
+    branch = follow(case.equations, case.states, {"p": case.start}, case.range)
+    system = branch.problem.system
+    residuals = [np.abs(system.value(z[:-1], branch.problem.full_parameters(z))).max() for z in branch.z]
+    assert max(residuals) < 1e-7
+
+
+def test_jump_of_stability_at_a_corner_is_noted_and_not_a_hopf_point():
+    """x'' - s(z) x' + x = 0 with s = sign of z = p: the pair jumps from -1/2 to 1/2 without being imaginary."""
+    branch = follow(
+        {"x": "-y + (1 if z > 0 else -1)*x", "y": "x", "z": "p - z"}, {**zeros("x y"), "z": -1.0}, {"p": -1.0}, R
+    )
+    assert branch.points == ()
+    assert len(branch.notes) == 1
+    assert "jumps at a corner" in branch.notes[0]
+    assert set(branch.columns["unstable"][branch.columns["p"] < 0]) == {0}
+    assert set(branch.columns["unstable"][branch.columns["p"] > 0]) == {2}
+
+
+def test_hopf_point_with_a_kink_in_the_growth_rate_is_a_hopf_point():
+    branch = follow(oscillator("x", "y", "(1 if p > 0 else 3)*p"), zeros("x y"), {"p": -1.0}, R)
+    assert_labels(branch, [("HB", 0.0)], atol=1e-9)
+
+
+@pytest.mark.parametrize("jump", ["heaviside(x - 0.5)", "sign(x - 0.5)", "(1 if x > 0.5 else 0)"])
+def test_branch_ends_at_a_jump_of_the_equations_and_does_not_leap_over_it(jump):
+    """x = p below the jump; beyond it another line solves the equations, parallel to the first."""
+    shift = 1.0 if jump.startswith("sign") else 0.0
+    branch = follow({"x": f"p - x + {jump}"}, {"x": -0.5 - shift}, {"p": -0.5}, R)
+    assert reasons(branch) == ("bound", "corrector")
+    assert branch.columns["x"].max() < 0.5 + 1e-6
+    assert branch.columns["p"].max() == pytest.approx(0.5 + shift, abs=1e-6)
