@@ -1,0 +1,188 @@
+"""A periodic orbit from a simulation: integrate until the trajectory returns, then polish by collocation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import NoSolutionError
+from contin.problems.orbit import OrbitProblem
+from contin.problems.orbit_layout import Profile
+from contin.problems.orbit_mesh import choose_mesh
+from contin.problems.orbit_start import PeriodicOrbit
+
+FIRST_TIME = 60.0  # time scales before the first look
+LONGEST = 2e5  # time scales until giving up
+CROSSINGS = 60  # returns compared at once
+CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
+NEAR = 3e-2  # ... and one this close is tried when time is up
+AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
+LONGEST_MULTIPLE = 16  # forcing periods
+
+
+def orbit_by_simulation(
+    system: Any, u: Array, p: Array, periods: Array, *, transient: float = 0.0, intervals: int | None = None, points: int = 4
+) -> PeriodicOrbit:
+    """The orbit that the trajectory from u settles on (or already lies on).
+
+    Raises NoSolutionError where the trajectory comes to rest, does not return within the time, or where Newton on the
+    closed trajectory fails; NotFiniteError where it escapes.
+    """
+    from contin.simulate.trajectory import integrate
+
+    start = np.array(u, dtype=float)
+    if transient > 0.0:
+        start = integrate(system, start, p, transient).end
+    if system.is_forced:
+        return _forced(system, start, p, periods, intervals, points)
+    scale = _time_scale(system, start, p)
+    time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 1.0)
+    while total < LONGEST * scale:
+        path = integrate(system, start, p, time, times=np.linspace(0.5 * time, time, 400))
+        total += time
+        sizes = np.maximum(np.abs(path.u).max(axis=0), 1e-12)
+        extent = np.ptp(path.u, axis=0)
+        if float(np.max(np.where(periods > 0, 0.0, extent / sizes))) < AT_REST and not _turns(extent, periods):
+            names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
+            raise NoSolutionError(
+                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit attracts "
+                "this start. Start elsewhere, change the parameters, or start from a Hopf point."
+            )
+        found = _return(system, path.end, p, periods, time, extent)
+        if found is not None:
+            if found[0] < best[0]:
+                best = found
+            if found[0] < CLOSE:
+                break
+        start, time = path.end, min(1.6 * time, 0.2 * LONGEST * scale)
+    distance, at, period, _ = best
+    if distance > NEAR:
+        raise NoSolutionError(
+            f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of its "
+            "extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
+        )
+    return _polished(system, at, p, periods, period, 1, intervals, points)
+
+
+def _turns(extent: Array, periods: Array) -> bool:
+    return bool(np.any((periods > 0) & (extent > 0.5 * periods)))
+
+
+def _time_scale(system: Any, u: Array, p: Array) -> float:
+    _, jacobian = system.jacobian(u, np.append(p, 0.0) if system.is_forced else p)
+    fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max())
+    return 1.0 / fastest if np.isfinite(fastest) and fastest > 0.0 else 1.0
+
+
+def _return(
+    system: Any, u: Array, p: Array, periods: Array, time: float, extent: Array
+) -> tuple[float, Array, float, float] | None:
+    """(distance, state, period, 0): the best return to a section through u, looking at up to CROSSINGS crossings."""
+    from contin.simulate.trajectory import Section, integrate
+
+    unit = np.where(extent > 0.0, extent, 1.0)
+    normal = system.value(u, p) / unit**2
+    normal[periods > 0.0] = 0.0
+    if not normal.any():
+        return None
+    # the fastest place of the orbit makes the best section: move there first
+    section = Section(normal, float(normal @ u), 1)
+    path = integrate(system, u, p, time, section=section, events=CROSSINGS)
+    states, times = path.event_states, path.event_times
+    best: tuple[float, Array, float, float] | None = None
+    for k in range(1, len(states) // 2 + 1):
+        difference = states[-1] - states[-1 - k]
+        angles = periods > 0.0
+        difference = np.where(angles, difference - periods * np.round(difference / np.where(angles, periods, 1.0)), difference)
+        distance = float(np.max(np.abs(difference) / np.where(angles, periods, unit)))
+        if best is None or distance < 0.3 * best[0]:
+            best = distance, states[-1], float(times[-1] - times[-1 - k]), 0.0
+        if best[0] < CLOSE:
+            break
+    return best
+
+
+def _forced(
+    system: Any, u: Array, p: Array, periods: Array, intervals: int | None, points: int
+) -> PeriodicOrbit:
+    """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
+    from contin.model.evaluate import evaluate
+    from contin.simulate.trajectory import integrate
+
+    period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
+    start, best = u, (np.inf, u, 1)
+    for _ in range(60):
+        path = integrate(system, start, p, 64 * period, times=period * np.arange(65))
+        unit = np.maximum(np.ptp(path.u, axis=0), 1e-9 * np.maximum(np.abs(path.u).max(axis=0), 1e-9))
+        for k in range(1, LONGEST_MULTIPLE + 1):
+            distance = float(np.max(np.abs(path.u[-1] - path.u[-1 - k]) / np.maximum(unit, np.abs(path.u[-1]) + 1e-9)))
+            if distance < 0.1 * best[0]:
+                best = distance, path.u[-1], k
+        if best[0] < CLOSE:
+            break
+        start = path.end
+    if best[0] > NEAR:
+        raise NoSolutionError("no periodic response found: the stroboscopic states do not return within 16 forcing periods")
+    return _polished(system, best[1], p, periods, best[2] * period, best[2], intervals, points)
+
+
+def _polished(
+    system: Any, u: Array, p: Array, periods: Array, period: float, multiple: int, intervals: int | None, points: int
+) -> PeriodicOrbit:
+    """The closed trajectory from u on an adapted mesh, solved by Newton at fixed parameters."""
+    problem: OrbitProblem | None = None
+    h = np.full(100, 0.01)
+    profile = Profile(points, np.empty((0, system.n)), period, h, 0.0)
+    for _ in range(3):
+        profile = _sampled(system, u, p, period, h, points)
+        change = profile.u[-1] - profile.u[0]
+        winding = np.where(periods > 0.0, periods * np.round(change / np.where(periods > 0.0, periods, 1.0)), 0.0)
+        problem = OrbitProblem(system, p, 0, winding, points, intervals, multiple)
+        sizes = problem.state_sizes(profile)
+        h = choose_mesh(profile, sizes, problem.tolerance, intervals).h
+    assert problem is not None
+    profile = replace(_sampled(system, u, p, period, h, points), parameter=float(p[0]))
+    closed = profile.u - profile.times[:, None] * (profile.u[-1] - profile.u[0] - winding)
+    z = replace(profile, u=closed).vector()
+    scale = problem.initial_scale(z, (z[-1] - 0.5, z[-1] + 0.5))
+    solved = problem.at_parameter(z, float(p[0]), scale)
+    if solved is None or float(np.linalg.norm((solved - z) / scale)) > 1.0:
+        raise NoSolutionError(
+            f"the simulation nearly returns after {period:.6g}, but Newton does not close the orbit: integrate longer "
+            "(transient), or start nearer to the orbit"
+        )
+    if problem.is_constant(solved, 1e3 * scale):
+        raise NoSolutionError("the closed orbit is an equilibrium: start further away from it")
+    return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), problem.winding, multiple)
+
+
+def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: int) -> Profile:
+    from contin.simulate.trajectory import integrate
+
+    empty = Profile(points, np.empty((len(h) * points + 1, system.n)), period, h, 0.0)
+    times = empty.times * period
+    times[-1] = min(times[-1], period)
+    path = integrate(system, u, p, period * (1.0 + 1e-12), times=times)
+    return replace(empty, u=path.u)
+
+
+def orbit_from_array(system: Any, t: Array, u: Array, p: Array, periods: Array, points: int = 4) -> PeriodicOrbit:
+    """An orbit from samples u (K, n) at times t (K,) over one period (the last is the first again), solved by Newton."""
+    t, u = np.asarray(t, dtype=float), np.asarray(u, dtype=float)
+    period = float(t[-1] - t[0])
+    h = np.full(60, 1.0 / 60)
+    empty = Profile(points, np.empty((60 * points + 1, u.shape[1])), period, h, float(p[0]))
+    values = np.stack([np.interp(empty.times * period + t[0], t, column) for column in u.T], axis=1)
+    change = values[-1] - values[0]
+    winding = np.where(periods > 0.0, periods * np.round(change / np.where(periods > 0.0, periods, 1.0)), 0.0)
+    problem = OrbitProblem(system, p, 0, winding, points)
+    z = replace(empty, u=values).vector()
+    scale = problem.initial_scale(z, (z[-1] - 0.5, z[-1] + 0.5))
+    solved = problem.at_parameter(z, float(p[0]), scale)
+    if solved is None:
+        raise NoSolutionError("the array is not near a periodic orbit at these parameters: Newton does not converge from it")
+    return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), winding)
+

@@ -1,0 +1,96 @@
+"""Trajectories of a compiled model from Python."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import InputError, NotFiniteError
+
+RTOL, ATOL = 1e-10, 1e-12
+CHUNK = 20_000  # steps between two looks at Ctrl-C
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The plane normal . u = offset; crossings upwards (direction 1), downwards (-1) or both (0)."""
+
+    normal: Array
+    offset: float
+    direction: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """States u (len(t), n) at times t, crossings of a section (time, state), and the state at the end.
+
+    `variations` (len(t), n, k) where the variational equation was integrated too.
+    """
+
+    t: Array
+    u: Array
+    event_times: Array
+    event_states: Array
+    end_time: float
+    end: Array
+    steps: int
+    variations: Array | None = None
+
+
+def integrate(
+    system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
+    section: Section | None = None, events: int = 0, variations: Array | None = None, rtol: float = RTOL,
+    atol: float | Array = ATOL, max_step: float = np.inf, budget: int = 5_000_000,
+) -> Trajectory:  # fmt: skip
+    """Integrate du/dt = f(u, p) over `duration`, or until `events` crossings of `section` were found.
+
+    DOP853 (order 8, adaptive) with 7th-order dense output. times : increasing, at which the state is wanted.
+    variations : (n, k) initial vectors of v' = f_u v. Smooth non-stiff flows; about 1 us a step for small models.
+
+    Raises InputError for a map or a bad duration, NotFiniteError where the solution leaves the equations' domain or
+    the budget of steps is used up (a stiff model: see `stiff`).
+    """
+    from contin.kernels import runge_kutta as kernel
+
+    if system.kind == "map":
+        raise InputError("a map has no trajectories in continuous time; iterate it")
+    if not duration > 0.0:
+        raise InputError(f"duration must be positive; got {duration!r}")
+    n = system.n
+    y = np.array(u, dtype=float)
+    if variations is not None:
+        y = np.concatenate([y, np.asarray(variations, dtype=float).T.ravel()])
+    full = np.zeros(system.p_size)
+    full[: len(p)] = p
+    wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
+    samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
+    plane = np.zeros(n + 2)
+    if section is not None:
+        plane[:n], plane[n], plane[n + 1] = section.normal, section.offset, section.direction
+    counts = np.zeros(4, np.int64)
+    controls = np.array([start, start + duration, 0.0, max_step, rtol, float(np.min(atol))])
+    memory = kernel.new_work(y.size, n, system.p_size)
+    while True:
+        status = kernel.integrate(
+            system.value_address, system.jacobian_address, system.is_forced, y, full, controls, CHUNK, plane, wanted,
+            samples, found, counts, *memory,
+        )  # fmt: skip
+        if status != kernel.STEPS or counts[2] > budget:
+            break
+    if status in (kernel.SMALL, kernel.NOT_FINITE, kernel.STEPS):
+        why = system.explain(y[:n], full) or (
+            "the step became too small: a singularity, or a solution that escapes"
+            if status != kernel.STEPS
+            else f"{budget} steps were not enough: the model may be stiff (use contin.simulate.stiff)"
+        )
+        raise NotFiniteError(f"the trajectory stops at t = {controls[0]:.6g}: {why}")
+    taken = int(counts[0])
+    crossings = found[: int(counts[1])]
+    carried = None if variations is None else np.moveaxis(samples[:taken, n:].reshape(taken, -1, n), 1, 2)
+    return Trajectory(
+        wanted[:taken], samples[:taken, :n], crossings[:, 0], crossings[:, 1 : 1 + n], float(controls[0]), y[:n].copy(),
+        int(counts[2]), carried,
+    )  # fmt: skip
