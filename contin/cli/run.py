@@ -130,12 +130,12 @@ def compute(
 
     status = Status(errors)
     engine = ContinEngine(status.watch, journal)
-    status.say_if_first_use()
+    status.say_if_first_use(plan.follows_orbits)
     engine.load()
     imported = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
-    warm_up()
+    warm_up(plan.follows_orbits)
     warm = time.perf_counter()
     with status:
         result = execute(plan, engine, status.say)
@@ -207,14 +207,12 @@ class Status:
         self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
         self.run = ""
 
-    def say_if_first_use(self) -> None:
+    def say_if_first_use(self, orbits: bool) -> None:
         """On a machine's first run, the one line that explains the wait."""
-        from contin.kernels.compile import kernels_are_cached
+        from contin.runs.warm import is_compiled
 
-        if not kernels_are_cached():
-            self.console.print(
-                "Compiling the numerical kernels for this machine, once; this takes about half a minute ..."
-            )
+        if not is_compiled(orbits):
+            self.console.print("Compiling the numerical kernels for this machine, once; this takes about a minute ...")
 
     def say(self, what: str) -> None:
         """The name of the run that begins."""

@@ -37,6 +37,12 @@ class RunPlan:
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def follows_orbits(self) -> bool:
+        """True for orbits that are asked for, and for those born at a Hopf point."""
+        born = self.reference is not None and self.reference[1].startswith("HB")
+        return self.as_ == "orbit" or (self.as_ is None and len(self.parameters) == 1 and born)
+
 
 @dataclass(frozen=True)
 class DiagramPlan:
@@ -64,6 +70,13 @@ class Plan:
     x: str | None = None
     y: Sequence[str] | None = None
     title: str | None = None
+
+    @property
+    def follows_orbits(self) -> bool:
+        """True where a run computes periodic orbits of a flow."""
+        return self.model.kind == "flow" and (
+            (self.diagram is not None and self.diagram.orbits) or any(run.follows_orbits for run in self.runs)
+        )
 
 
 def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 PASSES: Final[Mapping[str, tuple[str, str]]] = {
     "average": ("contin.symbolic.averaging", "average"),
+    "coordinates": ("contin.symbolic.coordinates", "change_coordinates"),
+    "corotate": ("contin.symbolic.corotating", "corotate"),
+    "fix": ("contin.symbolic.fix_parameters", "fix_parameters"),
+    "linearise": ("contin.symbolic.linearisation", "linearise"),
+    "scale": ("contin.symbolic.scaling", "scale"),
 }
 """Name in the file -> module and function; the options written in the file are its keyword arguments."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Final
 
 # Equilibria p = x^2 with a fold at p = 0 and a Hopf point at p = 1 (the Bogdanov-Takens normal form): one short branch
@@ -14,10 +15,23 @@ MODEL: Final[dict[str, Any]] = {
 }
 
 
-def warm_up() -> None:
-    """Follow one small branch: imports what runs import, and loads (the first time on a machine, compiles) kernels."""
+def warm_up(orbits: bool = False) -> None:
+    """Follow one small branch: imports what runs import, and loads (the first time on a machine, compiles) kernels.
+
+    `orbits` follows a few periodic orbits too.
+    """
     from contin import api
     from contin.model.yaml_loader import model_from_mapping
 
     start = api.equilibrium(model_from_mapping(MODEL, check=False))
-    api.continuation(start, "p", (-0.5, 1.21), direction="down", settings={"steps": 200})
+    branch = api.continuation(start, "p", (-0.5, 1.21), direction="down", settings={"steps": 200})
+    hopf = next((point for point in branch.points if point.type == "HB"), None)
+    if orbits and hopf is not None:
+        api.continuation(hopf.switch(), "p", (-0.5, 1.21), settings={"steps": 2})
+
+
+def is_compiled(orbits: bool) -> bool:
+    """False where the next warm-up compiles: on the first run, and the first with orbits, on a machine."""
+    from contin.kernels.compile import kernel_cache_folder, kernels_are_cached
+
+    return kernels_are_cached() and (not orbits or any(Path(kernel_cache_folder()).rglob("collocation_march.*.nbc")))

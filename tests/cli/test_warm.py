@@ -2,7 +2,7 @@
 
 from contin import api
 from contin.model.yaml_loader import model_from_mapping
-from contin.runs.warm import MODEL, warm_up
+from contin.runs.warm import MODEL, is_compiled, warm_up
 
 
 def test_the_warm_up_branch_has_a_hopf_point_at_1_and_a_fold_at_0():
@@ -12,3 +12,8 @@ def test_the_warm_up_branch_has_a_hopf_point_at_1_and_a_fold_at_0():
     assert abs(found["HB"] - 1) < 1e-9
     assert abs(found["LP"]) < 1e-9
     warm_up()
+
+
+def test_the_warm_up_with_orbits_leaves_nothing_to_compile():
+    warm_up(orbits=True)
+    assert is_compiled(orbits=True)
