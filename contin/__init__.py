@@ -21,6 +21,7 @@ _EXPORTS = {
     "equilibrium": "contin.api",
     "find_equilibria": "contin.api",
     "load": "contin.model.registry",
+    "periodic_orbit": "contin.api",
     "walk": "contin.api",
 }
 

@@ -22,6 +22,8 @@ from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteErr
 from contin.problems.deflation import FoundEquilibrium
 from contin.problems.function import FunctionProblem
 from contin.problems.maps import iterate
+from contin.problems.orbit import OrbitProblem
+from contin.problems.orbit_start import PeriodicOrbit, configured
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
@@ -66,6 +68,37 @@ def equilibrium(
     return converge(system, u, p, np.asarray(model.periods(), dtype=float))
 
 
+def periodic_orbit(
+    model: Any,
+    start: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    period: float | None = None,
+    transient: float = 0.0,
+    intervals: int | None = None,
+    points: int = 4,
+) -> PeriodicOrbit:
+    """A periodic orbit at fixed parameters, by collocation: the start of a continuation.
+
+    start : a named start or mapping of states, from which the trajectory is integrated until it returns (after `transient`);
+        or an array (K, n) of states over one period, with `period`, at equal times (the last row is the first again).
+    intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each.
+
+    Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
+    """
+    from contin.problems.orbit_simulation import orbit_by_simulation, orbit_from_array
+
+    if isinstance(start, np.ndarray):
+        if period is None:
+            raise InputError("an array of states over one period needs its period: periodic_orbit(model, u, period=...)")
+        _, p = model.start_point(None, dict(parameters or {}))
+        periods = np.asarray(model.periods(), dtype=float)
+        return orbit_from_array(compiled(model), np.linspace(0.0, period, len(start)), start, p, periods, points)
+    u, p = model.start_point(start, dict(parameters or {}))
+    periods = np.asarray(model.periods(), dtype=float)
+    return orbit_by_simulation(compiled(model), u, p, periods, transient=transient, intervals=intervals, points=points)
+
+
 def continuation(
     start: Any,
     parameter: str | Sequence[str],
@@ -90,6 +123,9 @@ def continuation(
     journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
     seed, bounds = placed(start, parameter, range)
+    chosen = Settings.of(settings)
+    if isinstance(seed.problem, OrbitProblem):
+        seed = configured(seed, chosen)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
@@ -99,7 +135,7 @@ def continuation(
         seed,
         bounds,
         name=name,
-        settings=Settings.of(settings),
+        settings=chosen,
         targets=targets_of(seed.problem, values),
         watch=watch,
         journal=journal,
@@ -176,7 +212,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
                 f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
             )
         return start
-    if isinstance(start, Equilibrium):
+    if isinstance(start, Equilibrium | PeriodicOrbit):
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
@@ -198,7 +234,10 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
 
 def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
-    known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}
+    if isinstance(problem, OrbitProblem):
+        known = set(problem.column_names())
+    else:
+        known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}
     targets = []
     for column, wanted in (values or {}).items():
         if column not in known:

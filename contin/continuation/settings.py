@@ -23,6 +23,7 @@ class Settings:
         verified to full precision).
     intervals : number of mesh intervals of an orbit; by default as many as its error needs.
     points : Gauss points an interval (collocation of order 2 points at the mesh points).
+    method : of orbits, "collocation" or "shooting"; by default collocation, shooting where the flow is piecewise smooth.
     stop_at : types of labelled points at which an arm ends, e.g. ("BT",).
     """
 
@@ -34,6 +35,7 @@ class Settings:
     tolerance: float = 1e-9
     intervals: int | None = None
     points: int = 4
+    method: str | None = None
     stop_at: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
