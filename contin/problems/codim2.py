@@ -8,6 +8,7 @@ critical ones, and the normal form are computed from exact derivatives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -41,6 +42,15 @@ DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 FORCED = 1e-8  # an unfolding parameter below this is zero
 
 
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too."""
+
+    y: Array
+    residual: float
+    error: float
+
+
 def explain(locus: str, a: Sample, b: Sample, is_map: bool = False) -> tuple[str, ...] | None:
     """The event that explains what changed between two points of a curve; None where one event does not."""
     events = (MAP_EVENTS if is_map else EVENTS)[locus]
@@ -66,7 +76,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     function = function_of(problem, type_, near)
     if isinstance(function, str):
         return f"{type_} not verified: {function}"
-    solved = _solve(problem, function, near.z, frame.scale)
+    solved = _solve(problem, function, near, frame.scale)
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
     if not solved.residual <= RESIDUAL_LIMIT:
@@ -85,24 +95,58 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return described(problem, point, values[critical])
 
 
-def _solve(problem: Any, function: Callable[[Array], float], z: Array, scale: Array) -> defining.Solved | None:
-    """Newton on the curve's equations and function(z) = 0, whose gradient is a central difference."""
+def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
+    """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
+
+    Only the slope of `function` along the curve enters the iteration: steps across it are quadratically small. The error
+    of the first parameter is estimated as in `defining.newton`, with the whole gradient.
+    """
     curve = problem.curve
-    parameters = curve.parameters(z)
-    rows = scale[:-1]
-    size = len(z)
+    parameters = curve.parameters(near.z)
+    rows, size, tangent = scale[:-1], len(near.z), near.tangent
 
-    def system(y: Array) -> tuple[Array, Array]:
-        here = y * scale
-        f, jacobian = curve.linearise(here, parameters)
-        gradient = np.empty(size)
-        for k in range(size):
-            shift = np.zeros(size)
-            shift[k] = DIFFERENCE * scale[k]
-            gradient[k] = (function(here + shift) - function(here - shift)) / (2.0 * DIFFERENCE)
-        return np.append(f / rows, function(here)), np.vstack([jacobian * scale / rows[:, None], gradient])
+    def slope(y: Array, direction: Array) -> float:
+        shift = DIFFERENCE * direction
+        return (function((y + shift) * scale) - function((y - shift) * scale)) / (2.0 * DIFFERENCE)
 
-    return defining.newton(system, z / scale, size - 1)
+    def residual(y: Array) -> tuple[Array, Array]:
+        f, jacobian = curve.linearise(y * scale, parameters)
+        return np.append(f / rows, function(y * scale)), jacobian * scale / rows[:, None]
+
+    y, before = near.z / scale, np.inf
+    for _ in range(defining.NEWTON_BUDGET):
+        g, jacobian = residual(y)
+        matrix = np.vstack([jacobian, slope(y, tangent) * tangent])
+        if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
+            return None
+        try:
+            step = np.linalg.solve(matrix, -g)
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.linalg.norm(step))
+        if length >= 0.5 * before and length < defining.STALLED:
+            break
+        if length > 1e3 or (length >= before and before < defining.STALLED):
+            return None
+        y = y + step
+        if length < defining.SETTLED:
+            break
+        before = length
+    else:
+        return None
+    g, jacobian = residual(y)
+    matrix = np.vstack([jacobian, [slope(y, unit) for unit in np.eye(size)]])
+    try:
+        row = np.linalg.solve(matrix.T, np.append(np.zeros(size - 1), 1.0))
+    except np.linalg.LinAlgError:
+        return None
+    generator = np.random.default_rng(12345)
+    estimates = []
+    for _ in range(defining.SAMPLES):
+        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, size)
+        estimates.append(float(shift[-1] - row @ residual(y + shift)[0]))
+    scatter = 2.0 * float(np.max(np.abs(estimates)))
+    return _Solution(y, float(np.max(np.abs(g))), scatter)
 
 
 def eigenvalues(problem: Any, z: Array) -> Any:

@@ -55,11 +55,14 @@ def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Arr
     identity = np.eye(problem.n)
     shift = _shift(problem)
     left, _, right = np.linalg.svd(scaled_matrix(problem, z0) - shift * identity)
-    b, c = left[:, -1], right[-1]
+    n = problem.n
+    frame = np.zeros((n + 1, n + 1))
+    frame[:n, n], frame[n, :n] = left[:, -1], right[-1]
+    unit = np.eye(n + 1)[-1]
 
     def function(z: Array) -> float:
-        bordered = np.block([[scaled_matrix(problem, z) - shift * identity, b[:, None]], [c[None, :], np.zeros((1, 1))]])
-        unit = np.append(np.zeros(problem.n), 1.0)
+        bordered = frame.copy()
+        bordered[:n, :n] = scaled_matrix(problem, z) - shift * identity
         try:
             v, psi = np.linalg.solve(bordered, unit)[:-1], np.linalg.solve(bordered.T, unit)[:-1]
         except np.linalg.LinAlgError:
