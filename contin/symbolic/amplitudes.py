@@ -16,6 +16,7 @@ from contin.model.expression import ZERO, Expression, add, mul, neg, number, pow
 from contin.symbolic.oscillators import WeakOscillators
 from contin.symbolic.radial import Piece, RadialAverage, Setting, average_over_turn, combined
 from contin.symbolic.resonant import Powers, StatePowers, resonant_part, state_powers
+from contin.symbolic.shorter import cancelled
 from contin.symbolic.switching_lines import X, Y
 from contin.symbolic.terms import additive_terms
 
@@ -114,7 +115,8 @@ class _Averager:
         for is_force, perturbation in ((True, velocity), (False, position)):
             for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
                 members = self.oscillators.members(term)
-                if not members:
+                coefficient = cancelled(coefficient)
+                if not members or coefficient is ZERO:
                     continue  # a constant has no mean over a turn against sin and cos
                 powers = None if members == (i,) else state_powers(term, self.states)
                 if powers is not None:

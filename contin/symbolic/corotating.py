@@ -12,16 +12,43 @@ one replaced by a negative one (Beyn and Thuemmler, Freezing solutions of equiva
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
 from contin.model.model import Model
+from contin.model.rotation import check_rotation
+from contin.model.source import CallSource, Problems
+from contin.symbolic.formulas import read
 from contin.symbolic.holding import holds
 
 _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
+
+
+def corotate(model: Model, rotation: Mapping[str, Any] | None = None) -> Model:
+    """`corotating` as a pass; `rotation` declares the circle symmetry where the model does not, e.g. {u: -v, v: u}."""
+    if rotation is None:
+        return corotating(model)
+    names = [*model.state_names, *model.parameter_names]
+    declared = {n: read(v, names, f"rotation: {n}") for n, v in rotation.items()}
+    unknown = [n for n in declared if n not in model.state_names]
+    if unknown:
+        raise InputError(
+            f"rotation: {model.name} has no state {unknown[0]!r}: there are {', '.join(model.state_names)}"
+        )
+    problems = Problems(CallSource("rotation"))
+    parts: dict[str, Any] = {
+        "states": model.states,
+        "parameters": model.parameters,
+        "equations": model.equations,
+        "rotation": declared,
+    }
+    check_rotation(parts, problems)
+    problems.raise_if_any()
+    return corotating(model.replace(rotation=declared))
 
 
 def corotating(model: Model) -> Model:

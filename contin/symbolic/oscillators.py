@@ -181,14 +181,15 @@ def _short(expression: Expression) -> str:
 
 
 def is_zero(expression: Expression) -> bool:
-    """True where sympy expands the formula to 0."""
+    """True where sympy expands the formula, or its numerator, to 0."""
     if expression is ZERO or (expression.is_number and expression.value == 0):
         return True
     if not expression.args:
         return False
     import sympy
 
-    return bool(sympy.expand(to_sympy(expression)) == 0)
+    value = sympy.expand(to_sympy(expression))
+    return bool(value == 0 or (value.is_rational_function() and sympy.cancel(sympy.together(value)) == 0))
 
 
 def _equal(a: Expression, b: Expression) -> bool:

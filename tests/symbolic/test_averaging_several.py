@@ -156,18 +156,18 @@ def dict_of(text):
 
 
 def test_other_resonances_are_refused_and_small_detuning_is_kept():
-    kwargs = dict(
-        states={"x1": 1, "y1": 0, "x2": 1, "y2": 0},
-        averaging={
+    kwargs = {
+        "states": {"x1": 1, "y1": 0, "x2": 1, "y2": 0},
+        "averaging": {
             "small": "eps",
             "oscillators": [{"position": "x1", "velocity": "y1"}, {"position": "x2", "velocity": "y2"}],
         },
-    )
+    }
     far = contin.Model(
         "far", parameters={"eps": 0.01},
         equations={"x1": "y1", "y1": "-x1 + eps*x2", "x2": "y2", "y2": "-4*x2 + eps*x1"}, **kwargs,
     )  # fmt: skip
-    with pytest.raises(InputError, match="ratio 2 .*1:1 resonance"):
+    with pytest.raises(InputError, match=r"ratio 2 .*1:1 resonance"):
         contin.average(far)
     near = contin.Model(
         "near", parameters={"eps": 0.01, "w": 1.01},

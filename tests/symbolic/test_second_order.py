@@ -1,0 +1,128 @@
+"""Second-order averages against known expansions and against the exact branch point of the metronome pair."""
+
+import math
+
+import numpy as np
+import pytest
+from oscillating import oscillators
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import contin
+from contin.errors import InputError
+from contin.model.evaluate import evaluate
+from contin.symbolic.turn_grid import TurnGrid
+
+
+def test_van_der_pol_frequency_is_one_minus_eps_squared_over_16():
+    averaged = contin.average(oscillators("(1 - x^2)*y"), order=2)
+    env = {"eps": 0.1, "r": 2.0}
+    assert evaluate(averaged.equations[0], env) == pytest.approx(0, abs=1e-15)
+    assert evaluate(averaged.observables["frequency_shift"], env) == pytest.approx(-0.1 / 16, rel=1e-13)
+
+
+def test_duffing_frequency_as_a_function_of_the_energy():
+    """x'' + x + eps x^3 = 0 from x = a at rest, against the exact period.
+
+    There A = a, and the averaged amplitude is r = a - eps w. In A' = i eps exp(-it) x^3 the harmonics exp(ikt) with
+    k = 2, -2, -4 have the coefficients i a^3 (1, 3, 1)/8, so w = a^3 (1/16 - 3/16 - 1/32) at phase 0.
+    """
+    averaged = contin.average(oscillators("-x^3"), order=2)
+    for eps in (0.02, 0.01):
+        a = 1.0
+        # energy: x'^2 = (a^2 - x^2)(1 + eps (a^2 + x^2)/2); x = a sin s
+        nodes, weights = np.polynomial.legendre.leggauss(60)
+        s = (nodes + 1) * math.pi / 4
+        period = 4 * np.sum(weights * math.pi / 4 / np.sqrt(1 + eps * a * a * (1 + np.sin(s) ** 2) / 2))
+        exact = (2 * math.pi / period - 1) / eps
+        r = a - eps * a**3 * (1 / 16 - 3 / 16 - 1 / 32)
+        found = evaluate(averaged.observables["frequency_shift"], {"eps": eps, "r": r})
+        assert found == pytest.approx(exact, abs=0.5 * eps**2)
+
+
+def test_the_metronomes_branch_point_moves_with_eps_as_the_exact_one():
+    """mu_c(eps) for beta = 0.3, a = 4, b = 1 from multipliers of the full equations, digits as quoted."""
+    exact = {0.0: 10.572900507, 0.001: 10.50272674, 0.005: 10.24036985, 0.01: 9.94802926, 0.02: 9.45499633}
+    eps = np.array(list(exact))
+    slope = np.polynomial.Polynomial.fit(eps, list(exact.values()), 4).deriv()(0.0)  # -71.16
+    averaged = contin.average(contin.load("metronomes/pair"), order=2)
+    found = []
+    for small in (0.0, 1e-5):
+        start = contin.equilibrium(averaged, "in-phase", {"beta": 0.3, "mu": 12, "eps": small})
+        (point,) = contin.continuation(start, "mu", (9, 13)).points
+        found.append(point.values["mu"])
+    assert found[0] == pytest.approx(exact[0.0], abs=1e-9)
+    assert (found[1] - found[0]) / 1e-5 == pytest.approx(slope, rel=3e-3)
+
+
+def period_of(force, eps, low, high):
+    """Amplitude and period of the limit cycle by a Poincare map, quadrant by quadrant (the force jumps between them)."""
+
+    def turn(r):
+        state, time = np.array([r, 0.0]), 0.0
+        for k, signs in enumerate(((1, -1), (-1, -1), (-1, 1), (1, 1))):
+
+            def motion(_, u, signs=signs):
+                return [u[1], -u[0] + eps * force(u[0], u[1], signs)]
+
+            def crossing(t, u, k=k):
+                return u[k % 2] if t > 1e-2 else (1.0, -1.0, -1.0, 1.0)[k]
+
+            crossing.terminal = True
+            leg = solve_ivp(motion, (0, 6), state, events=crossing, rtol=1e-11, atol=1e-12, method="DOP853")
+            state, time = leg.y_events[0][0], time + leg.t_events[0][0]
+        return state[0], time
+
+    r = brentq(lambda r: turn(r)[0] - r, low, high, xtol=1e-11)
+    return r, turn(r)[1]
+
+
+def test_piecewise_forces_predict_the_frequency_one_order_better():
+    model = oscillators(
+        "-alpha*y + s*x^2 + q*x*y + (a*x^3 - b*x^5 if x*y > 0 else 0)",
+        parameters={"alpha": 0.5, "a": 4, "b": 1, "s": 0.7, "q": 0.3},
+    )
+
+    def force(x, y, signs):
+        return -0.5 * y + 0.7 * x * x + 0.3 * x * y + (4 * x**3 - x**5 if signs[0] * signs[1] > 0 else 0.0)
+
+    errors = {1: [], 2: []}
+    for eps in (0.02, 0.01):
+        _, period = period_of(force, eps, 2.0, 2.4)
+        exact = (2 * math.pi / period - 1) / eps
+        for order in errors:
+            averaged = contin.average(model, order=order)
+            env = averaged.default_parameters({"eps": eps})
+            r = brentq(lambda r, m=averaged, env=env: evaluate(m.equations[0], {**env, "r": r}), 2.0, 2.4, xtol=1e-13)
+            errors[order].append(abs(evaluate(averaged.observables["frequency_shift"], {**env, "r": r}) - exact))
+    for order, (coarse, fine) in errors.items():
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.3)
+    assert errors[2][1] < 0.1 * errors[1][1]
+
+
+@pytest.mark.parametrize("form", ["cartesian", "stokes"])
+def test_second_order_forms_agree_with_the_polar_one(form):
+    pair = contin.load("metronomes/pair")
+    curves = []
+    for name in ("polar", form):
+        averaged = contin.average(pair, form=name, order=2)
+        start = contin.equilibrium(averaged, "in-phase", {"beta": 0.3, "mu": 12, "eps": 0.002})
+        (point,) = contin.continuation(start, "mu", (9, 13)).points
+        curves.append((point.values["mu"], point.values["r1"]))
+    assert curves[1] == pytest.approx(curves[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("force", ["y if x > 1 else 0", "tanh(y)"])
+def test_forces_beyond_second_order_are_refused(force):
+    with pytest.raises(InputError, match="second-order averaging"):
+        contin.average(oscillators(force), order=2)
+
+
+def test_zero_mean_antiderivative_of_a_jump():
+    grid = TurnGrid.between([0.0, 1.0, 2.5])
+    f = np.where((grid.phi > 1.0) & (grid.phi < 2.5), 1.0, 0.0).astype(complex)
+    slope = (
+        np.where(grid.phi < 1.0, 0.0, np.where(grid.phi < 2.5, grid.phi - 1.0, 1.5)) - 1.5 / (2 * math.pi) * grid.phi
+    )
+    found = grid.antiderivative(f)
+    assert np.max(np.abs(found - (slope - grid.mean(slope)))) < 1e-13
