@@ -106,6 +106,8 @@ class Arm:
                 origin, before = renewal.origin, renewal.before
                 if renewal.last is not None:
                     yield _single(renewal.last, self.scale)
+                if renewal.point is not None:
+                    yield _labelled(renewal.point, origin, self.scale)
             elif chunk.stop is Stop.RESCALE:
                 origin, before = self._rescale(origin, before)
 
@@ -336,6 +338,14 @@ class Arm:
         self.end = End(
             "corrector", f"corrector failed at {where} at the smallest step ({self.settings.min_step:.0e}). {advice}"
         )
+
+
+def _labelled(point: Verified, sample: Sample, scale: Array) -> Piece:
+    """A labelled point with no other rows."""
+    size = len(sample.z)
+    mark = Row(1, 0.0, point, sample.tangent)
+    empty = np.empty((0, size))
+    return Piece(empty, empty, np.empty(0, np.int64), np.empty((0, len(sample.eigenvalues)), complex), scale, (mark,))
 
 
 def _single(sample: Sample, scale: Array) -> Piece:

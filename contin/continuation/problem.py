@@ -103,6 +103,7 @@ class Renewal:
     loop: Sample | None
     end: End | None = None
     last: Sample | None = None  # a row to append: where a family of orbits shrinks, the Hopf point
+    point: Verified | None = None  # a label for the last row: HOM
 
 
 @runtime_checkable

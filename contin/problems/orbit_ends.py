@@ -1,16 +1,213 @@
-"""Where a family of periodic orbits ends."""
+"""Where a family of periodic orbits ends: it shrinks to a Hopf point, or its period grows without bound at a saddle."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample
-from contin.continuation.settings import Settings
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbit import dwelling
+from contin.problems.orbit_layout import Profile
+
+SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
+LINGERING = 0.5  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
+REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
+DOUBTFUL = 1e-4  # ... and at which it is accepted where numbers do not allow more
+NEAR_SADDLE = 0.2  # of the orbit's extent: how close the slowest point must be to its equilibrium
+SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 
 
-def ending(
-    problem: Any, origin: Sample, before: Sample | None, frame: Frame, settings: Settings
-) -> tuple[End, Sample | None] | None:
-    """The end that has been reached, and a last row for it."""
-    return None
+@dataclass(frozen=True, eq=False)
+class Ending:
+    """The end, a last row and a labelled point for it."""
+
+    end: End
+    last: Sample | None = None
+    point: Verified | None = None
+
+
+def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> Ending | None:
+    """The end that an orbit has reached, or None."""
+    if before is None:
+        return None
+    return shrunk(problem, origin, before, frame) or (
+        diverged(problem, origin, before, frame) if problem.autonomous else None
+    )
+
+
+def _extent(profile: Profile, sizes: Array) -> float:
+    return float(np.max(np.ptp(profile.u, axis=0) / sizes))
+
+
+def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+    """The Hopf point on which a family with falling amplitude closes."""
+    from contin.problems import defining
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
+    size = _extent(profile, sizes)
+    if problem.winding.any() or not problem.autonomous or size > SMALL:
+        return None
+    if size >= _extent(problem.profile(before.z), sizes):
+        return None
+    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    centre = profile.weights @ profile.u
+    z = rest.at_parameter(np.append(centre, profile.parameter), profile.parameter, np.append(sizes, frame.scale[-1]))
+    if z is None:
+        return None
+    metric = np.append(np.sqrt(problem.n) * sizes, frame.scale[-1])
+    local = rest.scaled(metric)
+    omega = 2.0 * np.pi / profile.period
+    solved = defining.critical_pair(local, z / metric, lambda w: 1j * w, lambda w: 1j, omega)
+    if solved is None or solved.residual > 1e-8:
+        return None
+    found = solved.y * metric
+    frequency = abs(float(solved.extra[0]))
+    if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(solved.y - z / metric)) > 2.0 * size:
+        return None
+    point = replace(profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1]))
+    values = np.linalg.eigvals(rest.linear_part(found))
+    order = np.argsort(np.minimum(np.abs(values - 1j * frequency), np.abs(values + 1j * frequency)))
+    others = values[order[2:]]
+    with np.errstate(over="ignore"):
+        multipliers = np.concatenate([[1.0, 1.0], np.exp(others * point.period)]).astype(complex)
+    name = problem.parameters[0]
+    where = ", ".join(f"{s} = {v:.10g}" for s, v in zip(problem.system.state_names, found[:-1], strict=True))
+    text = f"the orbits shrink to the Hopf point at {name} = {found[-1]:.12g} ({where}), period {point.period:.10g}"
+    end = End("hopf", text, {"at": {name: float(found[-1])}, "error": solved.error * float(frame.scale[-1])})
+    last = Sample(point.vector(), origin.tangent, origin.tests, int(np.sum(others.real > 0)), multipliers)
+    return Ending(end, last)
+
+
+@dataclass(frozen=True, eq=False)
+class Saddle:
+    """An equilibrium that the orbit lingers at."""
+
+    u: Array
+    eigenvalues: NDArray[np.complex128]
+    visits: int
+
+    @property
+    def rate(self) -> float:
+        """The slower of the leading unstable and stable rates: p - p* falls like exp(-rate T) a visit."""
+        real = self.eigenvalues.real
+        return float(min(real[real > 0].min(), -real[real < 0].max()))
+
+    @property
+    def quantity(self) -> float:
+        """Saddle quantity: leading unstable plus leading stable real part; negative: a stable cycle (n = 2)."""
+        real = self.eigenvalues.real
+        return float(real[real > 0].min() + real[real < 0].max())
+
+
+def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+    """The homoclinic or heteroclinic orbit that a family with growing period approaches.
+
+    With v visits of saddles with rates r, p - p* = A exp(-T / sum(1 / r)), so p* = p + (dp/dT) sum(1 / r), the slope from
+    the tangent. It is believed when two orbits agree on p* and the remaining distance is small.
+    """
+    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
+    position = profile.u.size
+    earlier = problem.profile(before.z)
+    growing = profile.period > earlier.period
+    if not growing or dwelling(profile, sizes) < LINGERING:
+        return None
+    saddles = saddles_near(problem, profile, sizes)
+    if not saddles:
+        return None
+    delay = sum(s.visits / s.rate for s in saddles)
+    limits = []
+    for sample, orbit in ((origin, profile), (before, earlier)):
+        raw = sample.tangent * frame.scale
+        if raw[position] <= 0.0 and raw[position] * origin.tangent[position] <= 0.0:
+            return None
+        limits.append(orbit.parameter + raw[-1] / raw[position] * delay)
+    width = float(frame.scale[-1])
+    remaining = abs(limits[0] - profile.parameter)
+    if remaining > DOUBTFUL * width:
+        return None
+    drift = abs(limits[0] - limits[1])
+    finished = remaining < REACHED * width or (drift > remaining and remaining < 1e-6 * width)
+    if not finished and profile.period < 60.0 * delay:
+        return None
+    return _connection(problem, origin, profile, saddles, limits[0], max(drift, 0.1 * remaining) + 1e-11 * width)
+
+
+def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
+    """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    metric = np.append(sizes, 1.0)
+    extent = _extent(profile, sizes)
+    found: list[Saddle] = []
+    for u in _slowest_points(profile, sizes):
+        z = rest.at_parameter(np.append(u, profile.parameter), profile.parameter, metric)
+        if z is None or float(np.max(np.abs(z[:-1] - u) / sizes)) > NEAR_SADDLE * extent:
+            return []
+        values = np.linalg.eigvals(rest.linear_part(z))
+        if not (np.any(values.real > 0) and np.any(values.real < 0)):
+            return []
+        if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
+            return []
+        for k, known in enumerate(found):
+            if float(np.max(np.abs(known.u - z[:-1]) / sizes)) < 1e-6:
+                found[k] = replace(known, visits=known.visits + 1)
+                break
+        else:
+            found.append(Saddle(z[:-1], values[np.argsort(-values.real)].astype(complex), 1))
+    return found
+
+
+def _slowest_points(profile: Profile, sizes: Array) -> list[Array]:
+    """The slowest node of every stretch of the orbit (a closed curve) that is passed slowly."""
+    steps = np.linalg.norm(np.diff(profile.u, axis=0) / sizes, axis=1)
+    speed = steps / np.diff(profile.times)
+    slow = speed < SLOW * float(steps.sum())
+    if slow.all() or not slow.any():
+        return []
+    first = int(np.argmin(slow))  # begin on a fast stretch
+    order = np.roll(np.arange(len(speed)), -first)
+    points: list[Array] = []
+    run: list[int] = []
+    for k in [*order.tolist(), int(order[0])]:
+        if slow[k] and not (run and k == order[0]):
+            run.append(k)
+        elif run:
+            points.append(profile.u[min(run, key=lambda j: speed[j])])
+            run = []
+    return points
+
+
+def _connection(
+    problem: Any, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
+) -> Ending:
+    name, names = problem.parameters[0], problem.system.state_names
+    data: dict[str, Any] = {"at": {name: limit}, "error": error}
+    described = []
+    for s in saddles:
+        described.append("(" + ", ".join(f"{k} = {v:.8g}" for k, v in zip(names, s.u, strict=True)) + ")")
+    kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
+    states = [{k: float(v) for k, v in zip(names, s.u, strict=True)} for s in saddles]
+    if len(saddles) == 1:
+        data |= {"saddle": states[0], "eigenvalues": saddles[0].eigenvalues, "saddle_quantity": saddles[0].quantity}
+        data["passes"] = saddles[0].visits
+    else:
+        data["saddles"] = [
+            {"state": state, "eigenvalues": s.eigenvalues, "saddle_quantity": s.quantity}
+            for state, s in zip(states, saddles, strict=True)
+        ]
+    text = (
+        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} +- {error:.1e}, "
+        f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
+    )
+    point = Verified(
+        "HOM", origin.z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
+        normal_form={"at": {name: limit}, "kind": kind},
+    )  # fmt: skip
+    return Ending(End(kind, text, data), None, point)

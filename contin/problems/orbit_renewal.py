@@ -23,10 +23,9 @@ def renew(
     """Metric and mesh for the next chunk, or the end of the branch."""
     from contin.problems.orbit_ends import ending
 
-    found = ending(problem, origin, before, frame, settings)
+    found = ending(problem, origin, before, frame)
     if found is not None:
-        end, last = found
-        return Renewal(frame.scale, origin, before, loop, end, last)
+        return Renewal(frame.scale, origin, before, loop, found.end, found.last, found.point)
     profile = problem.profile(origin.z)
     n, m = problem.n, problem.points
     sizes = problem.sizes(origin.z, frame.scale)
