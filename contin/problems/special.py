@@ -73,7 +73,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
 
 def _opposite_zeros(problem: Any, local: ScaledSystem, y: Array, frame: Frame, tangent: Array) -> Verified | str:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
-    here, there = (np.linalg.svd(local.linearise(at)[1], compute_uv=False) for at in (y, y + BESIDE * tangent))
+    here, there = _singular_values(*(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
     if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
         return ""
     found = _branch_point(problem, local, y, frame, 2, tangent)
@@ -141,12 +141,25 @@ def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
     return found
 
 
+def _singular_values(*jacobians: Array) -> list[Array]:
+    """Singular values of matrices (n, n + 1) after the change of units of the states that balances them together.
+
+    A state whose scale was guessed badly would otherwise make the others' Jacobian look singular.
+    """
+    from scipy.linalg import matrix_balance
+
+    n = len(jacobians[0])
+    total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
+    with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
+        units = matrix_balance(total, permute=False, separate=True)[1][0]
+    return [np.linalg.svd(m * np.append(units, 1.0) / units[:, None], compute_uv=False) for m in jacobians]
+
+
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
     """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
-    at_point = np.linalg.svd(local.linearise(y)[1], compute_uv=False)
     beside = _beside(local, y, tangent)
-    for at in beside:
-        singular = np.linalg.svd(local.linearise(at)[1], compute_uv=False)
+    at_point, *around = _singular_values(*(local.linearise(at)[1] for at in (y, *beside)))
+    for singular in around:
         if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
             return False
     return bool(beside)
@@ -225,7 +238,8 @@ def eigenvalues_of(problem: Any, z: Array) -> Any:
 def _balanced(matrix: Array) -> Array:
     from scipy.linalg import matrix_balance
 
-    return np.asarray(matrix_balance(matrix, permute=False)[0])
+    with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
+        return np.asarray(matrix_balance(matrix, permute=False)[0])
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
@@ -237,7 +251,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     _, beside = local.linearise(y + BESIDE * a.tangent)
     if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
         return ["the equations are not finite here"]
-    here, there = (np.linalg.svd(m, compute_uv=False) for m in (jacobian, beside))
+    here, there = _singular_values(jacobian, beside)
     size = max(float(here[0]), float(there[0]), 1e-300)
     slopes = there / BESIDE  # a singular value counts that may vanish between a and b
     width = float(np.linalg.norm((b.z - a.z) / frame.scale))
