@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
 from contin.problems.orbit import dwelling
 from contin.problems.orbit_layout import Profile
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 LINGERING = 0.5  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
-DOUBTFUL = 1e-4  # ... and at which it is accepted where numbers do not allow more
+DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
+NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
+PRECISE = Settings(tolerance=1e-11)
 NEAR_SADDLE = 0.2  # of the orbit's extent: how close the slowest point must be to its equilibrium
 SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 
@@ -123,17 +126,17 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     delay = sum(s.visits / s.rate for s in saddles)
     limits = []
     for sample, orbit in ((origin, profile), (before, earlier)):
-        raw = sample.tangent * frame.scale
-        if raw[position] <= 0.0 and raw[position] * origin.tangent[position] <= 0.0:
+        exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
+        if exact is None or exact.tangent[position] == 0.0:
             return None
+        raw = exact.tangent * frame.scale
         limits.append(orbit.parameter + raw[-1] / raw[position] * delay)
     width = float(frame.scale[-1])
     remaining = abs(limits[0] - profile.parameter)
     if remaining > DOUBTFUL * width:
         return None
     drift = abs(limits[0] - limits[1])
-    finished = remaining < REACHED * width or (drift > remaining and remaining < 1e-6 * width)
-    if not finished and profile.period < 60.0 * delay:
+    if not (remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
         return None
     return _connection(problem, origin, profile, saddles, limits[0], max(drift, 0.1 * remaining) + 1e-11 * width)
 
