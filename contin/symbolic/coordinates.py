@@ -27,8 +27,8 @@ def change_coordinates(
     """The model in new states: `states` gives each in the old ones, `inverse` each old state in the new ones.
 
     With v = phi(u): v' = Dphi(u) f(u) at u = inverse(v); for a map, v -> phi(f(inverse(v))). Starts, values and
-    observables are converted; symmetries are conjugated, g -> phi g inverse. `periods` names new states that are angles.
-    That `inverse` undoes `states` is checked at random points near the default state.
+    observables are converted; symmetries are conjugated, g -> phi g inverse. `periods` names new states that are
+    angles. That `inverse` undoes `states` is checked at random points near the default state.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _check(model: Model, phi: Mapping[str, Expression], back: Mapping[str, Expre
         for name, value in point.items():
             if abs(again[name] - value) > TOLERANCE * (1 + abs(value)):
                 raise InputError(
-                    f"coordinates: `inverse` does not undo `states`: {name} = {value:.6g} comes back as {again[name]:.6g}"
+                    f"coordinates: `inverse` does not undo `states`: {name} = {value:.6g} returns as {again[name]:.6g}"
                 )
         done += 1
         if done == SAMPLES:

@@ -96,7 +96,7 @@ def as_latex(blocks: Sequence[Block], title: str) -> str:
 
 
 def _escaped(text: str) -> str:
-    return text.replace("_", r"\_").replace("%", r"\%").replace("&", r"\&").replace("^", r"\^{}")
+    return text.replace("_", r"\_").replace("%", r"\%").replace("&", r"\&").replace("^", r"\textasciicircum ")
 
 
 def _cut(text: str) -> str:

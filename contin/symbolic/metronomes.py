@@ -1,4 +1,4 @@
-"""Metronomes on movable platforms, from their mechanics (Kato and Kori): any number, alike or not, on a graph of platforms.
+"""Metronomes on movable platforms, from their mechanics (Kato and Kori): any number, alike or not.
 
     m_i x_i'' + k_i x_i + gamma_i x_i' - delta_i f_i + m_i X'' = 0,   the centre of mass at rest,
 
@@ -9,6 +9,7 @@ k_i), kappa_i = k_i/k_1, rho_i = delta_i/delta_1 and f_i = eps g_i.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,8 @@ def metronomes(
 ) -> Model:
     """Equations of motion of `count` metronomes, ready for `contin.average`.
 
-    alike : one mu and one beta; otherwise mu1 .., beta1 .., and for i > 1 kappa_i, rho_i (equal by default). Frequencies
-        are near-identical where kappa_i mu_1/mu_i is near 1.
+    alike : one mu and one beta; otherwise mu1 .., beta1 .., and for i > 1 kappa_i, rho_i (equal by default).
+        Frequencies are near-identical where kappa_i mu_1/mu_i is near 1.
     escapement : g(x, y) as a formula in x, y and `parameters`; `parameters` default to a = 4, b = 1.
     platforms : a networkx graph; its edges are springs of stiffness `spring` (per mass of a platform) between platforms
         of equal mass, and `places` says on which node each metronome stands. Default: one platform. Platforms follow
@@ -122,7 +123,7 @@ def _model(
     velocities = {q: q.replace("x", "y") for q in names}
     symmetries = {}
     if symmetric and len(names) > 1:  # exchanges of neighbours generate all
-        for one, two in zip(names, names[1:], strict=False):
+        for one, two in pairwise(names):
             pair = {one: two, two: one, velocities[one]: velocities[two], velocities[two]: velocities[one]}
             symmetries["exchange" if len(names) == 2 else f"exchange{one[1:]}{two[1:]}"] = pair
     return mechanical_model(

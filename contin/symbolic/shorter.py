@@ -28,10 +28,10 @@ def shorter(formula: Expression) -> Expression:
 
 
 def cancelled(coefficient: Expression) -> Expression:
-    """A coefficient with quotients cancelled, where it has any and that makes it shorter: mu/(-rho/kappa) and the like."""
+    """A coefficient with quotients cancelled, where it has any and that makes it shorter: mu/(-rho/kappa)."""
     nodes = postorder([coefficient])
     rational = all(n.op in ("number", "symbol", "pi", "add", "mul", "pow") for n in nodes)
-    quotients = sum(n.op == "pow" and n.args[1].is_number and float(n.args[1].value or 0) < 0 for n in nodes)  # type: ignore[arg-type]
+    quotients = sum(n.op == "pow" and n.args[1].is_number and float(n.args[1].value or 0) < 0 for n in nodes)
     if not rational or quotients < 2 or len(nodes) > LIMIT:
         return coefficient
     import sympy

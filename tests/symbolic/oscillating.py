@@ -1,6 +1,7 @@
 """Models of weakly nonlinear oscillators for the tests, and an independent average: quadrature of the equations."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def mean_motion(model, amplitudes, omega=1.0, cuts=(), **parameters):
     """
     eps = 1e-3  # forces of the tests are of first order exactly
     ends = np.unique([0.0, 2 * math.pi, *np.mod(cuts, 2 * math.pi)])
-    ends = np.concatenate([np.linspace(a, b, 7)[:-1] for a, b in zip(ends, ends[1:], strict=False)] + [ends[-1:]])
+    ends = np.concatenate([np.linspace(a, b, 7)[:-1] for a, b in pairwise(ends)] + [ends[-1:]])
     nodes, weights = np.polynomial.legendre.leggauss(24)
     half = np.diff(ends)[:, None] / 2
     tau = (ends[:-1, None] + half * (nodes + 1)).ravel()
