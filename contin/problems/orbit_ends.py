@@ -18,6 +18,7 @@ from contin.problems.orbit_layout import Profile
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 LINGERING = 0.5  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
+AGREED = 1e-9  # ... or at which two extrapolations agree to this
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 PRECISE = Settings(tolerance=1e-11)
@@ -135,10 +136,13 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     remaining = abs(limits[0] - profile.parameter)
     if remaining > DOUBTFUL * width:
         return None
+    moved = abs(profile.parameter - earlier.parameter)
     drift = abs(limits[0] - limits[1])
-    if not (remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
+    error = drift * max(1.0, remaining / moved) if moved > 0.0 else drift
+    settled = moved > 1e-3 * remaining and error < AGREED * width
+    if not (settled or remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
         return None
-    return _connection(problem, origin, profile, saddles, limits[0], max(drift, 0.1 * remaining) + 1e-11 * width)
+    return _connection(problem, origin, profile, saddles, limits[0], 3.0 * error + 2e-11 * width)
 
 
 def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
