@@ -6,6 +6,7 @@ is the problem's own linear algebra, which it offers as a `Linearisation` at a p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.problem import Chunk, Frame, Planar, Sample, Stop
 from contin.continuation.settings import Settings
 
 NEWTON_LIMIT = 7
@@ -200,7 +201,7 @@ def march(
             factor = min(factor, 3.0 / found.iterations)
         h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
         stop, dipped = _what_happened(
-            old, last, sample, h_previous, h_used, bounds, loop, scale, problem.angle_periods, corner
+            problem, old, last, sample, h_previous, h_used, bounds, loop, scale, corner
         )
         if stop is not None:
             return chunk(stop, h, dipped)
@@ -209,12 +210,16 @@ def march(
 
 
 def _what_happened(
-    old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float, bounds: tuple[float, float],
-    loop: Sample | None, scale: Array, periods: Array, corner: bool,
+    problem: Marchable, old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float,
+    bounds: tuple[float, float], loop: Sample | None, scale: Array, corner: bool,
 ) -> tuple[Stop | None, int]:  # fmt: skip
     if corner:
         return Stop.CORNER, 0
-    if not bounds[0] <= sample.z[-1] <= bounds[1]:
+    periods, grows = problem.angle_periods, problem.angle_periods == 0
+    walls: Sequence[tuple[int, float, float]] = [(-1, *bounds)]
+    if isinstance(problem, Planar):
+        walls, grows = problem.walls, problem.growing[:-1]
+    if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
         return Stop.BOUND, 0
     crossed = (sample.tests * last.tests < 0.0) | ((sample.tests == 0.0) != (last.tests == 0.0))
     if sample.unstable != last.unstable or np.any(crossed):
@@ -234,7 +239,7 @@ def _what_happened(
         if float(loop.tangent @ (earlier / scale)) < 0 <= ahead and np.linalg.norm(difference / scale) <= 1.5 * h:
             return Stop.LOOP, 0
     n = len(scale) - 1
-    if np.any((np.abs(sample.z[:-1]) > RESCALE_AT * scale[:-1] / np.sqrt(n)) & (periods == 0)):
+    if np.any((np.abs(sample.z[:-1]) > RESCALE_AT * scale[:-1] / np.sqrt(n)) & grows):
         return Stop.RESCALE, 0
     return None, 0
 

@@ -22,9 +22,9 @@ from contin.problems.codim2_forms import described
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
     "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
     "HB": {"BT": 2, "ZH": 3, "HH": 4, "neutral": 4, "GH": 5},
-    "BP": {"DP": 2, "BT": 3, "ZH": 4, "neutral": 4},
+    "BP": {"DP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
     "PD": {"GPD": 2, "R2": 3, "PDNS": 4, "neutral": 4, "LPPD": 5},
-    "NS": {"R1": 2, "R2": 3, "CH": 6, "LPNS": 4, "PDNS": 5, "NSNS": 7, "neutral": 7},
+    "NS": {"R1": 2, "R2": 3, "R3": 8, "R4": 9, "CH": 6, "LPNS": 4, "PDNS": 5, "NSNS": 7, "neutral": 7},
 }
 # test -> (type, how many eigenvalues change sides there; a pair that stays is a neutral saddle)
 EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
@@ -35,6 +35,11 @@ EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
 MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
     "LP": {2: ("CP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
     "PD": {2: ("GPD", 0), 3: ("R2", 1), 4: ("PDNS", 2), 5: ("LPPD", 1)},
+    "BP": {2: ("DP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
+    "NS": {
+        2: ("R1", 0), 3: ("R2", 0), 4: ("LPNS", 1), 5: ("PDNS", 1), 6: ("CH", 0), 7: ("NSNS", 2), 8: ("R3", 0),
+        9: ("R4", 0),
+    },  # fmt: skip
 }
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 RESIDUAL_LIMIT = 1e-8
@@ -82,8 +87,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if not solved.residual <= RESIDUAL_LIMIT:
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     z = solved.y * frame.scale
-    if type_ in ("GH", "HH") and problem.curve.scalar(z) <= 0.0:
-        return ""  # a neutral saddle: no such point
+    if is_neutral(problem, type_, z):
+        return ""
     values = eigenvalues(problem, z)
     critical = critical_indices(problem, type_, z, values)
     if critical is None:
@@ -98,16 +103,14 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
 def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
-    Only the slope of `function` along the curve enters the iteration: steps across it are quadratically small. The error
-    of the first parameter is estimated as in `defining.newton`, with the whole gradient.
+    The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
+    within a few steps. The error of the first parameter is estimated as in `defining.newton`.
     """
     curve = problem.curve
     parameters = curve.parameters(near.z)
-    rows, size, tangent = scale[:-1], len(near.z), near.tangent
-
-    def slope(y: Array, direction: Array) -> float:
-        shift = DIFFERENCE * direction
-        return (function((y + shift) * scale) - function((y - shift) * scale)) / (2.0 * DIFFERENCE)
+    rows, size = scale[:-1], len(near.z)
+    steps = DIFFERENCE * np.diag(scale)
+    gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
 
     def residual(y: Array) -> tuple[Array, Array]:
         f, jacobian = curve.linearise(y * scale, parameters)
@@ -116,7 +119,7 @@ def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale
     y, before = near.z / scale, np.inf
     for _ in range(defining.NEWTON_BUDGET):
         g, jacobian = residual(y)
-        matrix = np.vstack([jacobian, slope(y, tangent) * tangent])
+        matrix = np.vstack([jacobian, gradient])
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
             return None
         try:
@@ -135,9 +138,8 @@ def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale
     else:
         return None
     g, jacobian = residual(y)
-    matrix = np.vstack([jacobian, [slope(y, unit) for unit in np.eye(size)]])
     try:
-        row = np.linalg.solve(matrix.T, np.append(np.zeros(size - 1), 1.0))
+        row = np.linalg.solve(np.vstack([jacobian, gradient]).T, np.append(np.zeros(size - 1), 1.0))
     except np.linalg.LinAlgError:
         return None
     generator = np.random.default_rng(12345)
@@ -154,6 +156,14 @@ def eigenvalues(problem: Any, z: Array) -> Any:
     d = problem.curve.sizes
     values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
     return values[np.lexsort((-values.imag, -values.real))]
+
+
+def is_neutral(problem: Any, type_: str, z: Array) -> bool:
+    """True where the curve's own critical eigenvalues are real, so that there is no Hopf (Neimark-Sacker) point."""
+    if type_ in ("BT", "R1", "R2") or problem.locus not in ("HB", "NS"):
+        return False
+    scalar = problem.curve.scalar(z)
+    return bool(scalar <= 0.0 if problem.locus == "HB" else abs(scalar) >= 1.0)
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import NO_FUNCTION, Array
 from contin.continuation.problem import Sample
 
 Function = Callable[[Array], float]
+COSINES = {"R1": 1.0, "R2": -1.0, "R3": -0.5, "R4": 0.0}
 REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
@@ -22,9 +23,11 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
     """The function whose zero on the curve is a point of this type; a string says why there is none."""
     locus = problem.locus
     if type_ == "BT" and locus == "HB":
-        size = float(np.abs(near.eigenvalues).max()) ** 2 or 1.0
+        size = float(np.linalg.norm(scaled_matrix(problem, near.z))) ** 2
         return lambda z: problem.curve.scalar(z) / size
-    if type_ in ("BT", "R1", "R2") and locus != "NS":
+    if locus == "NS" and type_ in COSINES:
+        return lambda z: problem.curve.scalar(z) - COSINES[type_]
+    if type_ in ("BT", "R1", "R2"):
         return _border_function(problem, near.z, lambda z, right, left: float(left @ right))
     if type_ == "CP":
         return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
@@ -32,7 +35,11 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
         from contin.problems.codim2_forms import branching_coefficient
 
         return lambda z: branching_coefficient(problem, z)
-    if type_ == "GH":
+    if type_ == "GPD":
+        from contin.problems.codim2_tests import flip_coefficient
+
+        return lambda z: flip_coefficient(problem, z)
+    if type_ in ("GH", "CH"):
         return lambda z: lyapunov(problem, z)
     return _eigenvalue_function(problem, type_, near)
 
@@ -83,12 +90,19 @@ def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
 
 def lyapunov(problem: Any, z: Array) -> float:
     """The first Lyapunov coefficient by its sign and relative size (`kernels.lyapunov`), times the sign of det f_u."""
-    from contin.kernels.lyapunov import lyapunov_sign
-
     curve, n = problem.curve, problem.n
     kappa = curve.scalar(z)
+    if problem.system.kind == "map":
+        return _map_lyapunov(problem, z, kappa)
     if kappa <= 0.0:
         return 0.0
+    if curve.system.jacobian_address == NO_FUNCTION:
+        from contin.normalforms.hopf import hopf
+        from contin.problems.codim2_forms import jet_at
+
+        return float(hopf(jet_at(problem, z), float(np.sqrt(kappa))).coefficients["l1"])
+    from contin.kernels.lyapunov import lyapunov_sign
+
     system, d = curve.system, curve.sizes
     matrix = np.ascontiguousarray(scaled_matrix(problem, z))
     v = np.ascontiguousarray(curve.vector(z) / d)
@@ -100,6 +114,20 @@ def lyapunov(problem: Any, z: Array) -> float:
     )
 
 
+def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
+    """Re d of a Neimark-Sacker point."""
+    from contin.normalforms.maps import neimark_sacker
+    from contin.problems.codim2_forms import jet_at
+
+    if abs(cosine) >= 1.0:
+        return 0.0
+    try:
+        form = neimark_sacker(jet_at(problem, z), float(np.arccos(cosine)))
+    except (ZeroDivisionError, np.linalg.LinAlgError):
+        return 0.0
+    return float(form.coefficients["d"][0])
+
+
 def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | str:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
@@ -108,9 +136,8 @@ def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | s
     size = max(float(np.abs(values).max()), 1e-300)
     complex_ones = others[others.imag > REAL * size]
     real_ones = others[np.abs(others.imag) <= REAL * size]
-    real_wanted = (type_ == "ZH" and problem.locus == "HB") or type_ == "LPPD"
-    if real_wanted:
-        target = {"LP": -1.0, "PD": 1.0}.get(problem.locus, 0.0) if problem.system.kind == "map" else 0.0
+    target = _real_target(problem, type_)
+    if target is not None:
         if not real_ones.size:
             return "no other real eigenvalue is near the stability boundary"
         reference = complex(real_ones[int(np.argmin(np.abs(real_ones - target)))])
@@ -122,6 +149,17 @@ def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | s
         return lambda z: abs(_followed(problem, z, reference)) - 1.0
     reference = complex(complex_ones[int(np.argmin(np.abs(complex_ones.real)))])
     return lambda z: _followed(problem, z, reference).real / size
+
+
+def _real_target(problem: Any, type_: str) -> float | None:
+    """Where a further real eigenvalue crosses at a point of this type; None where a pair does."""
+    if type_ == "ZH" and problem.locus == "HB":
+        return 0.0
+    if type_ == "LPPD":
+        return 1.0 if problem.locus == "PD" else -1.0
+    if problem.locus == "NS" and type_ in ("LPNS", "PDNS"):
+        return 1.0 if type_ == "LPNS" else -1.0
+    return None
 
 
 def _followed(problem: Any, z: Array, reference: complex) -> complex:
@@ -146,14 +184,14 @@ def critical_indices(problem: Any, type_: str, z: Array, values: Array) -> list[
     """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
     own = own_critical(problem, z, values)
     rest = [i for i in range(len(values)) if i not in own]
-    if type_ in ("CP", "GH", "DP", "GPD", "CH"):
+    if type_ in ("CP", "GH", "DP", "GPD", "CH", "R3", "R4"):
         return own
-    if type_ in ("BT", "R1", "R2") and problem.locus != "HB":
+    if type_ in ("BT", "R1", "R2") and problem.locus not in ("HB", "NS"):
         return [*own, min(rest, key=lambda i: abs(values[i] - _shift(problem)))]
-    if type_ == "BT":
+    if type_ in ("BT", "R1", "R2"):
         return own
-    if (type_ == "ZH" and problem.locus == "HB") or type_ == "LPPD":
-        target = {"LP": -1.0, "PD": 1.0}.get(problem.locus, 0.0) if problem.system.kind == "map" else 0.0
+    target = _real_target(problem, type_)
+    if target is not None:
         return [*own, min(rest, key=lambda i: abs(values[i] - target))]
     distance = (lambda v: abs(abs(v) - 1.0)) if problem.system.kind == "map" else (lambda v: abs(v.real))
     upper = [i for i in rest if values[i].imag > 0.0]

@@ -28,6 +28,24 @@ class DenseLinearisation:
         return np.asarray(lu_solve(self.factors, right, check_finite=False))
 
 
+def dense_linearisation(f: Array, jacobian: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+    """F and J (unscaled) with the border row `tangent`, factored; None where they are not finite."""
+    from scipy.linalg import LinAlgWarning, lu_factor
+
+    d = scale[:-1]
+    matrix = np.vstack([jacobian * scale / d[:, None], tangent])
+    if not (np.all(np.isfinite(f)) and np.all(np.isfinite(matrix))):
+        return None
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LinAlgWarning)
+        lu, pivots = lu_factor(matrix, check_finite=False)
+    diagonal = np.diagonal(lu)
+    exchanges = int(np.sum(pivots != np.arange(len(pivots))))
+    sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
+    logarithm = float(np.sum(np.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
+    return DenseLinearisation(f / d, (lu, pivots), sign, logarithm)
+
+
 @dataclass(frozen=True, eq=False)
 class DenseMarch:
     """A problem with `linearise`, `linear_part`, `is_map`, `angle_periods`, as `contin.continuation.march` takes it."""
@@ -39,21 +57,7 @@ class DenseMarch:
         return np.asarray(self.problem.angle_periods)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
-        from scipy.linalg import LinAlgWarning, lu_factor
-
-        f, jacobian = self.problem.linearise(z)
-        d = scale[:-1]
-        matrix = np.vstack([jacobian * scale / d[:, None], tangent])
-        if not (np.all(np.isfinite(f)) and np.all(np.isfinite(matrix))):
-            return None
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", LinAlgWarning)
-            lu, pivots = lu_factor(matrix, check_finite=False)
-        diagonal = np.diagonal(lu)
-        exchanges = int(np.sum(pivots != np.arange(len(pivots))))
-        sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
-        logarithm = float(np.sum(np.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
-        return DenseLinearisation(f / d, (lu, pivots), sign, logarithm)
+        return dense_linearisation(*self.problem.linearise(z), tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         from contin.kernels.tests_of_stability import flow_tests, map_tests

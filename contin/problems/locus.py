@@ -108,7 +108,7 @@ class LocusProblem:
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         self.curve.settle(origin.z)
-        if self.locus not in _KINDS or not self.curve.compiled or self.system.kind == "map":
+        if not self.curve.compiled:
             from contin.problems.locus_march import march
 
             return march(self, origin, before, length, frame, step, limit, settings, loop)
@@ -151,7 +151,7 @@ class LocusProblem:
         return 0.0 if self.system.n_switches else 0.01
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        if self.locus not in _KINDS or not self.curve.compiled or self.system.kind == "map":
+        if not self.curve.compiled:
             from contin.problems.locus_march import probe
 
             return probe(self, base, length, guess, frame, settings)
@@ -175,7 +175,7 @@ class LocusProblem:
         return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return codim2.explain(self.locus, a, b)
+        return codim2.explain(self.locus, a, b, self.system.kind == "map")
 
     def watch(self, type_: str) -> int | None:
         return codim2.TEST_OF[self.locus][type_]

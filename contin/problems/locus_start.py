@@ -7,11 +7,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.locus import LocusProblem
+from contin.problems.locus_bordered import BorderedCurve
 from contin.problems.locus_extended import ExtendedCurve
 
 CURVES: Final = {  # the curves that pass through a point
@@ -50,7 +51,9 @@ def _seed(
     parent: Parent,
 ) -> Seed:  # fmt: skip
     first, second = indices(system, parameters)
-    curve = ExtendedCurve(type_, system, p.copy(), first, second, sizes.copy())
+    extended = system.kind != "map" and system.n <= LARGE and system.jacobian_address != NO_FUNCTION
+    make = ExtendedCurve if extended else BorderedCurve
+    curve = make(type_, system, p.copy(), first, second, sizes.copy())
     return Seed(LocusProblem(curve, periods), curve.place(u, p, scalar), parent=parent)
 
 

@@ -1,0 +1,119 @@
+"""Test functions of codimension-two points at one point of a curve, in numpy: what `kernels.locus` computes in a march.
+
+Used where there is no kernel: maps, large systems and user functions. Maps:
+    folds and flips   2 quadratic (cubic) coefficient   3 <psi, v>   4 pairs of the other multipliers   5 another at -1 (+1)
+    Neimark-Sacker    2 cos - 1   3 cos + 1   4 another at +1   5 another at -1   6 l1   7 pairs   8 cos + 1/2   9 cos
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.problems.codim2_functions import lyapunov, own_critical, scaled_matrix
+
+NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
+
+
+def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+    """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones, all eigenvalues."""
+    matrix = scaled_matrix(problem, z)
+    values = np.linalg.eigvals(matrix).astype(complex)
+    values = values[np.lexsort((-values.imag, -values.real))]
+    others = np.delete(values, own_critical(problem, z, values))
+    if problem.system.kind == "map":
+        unstable = int(np.sum(np.abs(others) > 1.0))
+        return _map_tests(problem, z, matrix, others), unstable, values
+    pairs = pair_test(others, False) if len(others) > 1 else 1.0
+    unstable = int(np.sum(others.real > 0.0))
+    if problem.locus == "HB":
+        product = real_test(others, 0.0)
+        kappa = problem.curve.scalar(z)
+        sign = lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
+        size = float(np.linalg.norm(matrix)) ** 2
+        return np.array([kappa / size, product, pairs, sign]), unstable, values
+    v, psi = null_pair(matrix, problem.curve)
+    if problem.locus == "BP":
+        from contin.problems.codim2_forms import branching_coefficient
+
+        return np.array([branching_coefficient(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
+    return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
+
+
+def null_pair(matrix: Array, curve: Any) -> tuple[Array, Array]:
+    """Unit null vectors of a singular matrix: v along the curve's border, psi such that adj(matrix) = c v psi^T, c > 0."""
+    left, _, right = np.linalg.svd(matrix)
+    v, psi = right[-1], left[:, -1]
+    reference = curve.reference()
+    if float(v @ reference) < 0.0:
+        v = -v
+    bordered = np.block([[matrix, psi[:, None]], [v[None, :], np.zeros((1, 1))]])
+    return v, psi if np.linalg.slogdet(bordered)[0] < 0.0 else -psi
+
+
+def quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
+    """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
+    curve = problem.curve
+    wide = np.zeros(problem.n + len(problem.base))
+    wide[: problem.n] = v * curve.sizes
+    image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
+    return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
+
+
+def real_test(values: Any, target: float) -> float:
+    """Sign of prod (l - target) over the real ones, with the relative size of the smallest factor; 1 without any."""
+    if not len(values):
+        return 1.0
+    size = max(float(np.abs(values).max()), abs(target), 1e-300)
+    smallest = float(np.abs(values - target).min()) / size
+    real = values[values.imag == 0.0].real
+    return float((-1.0) ** int(np.sum(real < target))) * (smallest if smallest > NOISE else 0.0)
+
+
+def pair_test(values: Any, is_map: bool) -> float:
+    """The test of pairs of `kernels.tests_of_stability`, zero where it is only rounding."""
+    from contin.kernels.tests_of_stability import flow_tests, map_tests
+
+    tests = np.zeros(4)
+    (map_tests if is_map else flow_tests)(
+        np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests
+    )
+    return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
+
+
+def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
+    pairs = pair_test(others, True) if len(others) > 1 else 1.0
+    if problem.locus == "NS":
+        cosine = problem.curve.scalar(z)
+        sign = 0.0
+        if abs(cosine) < 1.0:
+            sign = lyapunov(problem, z)
+        return np.array([
+            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5, cosine,
+        ])  # fmt: skip
+    shift = -1.0 if problem.locus == "PD" else 1.0
+    v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve)
+    if problem.locus == "LP":
+        leading = quadratic(problem, z, v, psi)
+    elif problem.locus == "PD":
+        leading = flip_coefficient(problem, z) * np.sign(float(psi @ v))
+    else:
+        from contin.problems.codim2_forms import branching_coefficient
+
+        leading = branching_coefficient(problem, z)
+    return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])
+
+
+def flip_coefficient(problem: Any, z: Array) -> float:
+    """The cubic coefficient of a period doubling, whose zero is a GPD."""
+    from contin.normalforms.maps import period_doubling
+    from contin.problems.codim2_forms import jet_at
+
+    try:
+        form = period_doubling(jet_at(problem, z))
+    except (ZeroDivisionError, np.linalg.LinAlgError):
+        return 0.0
+    return float(next(v for k, v in form.coefficients.items() if k == "c"))

@@ -1,0 +1,66 @@
+"""The march along a locus in plain Python: maps, large systems and user functions (`contin.continuation.march`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.settings import Settings
+from contin.problems.codim2_tests import tests_at
+from contin.problems.function_march import DenseLinearisation, dense_linearisation
+
+
+@dataclass(frozen=True, eq=False)
+class LocusMarch:
+    """A `LocusProblem` as the Python march takes it."""
+
+    problem: Any
+
+    @property
+    def angle_periods(self) -> Array:
+        return np.asarray(self.problem.angle_periods)
+
+    @property
+    def walls(self) -> Any:
+        return self.problem.walls
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.asarray(self.problem.identifying)
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.asarray(self.problem.growing)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        found: Array | None = self.problem.at_unknown(index, guess, value, scale)
+        return found
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+        f, jacobian = self.problem.curve.linearise(z)
+        return dense_linearisation(f, jacobian, tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        return tests_at(self.problem, z)
+
+
+def march(
+    problem: Any, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    settings: Settings, loop: Sample | None,
+) -> Chunk:  # fmt: skip
+    """`Problem.march`; the borders were renewed at origin."""
+    bounds = problem.walls[-1][1:]
+    return python_march.march(
+        LocusMarch(problem), origin, before, length, frame, step, limit, bounds, settings, loop
+    )
+
+
+def probe(problem: Any, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+    """`Problem.probe`."""
+    return python_march.probe(LocusMarch(problem), base, length, guess, frame, settings)
