@@ -1,0 +1,96 @@
+"""A package of models, installed by pip into a fresh environment, is listed, loaded, run, broken and switched off."""
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+RUN = """
+contin: 1
+model: sample/ecology/logistic-harvest
+continuations: [{name: line, parameter: h}]
+"""
+
+
+class Environment:
+    """A virtual environment with contin (from the repository) and what `pip install` put there."""
+
+    def __init__(self, home: Path) -> None:
+        self.python, self.folder = home / "bin" / "python", home.parent
+
+    def run(self, code: str, *, good: bool = True, **variables: str) -> subprocess.CompletedProcess:
+        done = subprocess.run(
+            [str(self.python), "-c", code],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            env={**os.environ, **variables},
+            check=False,
+        )
+        assert (done.returncode == 0) == good, done.stderr
+        return done
+
+    def command(self, *arguments: str, good: bool = True, **variables: str) -> subprocess.CompletedProcess:
+        code = f"from contin.cli.main import main; main({list(arguments)!r})"
+        return self.run(code, good=good, **variables)
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    pytest.importorskip("hatchling")
+    home = tmp_path_factory.mktemp("plugin") / "venv"
+    venv.create(home, with_pip=False, symlinks=True)
+    found = Environment(home)
+    site = Path(found.run("import sysconfig; print(sysconfig.get_paths()['purelib'])").stdout.strip())
+    borrowed = [str(ROOT), sysconfig.get_paths()["purelib"]]  # contin, its dependencies and the builder
+    (site / "borrowed.pth").write_text(f"import sys; sys.path.extend({borrowed!r})\n")
+    pip = [sys.executable, "-m", "pip", "--python", str(found.python)]
+    offline = ["install", "--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--no-cache-dir"]
+    done = subprocess.run([*pip, *offline, str(HERE)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return found
+
+
+def test_the_models_are_listed_with_their_package_and_not_imported(environment):
+    lines = environment.command("models").stdout.splitlines()
+    assert any(line.split()[0] == "ring" and line.endswith("[contin-sample-models]") for line in lines)
+    assert any(line.split()[0] == "sample" and line.endswith("[contin-sample-models]") for line in lines)
+    assert any(line.split()[0] == "classics/brusselator" for line in lines)
+    code = "import sys; from contin.model.registry import listing; listing(); print('contin_sample_models' in sys.modules)"
+    assert environment.run(code).stdout.strip() == "False"
+
+
+def test_a_run_file_names_a_model_of_the_package(environment):
+    (environment.folder / "run.yaml").write_text(RUN)
+    environment.command("run", "run.yaml", "--json", "out.json", "--quiet")
+    [branch] = json.loads((environment.folder / "out.json").read_text())["branches"]
+    [fold] = branch["points"]
+    assert fold["type"] == "LP"
+    assert fold["values"]["h"] == pytest.approx(0.5, abs=1e-12)  # r/4
+
+
+def test_what_the_models_expect_holds(environment):
+    code = """
+import contin
+from contin.runs.expect import verify_expectations
+for name in ("sample/ecology/logistic-harvest", "ring"):
+    for report in verify_expectations(contin.load(name)):
+        print(report.holds, report.text)
+"""
+    lines = environment.run(code).stdout.splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith("True") for line in lines), lines
+
+
+def test_plugins_are_switched_off_by_the_environment_variable(environment):
+    assert "sample" not in environment.command("models", CONTIN_PLUGINS="0").stdout
+    failed = environment.command("diagram", "ring", "p", "-1", "1", good=False, CONTIN_PLUGINS="0")
+    assert failed.returncode == 2
+    assert "no model is called 'ring'" in failed.stderr
