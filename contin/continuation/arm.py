@@ -19,6 +19,7 @@ from contin.continuation.targets import Target
 CLOSED = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
 SHORTEST_RETRY = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
 JUMP = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+RETRY_STEP = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 
@@ -90,7 +91,8 @@ class Arm:
                 assert piece is not None
             self.accepted += len(piece.z)
             yield piece
-            if self.is_over():
+            failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
+            if self.is_over() and not (failed is not None and isinstance(self.problem, Adaptive)):
                 return
             if corner is not None:
                 origin, before, length, step = corner[0], None, 0.0, self.settings.first_step
@@ -102,6 +104,10 @@ class Arm:
                 before = _renormalised(before, origin)
             if isinstance(self.problem, Adaptive):
                 renewal = self.problem.renew(origin, before, self.loop, frame, self.settings)
+                if failed is not None and renewal.end is None:
+                    if renewal.origin is origin:  # nothing to adapt that might help
+                        return
+                    step = RETRY_STEP
                 self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
                 origin, before = renewal.origin, renewal.before
                 if renewal.last is not None:

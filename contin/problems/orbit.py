@@ -23,7 +23,7 @@ MESH_TOLERANCE = 5e-7  # error inside an interval, relative to the states' sizes
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 PROBE_TOLERANCE = 1e-10
-DWELLING = 0.35  # part of the period spent slowly from which growing periods are watched closely
+DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
 )  # fmt: skip

@@ -16,13 +16,13 @@ from contin.problems.orbit import dwelling
 from contin.problems.orbit_layout import Profile
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
-LINGERING = 0.5  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
+LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 PRECISE = Settings(tolerance=1e-11)
-NEAR_SADDLE = 0.2  # of the orbit's extent: how close the slowest point must be to its equilibrium
+NEAR_SADDLE = 0.1  # of the orbit's extent: how close the slowest point must be to its equilibrium
 SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 
 
