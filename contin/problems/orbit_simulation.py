@@ -136,6 +136,8 @@ def _polished(
     problem: OrbitProblem | None = None
     h = np.full(100, 0.01)
     profile = Profile(points, np.empty((0, system.n)), period, h, 0.0)
+    angles = periods > 0.0
+    u = np.where(angles, u - periods * np.floor(u / np.where(angles, periods, 1.0)), u)
     for _ in range(3):
         profile = _sampled(system, u, p, period, h, points)
         change = profile.u[-1] - profile.u[0]
