@@ -136,6 +136,25 @@ class Planar(Protocol):
         """Solve with unknown `index` fixed at `value`, to full precision."""
 
 
+@dataclass(frozen=True)
+class Floor:
+    """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
+
+    index: int
+    lowest: float
+    text: str  # what to say there
+    singular: bool = False
+
+
+@runtime_checkable
+class Floored(Protocol):
+    """A problem whose equations lose their meaning where an unknown falls to a value."""
+
+    @property
+    def floors(self) -> Sequence[Floor]:
+        """Every such unknown."""
+
+
 class Problem(Protocol):
     """What a problem offers to the engine.
 

@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.arm import Piece
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.departure import Departure, Seed, depart
+from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.problem import Frame, Problem, Sample, Verified
 from contin.continuation.rows import Rows
@@ -62,7 +63,7 @@ def trace(
             continue
         arm, pieces = ready
         try:
-            for piece in arm.pieces():
+            for piece in above_floors(seed.problem, arm.pieces(), arm, seed.z):
                 pieces.append(piece)
                 notes.extend(piece.notes)
                 if watch is not None:

@@ -156,13 +156,15 @@ class _Builder:
         name = canonical_name(key)
         if not isinstance(item, schema.StateEntry):
             return State(name, self.formulas.read(item, path, self.constants))
-        period = item.period
+        period, minimum = item.period, item.minimum
         return State(
             name,
             self.formulas.read(item.value, (*path, "value"), self.constants),
             item.unit,
             item.description,
             None if period is None else self.formulas.read(period, (*path, "period"), self.constants),
+            None if minimum is None else self.formulas.read(minimum, (*path, "minimum"), self.constants),
+            item.beyond,
         )
 
     def parameter(self, key: str) -> Parameter:

@@ -14,13 +14,18 @@ TAKEN_NAMES: Final = frozenset({TIME, "period", "stable", "unstable", "parameter
 
 @dataclass(frozen=True)
 class State:
-    """A state variable: `value` is the default guess, in the parameters; `period` makes it an angle."""
+    """A state variable: `value` is the default guess, in the parameters; `period` makes it an angle.
+
+    `minimum` is a value below which the equations have no meaning (an amplitude's 0); `beyond` says what to do there.
+    """
 
     name: str
     value: Expression
     unit: str | None = None
     description: str | None = None
     period: Expression | None = None
+    minimum: Expression | None = None
+    beyond: str | None = None
 
 
 @dataclass(frozen=True)

@@ -101,6 +101,8 @@ class StateEntry(_Entry):
     unit: Text | None = None
     description: Text | None = None
     period: Formula | None = None
+    minimum: Formula | None = None
+    beyond: Text | None = None
 
 
 class ParameterEntry(_Entry):

@@ -45,6 +45,10 @@ def _lines(model: Model) -> Iterator[str]:
     yield "states:"
     for s in model.states:
         more = {} if s.period is None else {"period": formula(s.period)}
+        if s.minimum is not None:
+            more["minimum"] = formula(s.minimum)
+        if s.beyond is not None:
+            more["beyond"] = _text(s.beyond)
         yield f"  {_key(s.name)}: {_entry(formula(s.value), more, s.unit, s.description)}"
     if model.parameters:
         yield "parameters:"

@@ -14,8 +14,10 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.model.evaluate import evaluate
+from contin.model.model import Model
 from contin.problems import corners, special
 from contin.problems.function_march import DenseMarch
 from contin.problems.polish import at_parameter
@@ -52,6 +54,24 @@ class EquilibriumProblem:
     def maximum_chunk(self) -> int:
         """A chunk of some 30 ms: a step costs about 1.5 us, and 15 n^3 ns for the eigenvalues of large systems."""
         return int(min(2000.0, max(4.0, 0.03 / (1.5e-6 + 1.5e-8 * self.n**3))))
+
+    @cached_property
+    def floors(self) -> tuple[Floor, ...]:
+        """States with a declared minimum (amplitudes): the branch ends where one falls to it."""
+        model = getattr(self.system, "model", None)
+        if not isinstance(model, Model):
+            return ()
+        values = dict(zip(self.system.parameter_names, (float(v) for v in self.base), strict=True))
+        found = []
+        for k, s in enumerate(model.states):
+            if s.minimum is not None:
+                lowest = float(evaluate(s.minimum, values))
+                u, _ = model.start_point()
+                u[k] = lowest
+                singular = not bool(np.all(np.isfinite(self.system.value(u, self.base))))
+                text = f"{s.name} fell to its lowest value. {s.beyond or ''}".rstrip()
+                found.append(Floor(k, lowest, text, singular))
+        return tuple(found)
 
     @property
     def is_map(self) -> bool:
@@ -182,10 +202,11 @@ class EquilibriumProblem:
         if stop is Stop.NOT_FINITE:
             nearby = z[m - 1] + frame.scale * info[1] * t[m - 1]
             detail = self.system.explain(nearby[:n], self.full_parameters(nearby)) or ""
-        return Chunk(
+        chunk = Chunk(
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
+        return corners.one_corner_a_step(self, chunk)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:

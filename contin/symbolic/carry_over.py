@@ -38,7 +38,15 @@ def averaged_states(form: AveragedForm, oscillators: WeakOscillators) -> tuple[S
     values = form_values(form, amplitudes_of(defaults, oscillators))
     period = mul(number(2), PI)
     return tuple(
-        State(name, values[name], None, words, period if name in form.angles else None)
+        State(
+            name,
+            values[name],
+            None,
+            words,
+            period if name in form.angles else None,
+            ZERO if name in form.amplitudes else None,
+            form.beyond if name in form.amplitudes else None,
+        )
         for name, words in zip(form.states, form.descriptions, strict=True)
     )
 

@@ -34,7 +34,7 @@ def polar_form(system: SlowSystem) -> AveragedForm:
     words = ["amplitude"] if count == 1 else [f"amplitude of oscillator {i + 1}" for i in range(count)]
     words += [f"phase of oscillator {j + 1} minus that of oscillator 1" for j in range(1, count)]
     if count == 1:
-        valid = "valid for r >= 0"
+        valid = "valid for r >= 0; the form cartesian is smooth through r = 0"
         return AveragedForm(
             "polar",
             radii,
@@ -42,13 +42,24 @@ def polar_form(system: SlowSystem) -> AveragedForm:
             tuple(growths),
             {FREQUENCY_SHIFT: turns[0]},
             valid=valid,
+            amplitudes=radii,
+            beyond="The polar form means amplitudes r >= 0; the form cartesian goes through r = 0.",
             rates=(FREQUENCY_SHIFT,),
         )
     other = "stokes or cartesian" if count == 2 else "cartesian"
     valid = (
         f"valid for {', '.join(radii)} > 0; phases have no meaning at zero amplitude, where the form {other} is smooth"
     )
-    return AveragedForm("polar", (*radii, *phases), tuple(words), (*growths, *differences), {}, phases, valid)
+    return AveragedForm(
+        "polar",
+        (*radii, *phases),
+        tuple(words),
+        (*growths, *differences),
+        angles=phases,
+        valid=valid,
+        amplitudes=radii,
+        beyond=f"The polar form is singular at zero amplitude; the form {other} is smooth there.",
+    )
 
 
 def _difference(own: Expression, first: Expression) -> Expression:

@@ -29,6 +29,8 @@ class AveragedForm:
     angles: tuple[str, ...] = ()
     valid: str = ""
     rotation: Mapping[str, Expression] = field(default_factory=dict)
+    amplitudes: tuple[str, ...] = ()  # states that must not be negative
+    beyond: str | None = None  # what to say where one of them reaches 0
     rates: tuple[str, ...] = ()  # observables that are linear in the equations
     definitions: Mapping[str, Expression] = field(default_factory=dict)
 
