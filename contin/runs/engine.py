@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
 
@@ -60,13 +60,16 @@ class ContinEngine:
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         api = _verbs()
         if run.as_ == "orbit":
-            return api.periodic_orbit(model, run.start, parameters)
+            mesh = {key: run.settings[key] for key in ("intervals", "points") if key in run.settings}
+            return api.periodic_orbit(model, run.start, parameters, **mesh)
         return api.equilibrium(model, run.start, parameters)
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:
         point: Any = branch[label]
         if len(run.parameters) == 2:
             return point.locus(run.parameters)
+        if _goes_on(branch, point, run):
+            return _same_solution(branch, point, run.parameters[0])
         return point.switch(run.parameters[0])
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
@@ -105,6 +108,33 @@ class ContinEngine:
             journal=self.journal,
         )
         return found
+
+
+_BRANCHING: Final = {"equilibrium": {"BP"}, "fixed-point": {"BP", "PD"}, "orbit": {"BPC", "PD"}}
+
+
+def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
+    """True where a run from a point means the solution there, not a branch that is born there.
+
+    That is so at a user value; at other points where no branch of this kind is born, if another parameter varies or
+    `as:` names the kind of the branch.
+    """
+    if branch.kind not in _BRANCHING or point.type in _BRANCHING[branch.kind]:
+        return False
+    kind = "orbit" if branch.kind == "orbit" else "equilibrium"
+    if run.as_ is not None or point.type == "UZ":
+        return run.as_ in (None, kind)
+    return point.type != "HB" and run.parameters[0] != branch.parameters[0]
+
+
+def _same_solution(branch: Branch, point: Any, parameter: str) -> Any:
+    """The start of a run at the solution that a point is, with any parameter free."""
+    from contin.continuation.departure import Seed
+
+    problem = branch.problem.with_active(parameter, point.z)
+    z = point.z.copy()
+    z[-1] = point.values[parameter]
+    return Seed(problem, z)
 
 
 def _verbs() -> Any:

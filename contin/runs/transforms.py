@@ -26,8 +26,11 @@ PASSES: Final[Mapping[str, tuple[str, str]]] = {
 """Name in the file -> module and function; the options written in the file are its keyword arguments."""
 
 
-def apply_passes(model: Model, written: Sequence[str | Mapping[str, Any]], problems: Problems) -> Model:
+def apply_passes(model: Any, written: Sequence[str | Mapping[str, Any]], problems: Problems) -> Any:
     """The model after the passes, in order; what is wrong with them is noted in `problems`."""
+    if written and not _made_of_formulas(model):
+        problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
+        return model
     for position, item in enumerate(written):
         name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
         path: Path = ("transform", position)
@@ -49,6 +52,12 @@ def apply_passes(model: Model, written: Sequence[str | Mapping[str, Any]], probl
             problems.add(path, str(error))
             return model
     return model
+
+
+def _made_of_formulas(model: object) -> bool:
+    from contin.model.model import Model
+
+    return isinstance(model, Model)
 
 
 def _function(name: str) -> Callable[..., Model]:

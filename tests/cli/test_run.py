@@ -128,6 +128,20 @@ def test_runs_without_a_name_are_numbered_by_their_place(tmp_path):
     assert document["notes"][0].startswith("run3 skipped: run1.LP1")
 
 
+def test_a_user_value_starts_a_run_in_another_parameter(tmp_path):
+    out = tmp_path / "out.json"
+    first = {**LINE, "values": {"p": [0.5]}}
+    second = {"name": "other", "from": "line.UZ1", "parameter": "q", "range": [0.5, 2]}
+    third = {"name": "fold", "from": "line.LP1", "as": "equilibrium", "parameter": "p"}
+    assert call("run", run_file(tmp_path, FOLD, first, second, third), "--json", out) == 0
+    _, other, fold = results(out)["branches"]
+    assert other["parameters"] == ["q"]
+    q, x = other["columns"]["q"], other["columns"]["x"]
+    assert max(abs(0.5 - b * a**2) for a, b in zip(x, q, strict=True)) < 1e-9
+    assert [min(q), max(q)] == [0.5, 2.0]
+    assert [point["type"] for point in fold["points"]] == ["LP"]
+
+
 def test_models_are_found_beside_the_run_file_and_by_bundled_name(tmp_path, monkeypatch):
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / "m.yaml").write_text(json.dumps(FOLD))
