@@ -180,7 +180,7 @@ def _label(
                 label=f"{v.type}{counts[v.type]}",
                 index=row,
                 z=v.z,
-                tangent=tangents[row],
+                tangent=tangents[row, -len(v.z) :],
                 values=values,
                 residual=v.residual,
                 error=v.error,

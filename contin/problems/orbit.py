@@ -19,7 +19,7 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.orbit_forcing import ForcingPeriod
 from contin.problems.orbit_layout import Profile, extrema, make_scale, profile_of, sizes_of
 
-MESH_TOLERANCE = 5e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
+MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 PROBE_TOLERANCE = 1e-10

@@ -26,6 +26,8 @@ SETTLED = 1e-13
 STALLED = 1e-7
 PERTURBATION = 1e-10
 SAMPLES = 2
+SAME_PERIOD = 1e-3  # relative difference of periods up to which points on two meshes are the same
+UNFOLDED = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,7 @@ class SolvedOrbit:
     error: float
     right: NDArray[Any]
     left: NDArray[Any]
+    confirmed: bool = True  # the same point was found on a finer mesh
 
 
 def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
@@ -103,10 +106,12 @@ def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float
         finer.h, profile.m, problem.sizes(found.z, scale), float(scale[profile.u.size]), float(scale[-1])
     )
     refined = _newton(problem, type_, finer.vector(), finer_scale, found.theta, samples=0)
-    discretisation = np.inf if refined is None else abs(refined.z[-1] - found.z[-1])
-    if not np.isfinite(discretisation):
-        discretisation = float(scale[-1]) * problem.tolerance
-    return replace(found, error=found.error + discretisation)
+    if refined is None:
+        return replace(found, error=found.error + float(scale[-1]) * problem.tolerance, confirmed=False)
+    discretisation = abs(refined.z[-1] - found.z[-1])
+    period = problem.profile(refined.z).period
+    confirmed = abs(period - profile.period) < SAME_PERIOD * profile.period
+    return replace(found, error=found.error + discretisation, confirmed=confirmed)
 
 
 def _newton(
@@ -199,6 +204,8 @@ class _Newton:
         else:
             return None
         value, _ = self.system(x)
+        if self.type == "BPC" and abs(float(x[-1])) > UNFOLDED:
+            return None
         right, left = self.right, self.left
         generator = np.random.default_rng(12345)
         scatter = 0.0

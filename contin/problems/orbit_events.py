@@ -15,6 +15,7 @@ from contin.problems import special
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
+NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
@@ -25,6 +26,8 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation error, so
     the count may lag behind the test by that much.
     """
+    if (a.tests[0] * b.tests[0] < 0.0) and (a.tests[1] * b.tests[1] < 0.0):
+        return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows
     found = special.explain(True, a, b)
     if found is not None:
         return tuple(TYPES[t] for t in found)
@@ -63,6 +66,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     if type_ == "NS" and abs(solved.theta - theta) > 0.3:
         return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
+    if type_ in ("LPC", "BPC") and _extent(problem, solved.z, frame) < NO_ORBIT:
+        return ""  # the family passes through a Hopf point and comes back
+    if type_ == "LPC" and not solved.confirmed:
+        return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"
     values = problem.multipliers(solved.z)
     others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
@@ -71,6 +78,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         vectors={"right": solved.right, "left": solved.left, "theta": solved.theta},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _extent(problem: Any, z: Array, frame: Frame) -> float:
+    return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
 
 
 def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
