@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contin.errors import InputError
-from contin.model.model import Model
+from contin.model.any_model import AnyModel
 from contin.model.yaml_loader import load_model
 from contin.model.yaml_reader import read_file
 
@@ -47,7 +47,7 @@ class Family:
             return "(the file cannot be read)"
         return str(data.get("title") or "") if isinstance(data, dict) else ""
 
-    def load(self, name: str) -> Model:
+    def load(self, name: str) -> AnyModel:
         """The model called `name`, a key of `files()`."""
         path = self.files()[name]
         if path.suffix != ".py":
@@ -57,8 +57,8 @@ class Family:
         if not callable(make):
             raise InputError(f"{path}: has no function model() that returns the model")
         made = make()
-        if not isinstance(made, Model):
-            raise InputError(f"{path}: model() returned {type(made).__name__}, not a Model")
+        if not isinstance(made, AnyModel):
+            raise InputError(f"{path}: model() returned {type(made).__name__}, not a Model or a FunctionProblem")
         return made
 
     def _module(self, name: str, path: Path) -> Any:

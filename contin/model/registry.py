@@ -5,9 +5,10 @@ A package offers models by an entry point of the group `contin.models`:
     [project.entry-points."contin.models"]
     acme = "acme_models:folder"      # NAME = what it loads to
 
-It may load to a `Model`, a folder of model files (a path, or a module whose folder is meant), or a function that
-returns one of these. Models of a folder are called NAME/FILE. Nothing of a package is imported until one of its names
-is asked for. A package that fails is a warning; the environment variable CONTIN_PLUGINS=0 leaves other packages out.
+It may load to a `Model` or a `FunctionProblem`, a folder of model files (a path, or a module whose folder is meant), or
+a function that returns one of these. Models of a folder are called NAME/FILE. Nothing of a package is imported until
+one of its names is asked for. A package that fails is a warning; the environment variable CONTIN_PLUGINS=0 leaves other
+packages out.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from typing import Any, Final
 
 from contin.errors import InputError, ModelNotFoundError
 from contin.model.advice import closest
+from contin.model.any_model import AnyModel
 from contin.model.family import Family
-from contin.model.model import Model
 from contin.model.yaml_loader import load_model, model_from_mapping
 
 GROUP: Final = "contin.models"
@@ -45,12 +46,12 @@ class Provider:
         """True for contin's own models, whose names need no prefix."""
         return self.entry.value == _BUNDLED.value
 
-    def load(self) -> Model | Family:
+    def load(self) -> AnyModel | Family:
         """What the entry point stands for; raises whatever the package raises."""
         target: Any = self.entry.load()
-        if callable(target) and not isinstance(target, Model):
+        if callable(target) and not isinstance(target, AnyModel):
             target = target()
-        if isinstance(target, Model):
+        if isinstance(target, AnyModel):
             return target
         if isinstance(target, ModuleType):
             target = Path(str(target.__file__)).parent
@@ -63,7 +64,7 @@ class Provider:
             raise InputError(f"the folder {path} does not exist")
         return Family(path, "contin._models" if self.bundled else f"contin._plugins.{self.distribution}.{self.name}")
 
-    def load_or_warn(self) -> Model | Family | None:
+    def load_or_warn(self) -> AnyModel | Family | None:
         """The same, but a failure of somebody else's package is a warning that names it."""
         try:
             return self.load()
@@ -114,8 +115,10 @@ def listing() -> list[Listed]:
     return lines
 
 
-def load(model: str | os.PathLike[str] | Mapping[str, Any]) -> Model:
+def load(model: str | os.PathLike[str] | Mapping[str, Any]) -> Any:
     """A model by its name, by the path of a model file, or from a mapping of the shape of one.
+
+    A `Model`; a `FunctionProblem` where a package gives one.
 
     >>> contin.load("metronomes/pair")
     >>> contin.load("models/duffing.yaml")
@@ -125,7 +128,7 @@ def load(model: str | os.PathLike[str] | Mapping[str, Any]) -> Model:
     return find(model)
 
 
-def find(name: str | os.PathLike[str], base_folder: str | os.PathLike[str] = ".") -> Model:
+def find(name: str | os.PathLike[str], base_folder: str | os.PathLike[str] = ".") -> Any:
     """The model called `name`: a path (relative to `base_folder`) if it ends in .yaml, .yml or .json or names a file,
     otherwise the name of a bundled or plugin model, whose family may be left out where that is unambiguous.
 
@@ -159,10 +162,10 @@ class _Offer:
 
     provider: Provider
     name: str
-    found: Model | Family
+    found: AnyModel | Family
 
-    def load(self) -> Model:
-        return self.found if isinstance(self.found, Model) else self.found.load(self.name)
+    def load(self) -> AnyModel:
+        return self.found.load(self.name) if isinstance(self.found, Family) else self.found
 
     @property
     def described(self) -> str:
@@ -189,7 +192,7 @@ def _offers(text: str) -> list[_Offer]:
         elif wanted == provider.name or wanted.startswith(f"{provider.name}/"):
             found = provider.load_or_warn()
             inner = wanted[len(provider.name) + 1 :]
-            if (isinstance(found, Model) and not inner) or (isinstance(found, Family) and inner in found.files()):
+            if (isinstance(found, AnyModel) and not inner) or (isinstance(found, Family) and inner in found.files()):
                 offers.append(_Offer(provider, inner, found))
     return offers
 

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
 
 if TYPE_CHECKING:
+    from contin.model.parts import Expectation
     from contin.problems.function_system import FunctionSystem
 
 NAMED = 50  # up to this number, states are columns of their own
@@ -56,11 +57,13 @@ class FunctionProblem:
     periods : {state: period} of states that are angles.   ranges : {parameter: (lo, hi)}, defaults of runs.
     symmetries : {name: map of u (n,) to (n,)} that take solutions to solutions.
     typical : sizes of states that are zero in u0, a number or (n,): for differences. Default 1.
+    source, expect : as in a model file: where the problem comes from, and points that runs must find (numbers only).
     preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r; matrix-free only.
     """
 
     forcing = None
     starts = ()
+    functions: Mapping[str, Any] = {}  # of a model's formulas: none here
 
     def __init__(
         self,
@@ -82,6 +85,8 @@ class FunctionProblem:
         typical: ArrayLike = 1.0,
         name: str = "function",
         title: str | None = None,
+        source: str | None = None,
+        expect: Sequence[Mapping[str, Any]] = (),
     ) -> None:
         self.residual, self.jacobian = residual, jacobian
         self.u0 = np.array(u0, dtype=float).ravel()
@@ -105,7 +110,8 @@ class FunctionProblem:
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
         self.sparsity, self.preconditioner = sparsity, preconditioner
         self.typical = np.broadcast_to(np.asarray(typical, dtype=float), (self.n,))
-        self.name, self.title = name, title
+        self.name, self.title, self.source = name, title, source
+        self._expect = tuple(expect)
         self._periods = np.zeros(self.n)
         for key, value in (periods or {}).items():
             self._periods[self._state(key)] = value
@@ -145,6 +151,29 @@ class FunctionProblem:
     def parameters(self) -> tuple[Named, ...]:
         """All parameters."""
         return tuple(Named(p) for p in self.parameter_names)
+
+    @cached_property
+    def observables(self) -> dict[str, None]:
+        """Names of what `record` gives."""
+        return {} if self.record is None else dict.fromkeys(self.record(self.u0, dict(self.values)))
+
+    @property
+    def expect(self) -> tuple[Expectation, ...]:
+        """The points that runs must find, as a model's."""
+        from contin.model.expression import number
+        from contin.model.parts import Expectation
+
+        def read(label: str, at: Any, run: Any = (), tolerance: float = 1e-8) -> Expectation:
+            points = [at] if isinstance(at, Mapping) else at
+            numbers = tuple({key: number(float(value)) for key, value in point.items()} for point in points)
+            return Expectation(label, numbers, tolerance, (run,) if isinstance(run, Mapping) else tuple(run))
+
+        return tuple(read(**entry) for entry in self._expect)
+
+    def text(self) -> str:
+        """What a store keeps of it: its name, size and parameters; the function itself is Python code."""
+        values = ", ".join(f"{key}: {value!r}" for key, value in self.values.items())
+        return f"# a Python function\nname: {self.name}\nunknowns: {self.n}\nparameters: {{{values}}}\n"
 
     def default_parameters(self, overrides: Mapping[str, Any] | None = None) -> dict[str, float]:
         """Values of all parameters with overrides."""

@@ -63,7 +63,7 @@ def test_the_models_are_listed_with_their_package_and_not_imported(environment):
     assert any(line.split()[0] == "ring" and line.endswith("[contin-sample-models]") for line in lines)
     assert any(line.split()[0] == "sample" and line.endswith("[contin-sample-models]") for line in lines)
     assert any(line.split()[0] == "classics/brusselator" for line in lines)
-    code = "import sys; from contin.model.registry import listing; listing(); print('contin_sample_models' in sys.modules)"
+    code = "import sys, contin.model.registry as r; r.listing(); print('contin_sample_models' in sys.modules)"
     assert environment.run(code).stdout.strip() == "False"
 
 
