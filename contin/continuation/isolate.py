@@ -23,6 +23,7 @@ TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero th
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 CHORD = 1e-7  # shorter chords have no direction
 DEPTH = 60  # halvings of one step
+TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,8 +195,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
             return
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
-            yield from isolate(stretch, pair[0], trial)
-            yield from isolate(stretch, trial, pair[1])
+            yield from _pair(stretch, [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])])
             return
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
             yield from _touching(stretch, low, high, test)
@@ -210,6 +210,17 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         yield from _touching(stretch, low, high, test)
 
 
+def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]:
+    """What a dip turned out to hide; two events that cannot be told apart within their errors are one touch."""
+    points = [item.point for item in items if isinstance(item, Found)]
+    if len(points) == 2 and points[0].type == points[1].type:
+        errors = points[0].error + points[1].error
+        if errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors:
+            yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
+            items = [item for item in items if isinstance(item, Note)]
+    yield from items
+
+
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterator[Found | Note]:
     """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
     items = list(stretch.problem.verify_compound(low, high, stretch.frame))
@@ -219,8 +230,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterato
         length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
         yield Found(length, point, _at_point(stretch, low, point))
     if not points and (items or test == 0):
-        text = "a test function touches zero without crossing it: a degenerate point, not labelled"
-        yield Note(_where(stretch, low, text))
+        yield Note(_where(stretch, low, TOUCHES))
 
 
 def _parabola_minimum(s: list[float], f: list[float]) -> float | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 
 BUDGET = 30
@@ -15,6 +17,7 @@ AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked 
 PASSED = -1e-4  # ... and how far behind it: Newton's last step may have crossed it unseen
 BESIDE = 1e-8  # a corner this close to two samples lies between them: Newton moves them that far
 BEHIND = 1e-5  # how far behind it the branch is taken up again
+APART = 1e-6  # two surfaces crossed in one step are told apart where they are this far (arclength) from each other
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
@@ -48,6 +51,29 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     return None
 
 
+def one_corner_a_step(problem: Any, chunk: Chunk) -> Chunk:
+    """The chunk up to the first step that crosses two switching surfaces, with a shorter step to go on with.
+
+    Two folds at corners undo each other: neither the direction nor the stability shows them at the ends of such a step.
+    """
+    system = problem.system
+    if system.n_switches < 2 or len(chunk) < 2:
+        return chunk
+    values = np.array([system.switches(z[: problem.n], problem.full_parameters(z)) for z in chunk.z])
+    before, after = values[:-1], values[1:]
+    crossed = before * after < 0.0
+    for k in np.flatnonzero(np.count_nonzero(crossed, axis=1) > 1):
+        length = float(chunk.lengths[k + 1])
+        places = (length * before[k] / (before[k] - after[k]))[crossed[k]]
+        if np.ptp(places) > APART:
+            m = int(k) + 1
+            return replace(
+                chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
+                eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT, next_step=length / 4.0,
+            )  # fmt: skip
+    return chunk
+
+
 def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
     """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
 
@@ -74,18 +100,20 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
         if solved is None:
             continue
         z, residual, error = solved
-        _, matrix = problem.linearise(z + BEHIND * scale * last.tangent)
+        across = _room(surfaces, z, last.tangent * scale, int(k))
+        _, matrix = problem.linearise(z + across * scale * last.tangent)
         tangent = np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1]
         rate = (surfaces(z + STEP * scale * tangent)[k] - surfaces(z - STEP * scale * tangent)[k]) / (2.0 * STEP)
         if abs(rate) < 1e-6 * abs(slope[k]):
             continue
         if rate * slope[k] < 0.0:
             tangent = -tangent
+        behind = _room(surfaces, z, tangent * scale, int(k))
         base = Sample(z, tangent, np.full(4, np.nan), 0, last.eigenvalues)
-        beyond = problem.probe(base, BEHIND, z + BEHIND * scale * tangent, frame, settings)
+        beyond = problem.probe(base, behind, z + behind * scale * tangent, frame, settings)
         if beyond is None or surfaces(beyond.z)[k] * slope[k] <= 0.0:
             continue
-        if np.linalg.norm((beyond.z - z) / scale) > 10.0 * BEHIND:  # the equations jump here: that is another branch
+        if np.linalg.norm((beyond.z - z) / scale) > 10.0 * behind:  # the equations jump here: that is another branch
             continue
         turns = tangent[-1] * last.tangent[-1] < 0.0
         stable = min(last.unstable, beyond.unstable)
@@ -93,6 +121,17 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
         point = Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors) if turns else None
         return beyond, point
     return None
+
+
+def _room(surfaces: Callable[[Array], Array], z: Array, direction: Array, k: int) -> float:
+    """How far behind surface k to go along `direction`: not as far as the next surface."""
+    here = surfaces(z)
+    slope = (surfaces(z + STEP * direction) - here) / STEP
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = -here / slope
+    others = np.arange(len(here)) != k
+    ahead = distance[others & np.isfinite(distance) & (distance > APART)]
+    return min(BEHIND, 0.5 * float(ahead.min(initial=np.inf)))
 
 
 def _on_surface(problem: Any, k: int, z: Array, side: Sample, frame: Frame) -> tuple[Array, float, float] | None:

@@ -122,6 +122,7 @@ HOPF_POINTS = {
         [("HB", -1.0)],
     ),
     "pair that touches the axis": Case(oscillator("x", "y", "-p^2"), zeros("x y"), AT, R, []),
+    "unstable pair that touches the axis": Case(oscillator("x", "y", "p^2"), zeros("x y"), AT, R, []),
     "real pair that becomes complex": Case({"x": "y", "y": "-x - 2*p*y"}, zeros("x y"), {"p": 2.0}, (0.5, 3.0), []),
 }  # fmt: skip
 

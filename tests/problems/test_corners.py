@@ -49,6 +49,12 @@ CORNERS = {
     "a smooth fold 5e-4 from a corner that is none": Corner(
         {"x": "p - (x^2 - 0.001*x if x > 0 else -x)"}, {"x": 1.0}, 0.999, R, [], [("LP", -2.5e-7)]
     ),
+    "two folds 1e-3 apart, in one step": Corner(
+        {"x": "p - x + 3*max(0, x - 0.5) - 3*max(0, x - 0.501)"}, {"x": 0.0}, 0.0, R, [0.5, 0.498]
+    ),
+    "two folds 1e-5 apart, at right angles to the branch": Corner(
+        {"x": "p - x + 2*max(0, x - 0.5) - 2*max(0, x - 0.50001)"}, {"x": 0.0}, 0.0, R, [0.5, 0.49999]
+    ),
     "two slopes of one sign": Corner({"x": "p - min(x, 2*x)"}, {"x": 0.5}, 0.5, R, []),
     "three slopes of one sign": Corner({"x": "p - 2*abs(x) + 2*abs(x - 1) - x/2"}, {"x": -2.0}, -3.0, (-3.0, 3.0), []),
     "x |x| is smooth enough": Corner({"x": "p - x*abs(x) - x"}, {"x": 0.5}, 0.75, R, []),
