@@ -55,6 +55,8 @@ def _stays(mark: Row, row: int, floor: Floor, piece: Piece) -> bool:
 
 def _first_fall(floors: Iterable[Floor], before: Array, piece: Piece) -> tuple[int, Floor] | None:
     """The first row of the piece on or below a floor that the row before it was above."""
+    if not floors:  # rows of orbits may change their length
+        return None
     rows = np.vstack([before[None], piece.z]) if len(piece.z) else before[None]
     falls = []
     for floor in floors:
