@@ -141,3 +141,19 @@ def test_what_is_not_harmonic_at_zero_is_named():
 def test_presumptions_about_parameters_are_stated():
     model = oscillators("1 if c < x and y > 0 else 0", parameters={"c": 0.5, "d": 1})
     assert "presume 0 < c" in contin.average(model).description
+
+
+def test_a_polar_solution_that_falls_to_rest_ends_there_and_names_the_smooth_form():
+    """r' = r (mu + r^2/4 - r^4/8)/2: fold at mu = -1/8, r = 1, and rest reached at mu = 0."""
+    averaged = contin.average(oscillators("(mu + x^2 - x^4)*y", parameters={"mu": 0.5}))
+    line = contin.continuation(contin.equilibrium(averaged, {"r": 1.7}), "mu", (-1, 1))
+    assert [(p.type, p.values["mu"]) for p in line.points] == [
+        ("BP", pytest.approx(0, abs=1e-9)),
+        ("LP", pytest.approx(-1 / 8, rel=1e-9)),
+    ]
+    assert line.ends[0].reason == "bound"
+    assert "form cartesian" in line.ends[0].text
+    rest = contin.continuation(contin.equilibrium(averaged, {"r": 0}), "mu", (-1, 1))
+    assert [p.type for p in rest.points] == ["BP"]
+    assert [end.reason for end in rest.ends] == ["bound", "bound"]
+    assert np.all(np.abs(rest.columns["r"]) < 1e-12)
