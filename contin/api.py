@@ -24,6 +24,7 @@ from contin.problems.function import FunctionProblem
 from contin.problems.maps import iterate
 from contin.problems.orbit import OrbitProblem
 from contin.problems.orbit_start import PeriodicOrbit, configured
+from contin.problems.sparse_start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
@@ -50,7 +51,7 @@ def equilibrium(
     parameters: Mapping[str, Any] | None = None,
     *,
     period: int = 1,
-) -> Equilibrium:
+) -> Any:
     """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
 
     period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
@@ -64,8 +65,17 @@ def equilibrium(
 
     u, p = model.start_point(start, dict(parameters or {}))
     model = frame_for(model, u, p)
+    if isinstance(model, FunctionProblem) and model.method != "dense":
+        return large_equilibrium(model, u, p, period)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)
     return converge(system, u, p, np.asarray(model.periods(), dtype=float))
+
+
+def large_equilibrium(model: FunctionProblem, u: Any, p: Any, period: int) -> LargeEquilibrium:
+    """An equilibrium of a function with a sparse or matrix-free Jacobian."""
+    if model.kind == "map" or period != 1:
+        raise InputError("maps need a dense Jacobian; sparse and matrix-free ones are for equilibria of flows")
+    return converge_large(compiled(model), u, p)
 
 
 def periodic_orbit(
@@ -212,7 +222,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
                 f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
             )
         return start
-    if isinstance(start, Equilibrium | PeriodicOrbit):
+    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit):
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")

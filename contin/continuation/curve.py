@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.continuation.problem import Frame, Problem, Sample
 from contin.continuation.settings import Settings
+from contin.continuation.vectors import dot, norm
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class Stretch:
 
     def length_of(self, sample: Sample) -> float:
         """The parameter s of a point."""
-        return float(self.base.tangent @ ((sample.z - self.base.z) / self.frame.scale))
+        return dot(self.base.tangent, (sample.z - self.base.z) / self.frame.scale)
 
     def between(self, a: Sample, b: Sample, fraction: float) -> Sample | None:
         """The point at a fraction of the way from a to b (in s); None where Newton fails or leaves the stretch."""
@@ -41,7 +42,7 @@ class Stretch:
         if h == 0.0:
             return np.asarray(a.z)
         x = (s - s_a) / h
-        along_a, along_b = float(self.base.tangent @ a.tangent), float(self.base.tangent @ b.tangent)
+        along_a, along_b = dot(self.base.tangent, a.tangent), dot(self.base.tangent, b.tangent)
         linear = a.z + x * (b.z - a.z)
         if min(abs(along_a), abs(along_b)) < 0.2:  # the parametrisation is poor here
             return linear
@@ -51,7 +52,7 @@ class Stretch:
         return linear + x * (1 - x) * ((1 - x) * (slope_a - chord) - x * (slope_b - chord))
 
     def distance(self, a: Sample, b: Sample) -> float:
-        return float(np.linalg.norm((a.z - b.z) / self.frame.scale))
+        return norm((a.z - b.z) / self.frame.scale)
 
     def zero(
         self, value: Callable[[Sample], float], a: Sample, b: Sample, accuracy: float, budget: int = 60

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Planar, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.continuation.vectors import dot, norm
 
 NEWTON_LIMIT = 7
 STAGNATION = 1e-6
@@ -81,8 +82,8 @@ def correct(
             return "not finite"
         if here.sign == 0:
             return "singular"
-        step = here.solve(np.append(-here.residual, length - float(tangent @ y)))
-        size = float(np.linalg.norm(step))
+        step = here.solve(np.append(-here.residual, length - dot(tangent, y)))
+        size = norm(step)
         if not size < 1e3:
             return "diverged"
         y = y + step
@@ -103,9 +104,9 @@ def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     """Tangent, tests and eigenvalues at a corrected point."""
     n = len(found.z) - 1
     t = found.last.solve(np.append(np.zeros(n), 1.0))
-    norm = float(np.linalg.norm(t))
-    t = t / norm
-    exponent = found.last.log_determinant + np.log(norm) - reference
+    length = norm(t)
+    t = t / length
+    exponent = found.last.log_determinant + np.log(length) - reference
     determinant = found.last.sign * np.exp(min(max(exponent, -700.0), 700.0))
     tests, unstable, eigenvalues = problem.stability(found.z)
     return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
@@ -175,7 +176,7 @@ def march(
                 continue
             evaluations += found.iterations
             sample = measure(problem, found, reference)
-            cosine = float(last.tangent @ sample.tangent)
+            cosine = dot(last.tangent, sample.tangent)
             corner = False
             if not cosine >= cos_max:
                 if h <= max(settings.min_step, CORNER_STEP):
@@ -235,8 +236,8 @@ def _what_happened(
         shift = periods[angles] * np.round(difference[angles] / periods[angles])
         difference[angles] -= shift
         earlier[angles] -= shift
-        ahead = float(loop.tangent @ (difference / scale))
-        if float(loop.tangent @ (earlier / scale)) < 0 <= ahead and np.linalg.norm(difference / scale) <= 1.5 * h:
+        ahead = dot(loop.tangent, difference / scale)
+        if dot(loop.tangent, earlier / scale) < 0 <= ahead and norm(difference / scale) <= 1.5 * h:
             return Stop.LOOP, 0
     n = len(scale) - 1
     if np.any((np.abs(sample.z[:-1]) > RESCALE_AT * scale[:-1] / np.sqrt(n)) & grows):

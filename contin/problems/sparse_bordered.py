@@ -1,0 +1,99 @@
+"""Bordered linear systems [A B; C^T D] [x; y] = [f; g] by block elimination: A is factored, the dense borders never are.
+
+One border row and column at a time, by the mixed elimination BEMW (Govaerts and Pryce 1993): as accurate as the bordered
+matrix is well conditioned, even where A is singular. It needs solves with A^T; without them (matrix-free) plain block
+elimination is used, which serves as a preconditioner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[Any]
+
+
+class Solver(Protocol):
+    """Solves with a square matrix and with its transpose."""
+
+    def solve(self, right: Vector) -> Vector: ...
+
+    def solve_transposed(self, right: Vector) -> Vector: ...
+
+
+class Bordered:
+    """[A b; c^T d] from a solver of A; itself a solver, so that borders can be put around borders."""
+
+    def __init__(self, inner: Solver, b: Vector, c: Vector, d: complex) -> None:
+        self.inner, self.b, self.c, self.d = inner, b, c, d
+        self.v = inner.solve(b)
+        self.w = inner.solve_transposed(c)
+        self.pivot = _regular(d - dot(c, self.v))
+        self.pivot_transposed = _regular(d - dot(self.w, b))
+
+    def solve(self, right: Vector) -> Vector:
+        """Cost: one solve with A."""
+        return self._mixed(right, self.inner.solve, self.b, self.c, self.v, self.w, self.pivot, self.pivot_transposed)
+
+    def solve_transposed(self, right: Vector) -> Vector:
+        transposed = self.inner.solve_transposed
+        return self._mixed(right, transposed, self.c, self.b, self.w, self.v, self.pivot_transposed, self.pivot)
+
+    def _mixed(
+        self, right: Vector, solve: Any, b: Vector, c: Vector, v: Vector, w: Vector, pivot: complex, other: complex
+    ) -> Vector:
+        f, g = right[:-1], right[-1]
+        y = (g - dot(w, f)) / other
+        x = solve(f - b * y)
+        z = (g - self.d * y - dot(c, x)) / pivot
+        return np.append(x - v * z, y + z)
+
+
+def dot(a: Vector, b: Vector) -> Any:
+    """sum a_i b_i, real or complex, without BLAS (see `contin.continuation.vectors`)."""
+    return np.einsum("i,i->", a, b)
+
+
+def _regular(pivot: Any) -> Any:
+    """A pivot that one can divide by."""
+    return pivot if abs(pivot) > 1e-300 else 1e-300
+
+
+def bordered(inner: Solver, columns: Vector, rows: Vector, corner: Vector) -> Solver:
+    """[A B; C^T D] with B = columns (n, k), C = rows (n, k), D = corner (k, k); solves vectors of length n + k."""
+    k = columns.shape[1]
+    solver: Any = inner
+    for j in range(k):
+        b = np.append(columns[:, j], corner[:j, j])
+        c = np.append(rows[:, j], corner[j, :j])
+        solver = Bordered(solver, b, c, corner[j, j])
+    return solver  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True, eq=False)
+class Approximate:
+    """A preconditioner of A as a solver; plain block elimination around it: see `approximate_bordered`."""
+
+    apply: Any
+
+    def solve(self, right: Vector) -> Vector:
+        return np.asarray(self.apply(right))
+
+
+class ApproximateBordered:
+    """Block elimination with an approximate A^-1 and without transposes: a preconditioner of the bordered matrix."""
+
+    def __init__(self, inner: Any, columns: Vector, rows: Vector, corner: Vector) -> None:
+        self.inner, self.rows = inner, rows
+        self.columns = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
+        schur = corner - rows.T @ self.columns
+        self.schur = np.linalg.pinv(schur) if np.all(np.isfinite(schur)) else np.eye(len(schur))
+
+    def solve(self, right: Vector) -> Vector:
+        n = len(self.rows)
+        x = self.inner.solve(right[:n])
+        y = self.schur @ (right[n:] - self.rows.T @ x)
+        return np.concatenate([x - self.columns @ y, y])

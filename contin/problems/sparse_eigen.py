@@ -1,0 +1,129 @@
+"""Eigenvalues near zero of a large operator by shift-invert Arnoldi, as many as stability needs.
+
+The leading eigenvalues are those that can have crossed, or be about to cross, the imaginary axis. By Bendixson's theorem
+all eigenvalues with Re >= 0 lie in |Im| <= max row sum of |A - A^T|/2 and Re <= the largest Gershgorin bound of
+(A + A^T)/2. The basis grows until every eigenvalue in the disc around that part of the plane has converged, or to a
+largest size; where the operator is not known entry by entry, until the unstable ones and some stable ones have.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.vectors import norm
+from contin.problems.sparse_linear import Linear
+
+FEWEST = 4  # eigenvalues that are always computed
+MARGIN = 1.3  # by which the radius exceeds what must be inside
+CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
+LARGEST_BASIS = 160
+MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Leading eigenvalues, nearest to zero first, with eigenvectors (columns); and whether none is missing."""
+
+    values: NDArray[np.complex128]
+    vectors: NDArray[np.complex128]
+    certain: bool
+
+
+@dataclass(eq=False)
+class Region:
+    """The part of the plane that holds all unstable eigenvalues, for CSC matrices of one pattern."""
+
+    _pattern: tuple[NDArray[Any], NDArray[Any]] | None = None
+    _partner: NDArray[Any] | None = None  # position of the entry (j, i) of each entry (i, j), where all have one
+    _diagonal: NDArray[Any] | None = None
+
+    def of(self, matrix: Any) -> tuple[float, float]:
+        """(R, S): eigenvalues with Re >= 0 have Re <= R and |Im| <= S (Bendixson, Gershgorin)."""
+        known = self._pattern
+        if known is None or not all(np.array_equal(a, b) for a, b in zip(known, (matrix.indptr, matrix.indices), strict=True)):
+            self._learn(matrix)
+        if self._partner is None:
+            return np.inf, np.inf
+        data, starts = matrix.data, matrix.indptr[:-1]
+        other = data[self._partner]
+        symmetric, skew = 0.5 * (data + other), 0.5 * np.abs(data - other)
+        size = np.abs(symmetric)
+        size[self._diagonal] = symmetric[self._diagonal]
+        return max(float(np.add.reduceat(size, starts).max()), 0.0), float(np.add.reduceat(skew, starts).max())
+
+    def _learn(self, matrix: Any) -> None:
+        from scipy.sparse import csc_matrix
+
+        self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
+        self._partner = None
+        numbered = csc_matrix((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
+        transposed = numbered.T.tocsc()
+        same = np.array_equal(transposed.indices, matrix.indices) and np.array_equal(transposed.indptr, matrix.indptr)
+        if same and np.all(np.diff(matrix.indptr) > 0):
+            self._partner = transposed.data
+            columns = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+            self._diagonal = np.flatnonzero(columns == matrix.indices)
+
+
+def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 0.0) -> Spectrum:
+    """Eigenvalues of A with |l| <= radius, at least `FEWEST` and those up to 1.3 * known, from A^-1.
+
+    start : (n,) vector to begin with; a sum of the eigenvectors at a point nearby saves solves.
+    """
+    most = int(min(n, LARGEST_BASIS, max(3 * FEWEST, MEMORY / n)))
+    basis = np.empty((most + 1, n))
+    hessenberg = np.zeros((most + 1, most))
+    basis[0] = start / np.linalg.norm(start)
+    wanted = max(radius, MARGIN * known)
+    size = min(most, 2 * FEWEST)
+    done = 0
+    while True:
+        for k in range(done, size):
+            w = linear.solve(basis[k])
+            if not np.all(np.isfinite(w)):
+                return Spectrum(np.full(0, 0j), np.empty((n, 0), complex), False)
+            block = basis[: k + 1]
+            for _ in range(2):
+                h = np.einsum("ij,j->i", block, w)
+                w -= np.einsum("i,ij->j", h, block)
+                hessenberg[: k + 1, k] += h
+            hessenberg[k + 1, k] = norm(w)
+            if hessenberg[k + 1, k] <= 1e-14 * float(np.abs(hessenberg[: k + 1, k]).max(initial=0.0)):
+                w = np.random.default_rng(k).normal(size=n)  # an invariant subspace: go on in a new direction
+                w -= (block @ w) @ block
+                w -= (block @ w) @ block
+                hessenberg[k + 1, k] = 0.0
+                if k + 1 >= n:
+                    size = k + 1
+                    break
+            basis[k + 1] = w / norm(w)
+        done = size
+        theta, ritz = np.linalg.eig(hessenberg[:size, :size])
+        order = np.argsort(-np.abs(theta))
+        theta, ritz = theta[order], ritz[:, order]
+        good = np.abs(hessenberg[size, size - 1] * ritz[-1]) <= CONVERGED * np.abs(theta)
+        if size == n:
+            good[:] = True
+        count = int(np.argmin(good)) if not good.all() else len(good)
+        values = 1.0 / np.where(theta == 0.0, 1e-300, theta)
+        reached = count > 0 and (np.abs(values[count - 1]) >= wanted or count == n)
+        enough = count >= min(FEWEST, n)
+        if (enough and reached) or size == most:
+            keep = _without_half_pairs(values, count)
+            vectors = basis[:size].T @ ritz[:, :keep]
+            return Spectrum(values[:keep].astype(complex), vectors.astype(complex), bool(enough and reached))
+        size = min(most, size + max(FEWEST, size // 3))
+
+
+def _without_half_pairs(values: NDArray[Any], count: int) -> int:
+    """A count that does not cut a conjugate pair in two."""
+    if 0 < count < len(values) and values[count - 1].imag != 0.0:
+        partner = np.isclose(values[:count], np.conj(values[count - 1]), rtol=1e-8).any()
+        if not partner:
+            return count - 1
+    return count

@@ -1,0 +1,211 @@
+"""Sparse LU factors with solves, transposed solves and determinants; the order of elimination is chosen once a pattern.
+
+Matrices that a reordering (reverse Cuthill-McKee) makes narrow are factored as bands by LAPACK: for a tridiagonal matrix
+of 10,000 rows that takes 0.5 ms, SuperLU 21 ms. All others go to SuperLU.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+NARROW = 48  # half-bandwidth up to which a band is faster than SuperLU
+TINY_PIVOT = 1e-15  # a zero pivot becomes this part of the largest one, so that singular matrices have (huge) solutions
+
+
+class Factor(Protocol):
+    """P A = L U of a square matrix, real or complex."""
+
+    sign: float  # of det A (real matrices)
+    log_determinant: float
+
+    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+        """A^-1 right."""
+
+    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+        """A^-T right (no conjugate)."""
+
+
+@dataclass(eq=False)
+class Factoriser:
+    """Factors matrices of one pattern again and again."""
+
+    _pattern: tuple[NDArray[Any], NDArray[Any]] | None = None
+    _order: NDArray[Any] | None = None  # position -> row and column of the matrix
+    _rows: NDArray[Any] = field(default_factory=lambda: np.empty(0, int))
+    _columns: NDArray[Any] = field(default_factory=lambda: np.empty(0, int))
+    _widths: tuple[int, int] | None = None  # lower and upper, where the matrix is a band
+
+    @property
+    def is_band(self) -> bool:
+        """True where factors are cheap (as of the matrix seen last)."""
+        return self._widths is not None
+
+    def factor(self, matrix: Any) -> Factor:
+        """LU factors of a scipy.sparse matrix in CSC form."""
+        self._learn(matrix)
+        if self._widths is not None and max(self._widths) == 1 and matrix.shape[0] > 2:
+            return TridiagonalFactor(matrix.data, self._rows, self._columns, matrix.shape[0], self._order)
+        if self._widths is not None:
+            return BandFactor(matrix.data, self._rows, self._columns, self._widths, matrix.shape[0], self._order)
+        return SuperFactor(matrix)
+
+    def _learn(self, matrix: Any) -> None:
+        pattern = (matrix.indptr, matrix.indices)
+        known = self._pattern
+        if known is not None and all(a is b or np.array_equal(a, b) for a, b in zip(known, pattern, strict=True)):
+            return
+        from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+        n = matrix.shape[0]
+        self._pattern = (matrix.indptr.copy(), matrix.indices.copy())
+        rows, columns = matrix.indices, np.repeat(np.arange(n), np.diff(matrix.indptr))
+        self._order, self._widths = None, None
+        widths = _widths(rows, columns)
+        if max(widths) > NARROW:
+            order = np.asarray(reverse_cuthill_mckee(matrix.tocsr(), symmetric_mode=False))
+            position = np.empty(n, int)
+            position[order] = np.arange(n)
+            rows, columns = position[rows], position[columns]
+            widths = _widths(rows, columns)
+            self._order = order
+        if max(widths) <= NARROW:
+            self._rows, self._columns, self._widths = rows, columns, widths
+        else:
+            self._order = None
+
+
+def _widths(rows: NDArray[Any], columns: NDArray[Any]) -> tuple[int, int]:
+    below = rows - columns
+    return (int(max(below.max(), 0)), int(max(-below.min(), 0))) if below.size else (0, 0)
+
+
+class _Reordered:
+    """Solves with a matrix whose rows and columns were put in another order."""
+
+    order: NDArray[Any] | None
+    complex_: bool
+
+    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+        raise NotImplementedError
+
+    def _apply(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+        if np.iscomplexobj(right) and not self.complex_:
+            return self._apply(right.real, transposed) + 1j * self._apply(right.imag, transposed)
+        if self.order is None:
+            return self._solve(right, transposed)
+        solution = self._solve(right[self.order], transposed)
+        result = np.empty_like(solution)
+        result[self.order] = solution
+        return result
+
+    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+        return self._apply(right, False)
+
+    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+        return self._apply(right, True)
+
+
+def _determinant(diagonal: NDArray[Any], exchanges: int) -> tuple[float, float]:
+    """Sign and logarithm; tiny pivots are replaced in place."""
+    size = np.abs(diagonal)
+    small = ~(size > TINY_PIVOT * size.max())
+    if small.any():
+        diagonal[small] = TINY_PIVOT * size.max()
+    sign = (-1.0) ** (exchanges + int(np.count_nonzero(diagonal.real < 0.0)))
+    return sign, float(np.sum(np.log(np.abs(diagonal))))
+
+
+class TridiagonalFactor(_Reordered):
+    """LAPACK gttrf, three times as fast as a band of the same width."""
+
+    def __init__(
+        self, data: NDArray[Any], rows: NDArray[Any], columns: NDArray[Any], n: int, order: NDArray[Any] | None
+    ) -> None:
+        from scipy.linalg import lapack
+
+        self.order, self.complex_ = order, np.iscomplexobj(data)
+        kind = complex if self.complex_ else float
+        below, diagonal, above = np.zeros(n - 1, kind), np.zeros(n, kind), np.zeros(n - 1, kind)
+        offset = columns - rows
+        for part, where, shift in ((below, -1, 1), (diagonal, 0, 0), (above, 1, 0)):
+            chosen = offset == where
+            part[rows[chosen] - shift] = data[chosen]
+        factor, self._solver = (lapack.zgttrf, lapack.zgttrs) if self.complex_ else (lapack.dgttrf, lapack.dgttrs)
+        *factors, self._pivots, _ = factor(below, diagonal, above)
+        exchanges = int(np.count_nonzero(self._pivots != np.arange(1, n + 1)))
+        self.sign, self.log_determinant = _determinant(factors[1], exchanges)
+        self._factors = factors
+
+    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+        return np.asarray(self._solver(*self._factors, self._pivots, right, trans="T" if transposed else "N")[0])
+
+
+class BandFactor(_Reordered):
+    """LAPACK gbtrf of the reordered band; matrix entry `data[k]` is at (rows[k], columns[k]) of it."""
+
+    def __init__(
+        self, data: NDArray[Any], rows: NDArray[Any], columns: NDArray[Any], widths: tuple[int, int], n: int,
+        order: NDArray[Any] | None,
+    ) -> None:  # fmt: skip
+        from scipy.linalg import lapack
+
+        self.widths, self.order, self.complex_ = widths, order, np.iscomplexobj(data)
+        lower, upper = widths
+        band = np.zeros((2 * lower + upper + 1, n), dtype=complex if self.complex_ else float, order="F")
+        band[lower + upper + rows - columns, columns] = data
+        factor, self._solver = (lapack.zgbtrf, lapack.zgbtrs) if self.complex_ else (lapack.dgbtrf, lapack.dgbtrs)
+        self._band, self._pivots, _ = factor(band, lower, upper, overwrite_ab=True)
+        exchanges = int(np.count_nonzero(self._pivots != np.arange(n)))
+        self.sign, self.log_determinant = _determinant(self._band[lower + upper], exchanges)
+
+    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+        return np.asarray(self._solver(self._band, *self.widths, right, self._pivots, trans=int(transposed))[0])
+
+
+class SuperFactor:
+    """SuperLU factors; symmetric patterns are eliminated in a minimum-degree order, with weak pivoting."""
+
+    def __init__(self, matrix: Any) -> None:
+        from scipy.sparse import identity
+
+        size = float(np.abs(matrix.data).max(initial=1e-300))
+        try:
+            self._lu = self._factors(matrix)
+        except RuntimeError:  # exactly singular
+            shifted = matrix + TINY_PIVOT * size * identity(matrix.shape[0], format="csc")
+            self._lu = self._factors(shifted)
+        diagonal = self._lu.U.diagonal() if matrix.shape[0] else np.empty(0)
+        self.log_determinant = float(np.sum(np.log(np.abs(diagonal))))
+        negative = int(np.count_nonzero(diagonal.real < 0.0))
+        self.sign = (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
+
+    @staticmethod
+    def _factors(matrix: Any) -> Any:
+        from scipy.sparse.linalg import splu
+
+        return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})
+
+    def _apply(self, right: NDArray[Any], how: str) -> NDArray[Any]:
+        if np.iscomplexobj(right) and not np.iscomplexobj(self._lu.U.data[:1]):
+            return self._apply(right.real.copy(), how) + 1j * self._apply(right.imag.copy(), how)
+        return np.asarray(self._lu.solve(right, how))
+
+    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+        return self._apply(right, "N")
+
+    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+        return self._apply(right, "T")
+
+
+def _exchanges(permutation: NDArray[Any]) -> int:
+    """Parity of a permutation: its length minus the number of its cycles."""
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    n = len(permutation)
+    graph = csr_matrix((np.ones(n, np.int8), (np.arange(n), permutation)), shape=(n, n))
+    return (n - int(connected_components(graph, directed=False)[0])) % 2

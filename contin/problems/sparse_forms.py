@@ -1,0 +1,85 @@
+"""Normal forms of large systems. Left null vectors enter only as functionals, which bordered solves evaluate:
+
+[A q; q^H 0] [x; y] = [r; 0] gives y = <p, r> with <p, q> = 1, whatever the transpose of A would be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.normalforms.linear import normalise
+from contin.normalforms.result import parts, sense
+from contin.problems.sparse_linear import Linear
+
+Vector = NDArray[Any]
+TRUST = 1e-6  # coefficients below this part of their largest summand are zero to the accuracy of differenced forms
+
+
+def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any]]:
+    """r -> (x, <p, r>) with A x = r - <p, r> q and q^H x = 0."""
+    solver = linear.bordered(q[:, None], np.conj(q)[:, None], np.zeros((1, 1)))
+
+    def project(r: Vector) -> tuple[Vector, Any]:
+        found = solver.solve(np.append(r, 0.0))
+        return found[:-1], found[-1]
+
+    return project
+
+
+def state(v: Vector) -> Vector:
+    """A direction in which only the states move."""
+    return np.append(v, 0.0)
+
+
+def fold(problem: Any, z: Array, q: Vector) -> dict[str, Any]:
+    """`a` = <p, B(q, q)>/2."""
+    q = normalise(q)
+    _, value = projector(problem.linear(z), q)(problem.form(z, state(q), state(q)))
+    return {"a": 0.5 * float(np.real(value))}
+
+
+def branch_point(problem: Any, z: Array, q: Vector) -> dict[str, Any]:
+    """FORMATS' reduced equation at a simple branch point."""
+    q = normalise(q)
+    project = projector(problem.linear(z), q)
+    slope = problem.parameter_slope(z)
+    right = state(q)
+
+    def response(r: Vector) -> tuple[Vector, float]:
+        """(x, <p, r>) with A x = -(r - <p, r> q) and <p, x> = 0."""
+        x, value = project(r)
+        return -(x - float(np.real(project(x)[1])) * q), float(np.real(value))
+
+    h, a01 = response(slope)
+    along = np.append(h, 1.0)
+    k, b20 = response(problem.form(z, right, right))
+    a02 = float(np.real(project(problem.form(z, along, along))[1]))
+    b11 = float(np.real(project(problem.form(z, right, along))[1]))
+    cubic = problem.form(z, right, right, right)
+    mixed = problem.form(z, right, state(k))
+    b30 = float(np.real(project(cubic + 3.0 * mixed)[1]))
+    scale = float(np.abs(problem.form(z, right, right)).max())
+    form: dict[str, Any] = {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
+    form["discriminant"] = b11 * b11 - a02 * b20
+    if abs(b20) <= TRUST * max(scale, abs(b11)):
+        return {"kind": "pitchfork", "criticality": sense(b30, TRUST * float(np.abs(cubic).max())), **form}
+    return {"kind": "transcritical" if form["discriminant"] > 0 else "isolated", **form}
+
+
+def hopf(problem: Any, z: Array, q: Vector, omega: float) -> dict[str, Any]:
+    """`omega`, `c1` = G21/2, `l1` = Re c1 / omega, `criticality` (Kuznetsov, 3rd ed., sec. 5.4)."""
+    q = normalise(q)
+    linear = problem.linear(z)
+    right, other = state(q), state(np.conj(q))
+    h20 = -linear.shifted(2j * omega).solve(problem.form(z, right, right).astype(complex))
+    h11 = -linear.solve(np.real(problem.form(z, right, other)))
+    cubic = problem.form(z, right, right, other)
+    total = cubic + problem.form(z, other, state(h20)) + 2.0 * problem.form(z, right, state(h11.astype(complex)))
+    c1 = 0.5 * complex(projector(linear.shifted(1j * omega), q)(total)[1])
+    error = TRUST * float(np.abs(cubic).max())
+    return {"omega": omega, "c1": parts(c1), "l1": c1.real / omega, "criticality": sense(c1.real, error)}

@@ -1,0 +1,105 @@
+"""F_u of a user's function as a `Linear`: given sparse, differenced by colours, or applied without being formed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.errors import InputError
+from contin.problems.function_derivatives import COMPLEX_STEP, STEPS, stencil
+from contin.problems.function_system import FunctionSystem
+from contin.problems.sparse_factor import Factoriser
+from contin.problems.sparse_linear import DirectLinear, KrylovLinear, Linear
+
+
+class JacobianSource:
+    """Makes the operator at a point; keeps what all points share (orders of elimination, colours)."""
+
+    def __init__(self, system: FunctionSystem) -> None:
+        self.system = system
+        self.factoriser = Factoriser()
+
+    def at(self, u: Array, p: Array) -> Linear | None:
+        """F_u(u, p); None where it is not finite."""
+        if self.system.model.method == "sparse":
+            matrix = self.matrix(u, p)
+            return DirectLinear(matrix, self.factoriser) if np.all(np.isfinite(matrix.data)) else None
+        return KrylovLinear(self._product(u, p), self._preconditioner(u, p))
+
+    def matrix(self, u: Array, p: Array) -> Any:
+        """F_u as a CSC matrix."""
+        from scipy.sparse import csc_matrix
+
+        model = self.system.model
+        if model.jacobian is None:
+            return self._coloured(u, p)
+        matrix = model.jacobian(u, self.system._named(p))
+        if matrix.format != "csc" or matrix.dtype != float:
+            matrix = csc_matrix(matrix, dtype=float)
+        if matrix.shape != (self.system.n, self.system.n):
+            raise InputError(f"jacobian must return dF/du of shape {(self.system.n,) * 2}; got {matrix.shape}")
+        if not matrix.has_canonical_format:
+            matrix.sum_duplicates()
+        return matrix
+
+    # coloured differences ---------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pattern(self) -> tuple[Any, NDArray[Any], NDArray[Any], int]:
+        """The pattern in CSC, the column of each entry, the colour of each column, the number of colours."""
+        from scipy.sparse import csc_matrix
+
+        from contin.kernels.colouring import colour_columns
+
+        pattern = csc_matrix(self.system.model.sparsity, dtype=float)
+        n = self.system.n
+        if pattern.shape != (n, n):
+            raise InputError(f"sparsity must be a matrix of shape ({n}, {n}), like dF/du; got {pattern.shape}")
+        pattern.sum_duplicates()
+        by_rows = pattern.tocsr()
+        colours = np.empty(n, np.int64)
+        parts = (pattern.indptr, pattern.indices, by_rows.indptr, by_rows.indices)
+        count = colour_columns(*(np.asarray(a, np.int64) for a in parts), colours)
+        return pattern, np.repeat(np.arange(n), np.diff(pattern.indptr)), colours, int(count)
+
+    def _coloured(self, u: Array, p: Array) -> Any:
+        from scipy.sparse import csc_matrix
+
+        pattern, columns, colours, count = self._pattern
+        size = np.maximum(np.abs(u), self.system.lines.sizes[: self.system.n])
+        slopes = np.empty((count, self.system.n))
+        raw = self.system.raw
+        with np.errstate(all="ignore"):
+            for c in range(count):
+                step = np.where(colours == c, size, 0.0)
+                if self.system.lines.analytic:
+                    slopes[c] = np.imag(raw(u + 1j * COMPLEX_STEP * step, p.astype(complex))) / COMPLEX_STEP
+                    continue
+                total = np.zeros(self.system.n)
+                for offset, weight in stencil(1):
+                    total += weight * np.asarray(raw(u + offset * STEPS[1] * step, p), dtype=float)
+                slopes[c] = total / STEPS[1]
+        data = slopes[colours[columns], pattern.indices] / size[columns]
+        return csc_matrix((data, pattern.indices, pattern.indptr), shape=pattern.shape)
+
+    # matrix-free ------------------------------------------------------------------------------------------------------
+
+    def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:
+        model, n = self.system.model, self.system.n
+        if model.jacobian is not None:
+            operator = model.jacobian(u, self.system._named(p))
+            return lambda v: np.asarray(operator @ v, dtype=float)
+        padding = np.zeros(self.system.m)
+        return lambda v: self.system.lines.first(u, p, np.concatenate([v, padding])) if v.any() else np.zeros(n)
+
+    def _preconditioner(self, u: Array, p: Array) -> Callable[[Array], Array]:
+        model = self.system.model
+        if model.preconditioner is None:
+            return lambda r: r
+        made = model.preconditioner(u, self.system._named(p))
+        return lambda r: np.asarray(made(r), dtype=float)

@@ -1,0 +1,285 @@
+"""Equilibria of large systems (sparse or matrix-free Jacobians) as a continuation problem in one parameter.
+
+One factorisation a Newton step, block elimination around it, eigenvalues from the same factors: memory and, for banded
+Jacobians, time are proportional to n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.errors import InputError
+from contin.problems import sparse_special
+from contin.problems.function_system import FunctionSystem
+from contin.problems.sparse_eigen import Region, Spectrum, leading
+from contin.problems.sparse_jacobian import JacobianSource
+from contin.problems.sparse_linear import DirectLinear, Linear, Solution
+
+POLISH_BUDGET = 12
+NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
+
+
+@dataclass(frozen=True, eq=False)
+class LargeLinearisation:
+    """Scaled residual, and M = [J; t] in scaled unknowns, solved by elimination of the border."""
+
+    residual: Array
+    sign: float
+    log_determinant: float
+    scale: Array
+    _solution: Solution
+
+    def solve(self, right: Array) -> Array:
+        """M x = right, in scaled unknowns."""
+        d = self.scale[:-1]
+        x = self._solution.solve(np.append(d * right[:-1], right[-1]))
+        return np.asarray(x / self.scale)
+
+
+@dataclass(eq=False)
+class Workspace:
+    """What a problem remembers of the last points: their operators, and eigenvectors to start from."""
+
+    z: Array | None = None
+    linear: Linear | None = None
+    start: Array | None = None
+    region: Region = field(default_factory=Region)
+    reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
+
+
+@dataclass(frozen=True, eq=False)
+class LargeProblem:
+    """F(u, p) = 0 with one parameter free; `base` holds all parameters, entry `active` varies."""
+
+    system: FunctionSystem
+    base: Array
+    active: int
+    source: JacobianSource
+    work: Workspace = field(default_factory=Workspace)
+
+    locus = None
+    kind = "equilibrium"
+    is_map = False
+
+    @property
+    def n(self) -> int:
+        return self.system.n
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        return self.system.model.periods()
+
+    @cached_property
+    def maximum_chunk(self) -> int:
+        return int(np.clip(200_000 // self.n, 2, 20))
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.system.parameter_names[self.active],)
+
+    def with_active(self, name: str, z: Array | None = None) -> LargeProblem:
+        base = self.base.copy()
+        if z is not None:
+            base[self.active] = z[-1]
+        return replace(self, base=base, active=list(self.system.parameter_names).index(name), work=Workspace())
+
+    def full_parameters(self, z: Array) -> Array:
+        p = self.base.copy()
+        p[self.active] = z[-1]
+        return p
+
+    def constants(self) -> dict[str, float]:
+        return dict(zip(self.system.parameter_names, self.base.tolist(), strict=True))
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.system.model.parameter_range(parameter)
+
+    # evaluation -------------------------------------------------------------------------------------------------------
+
+    def residual(self, z: Array) -> Array:
+        """F (n,), unscaled."""
+        return self.system.value(z[:-1], self.full_parameters(z))
+
+    def linear(self, z: Array) -> Linear | None:
+        """F_u at z; None where it is not finite."""
+        work = self.work
+        if work.z is None or not np.array_equal(work.z, z):
+            work.z, work.linear = z.copy(), self.source.at(z[:-1], self.full_parameters(z))
+        return work.linear
+
+    def parameter_slope(self, z: Array) -> Array:
+        """F_p (n,)."""
+        with np.errstate(all="ignore"):
+            return self.system.parameter_slope(z[:-1], self.full_parameters(z), self.active)
+
+    def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+        """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex."""
+        n = self.n
+        wide = []
+        for d in directions:
+            v = np.zeros(n + self.system.m, d.dtype)
+            v[:n], v[n + self.active] = d[:n], d[n]
+            wide.append(v)
+        return self.system.derivative(z[:n], self.full_parameters(z), *wide)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> LargeLinearisation | None:
+        f = self.residual(z)
+        if not np.all(np.isfinite(f)):
+            return None
+        linear = self.linear(z)
+        slope = self.parameter_slope(z)
+        if linear is None or not np.all(np.isfinite(slope)):
+            return None
+        row = tangent / scale
+        solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None])
+        sign, logarithm = 1.0, 0.0
+        if linear.determinant is not None:
+            pivot = float(np.real(getattr(solution, "pivot", 1.0)))
+            sign = linear.determinant[0] * (1.0 if pivot > 0.0 else -1.0)
+            logarithm = linear.determinant[1] + float(np.log(abs(pivot)))
+        return LargeLinearisation(f / scale[:-1], sign, logarithm, scale, solution)
+
+    def spectrum(self, z: Array) -> Spectrum:
+        """Leading eigenvalues of F_u at z, from the factors of the last point if that is near."""
+        work = self.work
+        linear = work.linear
+        size = float(np.abs(z).max(initial=1e-300))
+        if linear is None or work.z is None or float(np.abs(work.z - z).max()) > NEAR * size:
+            linear = self.linear(z)
+        assert linear is not None
+        n = self.n
+        start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
+        radius = 0.0
+        if isinstance(linear, DirectLinear):
+            right, up = work.region.of(linear.matrix)
+            radius = float(np.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
+        found = leading(linear, n, start, radius, work.reach)
+        if found.values.size:
+            work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
+            watched = found.values.real > -0.2 * np.abs(found.values)
+            work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
+        return found
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        values = self.spectrum(z).values
+        tests, unstable = sparse_special.stability_tests(values)
+        return tests, unstable, values
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        """The same size for all states (or `typical` where that is a vector): the norm is a function's, not a vector's."""
+        width = bounds[1] - bounds[0] if np.isfinite(bounds[1] - bounds[0]) else max(1.0, abs(float(z[-1])))
+        typical = self.system.model.typical
+        unit = typical / float(np.abs(typical).max())
+        size = float(np.max(np.abs(z[:-1]) / unit, initial=0.0))
+        linear = self.linear(z)
+        motion = 0.0
+        if linear is not None:
+            motion = float(np.max(np.abs(linear.solve(self.parameter_slope(z))) / unit)) * width
+            motion = motion if np.isfinite(motion) else 0.0
+        if size > 1e-14:
+            size = max(size, min(motion, 10.0 * size))
+        else:
+            size = motion if motion > 1e-14 else float(np.abs(typical).max())
+        return np.append(np.sqrt(self.n) * size * unit, width)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return sparse_special.tangents(self, z, scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        z = guess.copy()
+        z[-1] = value
+        d = scale[:-1]
+        before = np.inf
+        for _ in range(POLISH_BUDGET):
+            f, linear = self.residual(z), self.linear(z)
+            if linear is None:
+                return None
+            step = linear.solve(-f)
+            size = float(np.linalg.norm(step / d))
+            if not np.isfinite(size) or size > 1.0:
+                return None
+            if size >= 0.5 * before and before < 1e-6:
+                return z
+            z = np.append(z[:-1] + step, value)
+            if size < 1e-14:
+                return z
+            before = size
+        return z if before < 1e-6 else None
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return sparse_special.explain(a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return {"LP": 0, "BP": None, "HB": 2}[type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return sparse_special.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        return sparse_special.verify_compound(self, a, b, frame)
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        from contin.problems.symmetry import reversing_symmetries
+
+        return any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """The parameter, named states, what is recorded; and of many states their norm, smallest and largest value."""
+        names = self.system.state_names
+        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
+        columns.update({name: z[:, k].copy() for k, name in enumerate(names)})
+        if not names:
+            u = z[:, :-1]
+            columns["norm"] = np.array([float(np.linalg.norm(row)) for row in u]) / np.sqrt(self.n)
+            columns["min"], columns["max"] = u.min(axis=1), u.max(axis=1)
+        if self.system.observable_names:
+            p = np.tile(self.base, (len(z), 1))
+            p[:, self.active] = z[:, -1]
+            recorded = self.system.observables(z[:, :-1], p)
+            columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
+        return columns
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        """What is born at a labelled point, for the explorer."""
+        return self.switch(point, parameter) if point.type == "BP" else []
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        if point.type != "BP":
+            raise InputError(
+                f"{point.branch}.{point.label}: of large systems only branch points have another branch; this is {point.type}"
+            )
+        return sparse_special.switch(self, point, parameter)
+
+    def describe_failure(self, z: Array) -> str:
+        return self.system.explain(z[:-1], self.full_parameters(z)) or (
+            "Try a smaller settings.step, or a larger settings.tolerance; matrix-free: a better preconditioner."
+        )

@@ -1,0 +1,113 @@
+"""The reduced equation at a point where F_u is singular, from bordered solves alone (no transposes).
+
+Near z0 the curves F(z) = 0 are the zeros of a scalar function mu(a1, a2): F(z) + mu b = 0 with c_i . (z - z0) = a_i. With
+K = [J b; C^T 0], which is regular, z and mu and all their derivatives in a are solutions of K x = r:
+
+    K (z_i, mu_i) = (0, e_i),   K (z_ij, mu_ij) = (-D^2F[z_i, z_j], 0),   K (., mu_aaa) = (-D^3F[a, a, a] - 3 D^2F[a, z_aa], 0).
+
+A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros of the quadratic form mu_ij
+(Lyapunov and Schmidt; Govaerts 2000, ch. 6).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.sparse_linear import Solution
+
+STEPS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """The reduction around z0 (raw unknowns (n + 1,)) with border rows C (n + 1, 2), raw, and column b (n,)."""
+
+    problem: Any
+    rows: Array
+    column: Array
+
+    def solver(self, z: Array) -> Solution:
+        """K at z, its unknowns in the order (state, mu, parameter)."""
+        linear = self.problem.linear(z)
+        columns = np.column_stack([self.column, self.problem.parameter_slope(z)])
+        corner = np.column_stack([np.zeros(2), self.rows[-1]])
+        solution: Solution = linear.bordered(columns, self.rows[:-1], corner)
+        return solution
+
+    def solve(self, solver: Solution, f: Array, g: Array) -> tuple[Array, float]:
+        """(z part (n + 1,), mu part) of K^-1 (f, g)."""
+        x = np.real(solver.solve(np.concatenate([f, g])))
+        return np.append(x[:-2], x[-1]), float(x[-2])
+
+    def onto(self, z: Array, mu: float, target: Array, origin: Array) -> tuple[Array, float]:
+        """The point with C^T (z - origin) = target and F + mu b = 0, by Newton from (z, mu)."""
+        before = np.inf
+        for _ in range(STEPS):
+            f = self.problem.residual(z) + mu * self.column
+            dz, dmu = self.solve(self.solver(z), -f, target - self.rows.T @ (z - origin))
+            size = float(np.linalg.norm(dz))
+            if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * float(np.linalg.norm(z) + 1.0)):
+                break
+            z, mu = z + dz, mu + dmu
+            before = size
+        return z, mu
+
+    def first(self, z: Array) -> tuple[Solution, Array, Array]:
+        """The solver at z, z_i as rows (2, n + 1), and the gradient mu_i (2,)."""
+        solver = self.solver(z)
+        zero = np.zeros(len(self.column))
+        pairs = [self.solve(solver, zero, e) for e in np.eye(2)]
+        return solver, np.array([v for v, _ in pairs]), np.array([m for _, m in pairs])
+
+    def second(self, z: Array, solver: Solution, along: Array) -> Array:
+        """The Hessian mu_ij (2, 2)."""
+        hessian = np.empty((2, 2))
+        for i in range(2):
+            for j in range(i + 1):
+                value = self.solve(solver, -self.problem.form(z, along[i], along[j]), np.zeros(2))[1]
+                hessian[i, j] = hessian[j, i] = value
+        return hessian
+
+    def branch_point(self, z: Array) -> tuple[Array, float, Array] | None:
+        """Newton on mu_1 = mu_2 = 0 from z on the curve: the point, mu there, and the gradient that is left."""
+        origin, a, mu = z, np.zeros(2), 0.0
+        before = np.inf
+        gradient = np.full(2, np.nan)
+        for _ in range(STEPS):
+            z, mu = self.onto(z, mu, a, origin)
+            solver, along, gradient = self.first(z)
+            step = np.linalg.solve(self.second(z, solver, along), -gradient)
+            size = float(np.linalg.norm(step))
+            if not np.isfinite(size):
+                return None
+            if size >= 0.5 * before and size < 1e-7:
+                break
+            if before < np.inf and size > 2.0 * before:
+                return None
+            a = a + step
+            before = size
+        return z, mu, gradient
+
+    def crossing(self, z: Array) -> list[tuple[Array, Array]]:
+        """Tangents z' and second derivatives z'' (raw) of the branches that cross at the branch point z."""
+        solver, along, _ = self.first(z)
+        form = self.second(z, solver, along)
+        values, vectors = np.linalg.eigh(form)
+        if not values[0] * values[1] < 0.0:
+            return []
+        ratio = np.sqrt(-values[0] / values[1])
+        return [self._curve(z, solver, along, form, vectors[:, 0] + s * ratio * vectors[:, 1]) for s in (1.0, -1.0)]
+
+    def _curve(self, z: Array, solver: Solution, along: Array, form: Array, a: Array) -> tuple[Array, Array]:
+        """z(s) = z + s z' + s^2 z''/2 of the branch with reduced direction a; its second order lies across a."""
+        across = np.array([-a[1], a[0]])
+        direction = a @ along
+        bent, _ = self.solve(solver, -self.problem.form(z, direction, direction), np.zeros(2))
+        third = -self.problem.form(z, direction, direction, direction) - 3.0 * self.problem.form(z, direction, bent)
+        cubic = self.solve(solver, third, np.zeros(2))[1]
+        slope = 3.0 * float(a @ form @ across)
+        return direction, bent - (cubic / slope) * (across @ along) if slope != 0.0 else bent

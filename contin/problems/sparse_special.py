@@ -1,0 +1,331 @@
+"""Special points of large systems: what a change means, location to full precision along the curve, switching.
+
+A fold is a zero of dp/ds, a Hopf point one of the real part of an eigenvalue: smooth functions of the arclength, whose
+zeros the secant method finds to rounding. A branch point, where the curve is not unique, is found on the reduced equation.
+Errors are the scatter of results from points perturbed by 1e-9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.vectors import norm
+from contin.continuation import march as python_march
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.errors import InputError
+from contin.problems import sparse_forms
+from contin.problems.sparse_linear import Linear
+from contin.problems.sparse_reduced import Reduced
+from contin.problems.symmetry import reversing_symmetries
+
+SECANT_BUDGET = 10
+TRIAL = 1e-4  # first step of the secant method (scaled arclength)
+PERTURBATION = 1e-9
+ACCURACY = 1e-13  # of the last Newton correction (or where rounding stops it)
+SAMPLES = 2
+RESIDUAL_LIMIT = 1e-7
+CRITICAL = 1e-5
+EPSILON = float(np.finfo(float).eps)
+
+
+def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
+    """[pairs, 1] and the number of unstable eigenvalues; `pairs` changes sign when a complex pair crosses."""
+    largest = float(np.abs(values).max(initial=1e-300))
+    unstable = int(np.sum(values.real > 1e-13 * largest))
+    pairs = values[values.imag > 0.0]
+    if not pairs.size:
+        return np.ones(2), unstable
+    size = float(np.min(np.abs(pairs.real) / np.abs(pairs)))
+    sign = -1.0 if int(np.sum(pairs.real > 0.0)) % 2 else 1.0
+    return np.array([sign * size, 1.0]), unstable
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Event types that account for the change of the unstable count and of the signs of the tests; None: more than one.
+
+    The determinant changes sign with the parity of the count, except at folds; where there are no factors, it says nothing.
+    """
+    fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
+    moved = abs(b.unstable - a.unstable)
+    odd = moved % 2 == 1
+    seen = determinant if a.tests[1] > 0.0 or b.tests[1] < 0.0 or determinant else odd != fold
+    if moved == 0 and not fold and not determinant:
+        return ()
+    if moved == 1 and fold and not determinant:
+        return ("LP",)
+    if moved <= 1 and (odd != fold) and (seen or not determinant):
+        return ("BP",)
+    return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The point of this type near a sample, to full precision; a string says why there is none."""
+    if type_ == "BP":
+        return _branch_point(problem, near, frame)
+    return _fold(problem, near, frame) if type_ == "LP" else _hopf(problem, near, frame)
+
+
+def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+    """What can be told apart of several events at one place."""
+    found: list[Verified | str] = []
+    if a.tests[0] * b.tests[0] < 0.0:
+        found.append(_fold(problem, a, frame))
+    elif (a.unstable - b.unstable) % 2:
+        found.append(_branch_point(problem, a, frame))
+    if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
+        found.append(_hopf(problem, a, frame))
+    return found
+
+
+# along the curve ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class At:
+    """The point of the curve at a length from a base: z, its unit tangent (scaled), the scaled residual."""
+
+    z: Array
+    tangent: Array
+    residual: float
+
+
+def point_at(problem: Any, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
+    """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
+    y = (guess - base.z) / frame.scale
+    found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
+    if isinstance(found, str):
+        return None
+    t = found.last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
+    residual = problem.residual(found.z) / frame.scale[:-1]
+    return At(found.z, t / norm(t), float(np.max(np.abs(residual))))
+
+
+Measure = Callable[[At], float]
+
+
+def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[At, float, float] | None:
+    """The zero of `measure` near base: the point, the value left, and the estimated error of the parameter."""
+
+    def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
+        guess = base.z + s * frame.scale * base.tangent if near is None else near.z
+        at = point_at(problem, base, s, guess, frame)
+        return None if at is None else (at, measure(at))
+
+    first = evaluate(0.0, None)
+    second = evaluate(TRIAL, None)
+    if first is None or second is None:
+        return None
+    (s0, v0), (s1, at, v1) = (0.0, first[1]), (TRIAL, *second)
+    if abs(v0) < abs(v1):
+        s0, v0, s1, at, v1 = TRIAL, v1, 0.0, *first
+    slope, last = 0.0, np.inf
+    for _ in range(SECANT_BUDGET):
+        if v1 == v0:
+            break
+        slope = (v1 - v0) / (s1 - s0)
+        step = -v1 / slope
+        if not np.isfinite(step) or abs(step) > 0.3 or (abs(step) >= 0.5 * last and last < 1e-6):
+            break
+        found = evaluate(s1 + step, at)
+        if found is None:
+            return None
+        s0, v0 = s1, v1
+        s1 += step
+        at, v1 = found
+        last = abs(step)
+        if last < 1e-13:
+            break
+    if not last < 1e-4:
+        return None
+    return at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope)
+
+
+def _scatter(
+    problem: Any, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float, slope: float
+) -> float:
+    """Error of the parameter from the same evaluation at perturbed points."""
+    generator = np.random.default_rng(2)
+    worst = 0.0
+    rate = float(at.tangent[-1])
+    for _ in range(SAMPLES):
+        shift = PERTURBATION * generator.uniform(-1.0, 1.0)
+        other = point_at(problem, base, s + shift, at.z, frame)
+        if other is None:
+            return np.inf
+        moved = (other.z[-1] - at.z[-1]) / frame.scale[-1] - shift * 0.5 * (rate + float(other.tangent[-1]))
+        off = (measure(other) - value) / slope - shift if slope != 0.0 else 0.0
+        worst = max(worst, abs(moved) + abs(off * rate))
+    return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
+
+
+# folds and Hopf points ----------------------------------------------------------------------------------------------------
+
+
+def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+    found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
+    if found is None:
+        return "LP not verified: the parameter does not turn at one point of the curve"
+    at, left, error = found
+    values = problem.spectrum(at.z).values
+    others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
+    q = at.tangent[:-1] * frame.scale[:-1]
+    form = sparse_forms.fold(problem, at.z, q)
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
+        return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    return Verified("LP", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form)
+
+
+def _floor(problem: Any, z: Array, frame: Frame) -> float:
+    """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
+    linear = problem.linear(z)
+    v = np.ones(problem.n)
+    size = float(np.max(np.abs(linear.apply(np.where(np.arange(problem.n) % 2 == 0, v, -v)))))
+    return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
+
+
+def refine(linear: Linear, value: complex, q: NDArray[Any]) -> tuple[complex, NDArray[Any]]:
+    """Newton on A q = l q, c^H q = 1 (c = the start, normalised): one factorisation of A - l an iteration."""
+    q = q / np.linalg.norm(q)
+    c = q.conj()
+    last = np.inf
+    for _ in range(6):
+        solver = linear.shifted(value).bordered(-q[:, None], c[:, None], np.zeros((1, 1)))
+        right = np.append(-(linear.apply(q) - value * q), 1.0 - c @ q)
+        step = solver.solve(right.astype(complex))
+        size = abs(complex(step[-1])) / max(abs(value), 1e-300)
+        if not np.isfinite(size) or (size >= 0.5 * last and size < 1e-6):
+            break
+        value, q = value + complex(step[-1]), q + step[:-1]
+        last = size
+        if size < 1e-14:
+            break
+    return value, q
+
+
+def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+    spectrum = problem.spectrum(near.z)
+    pairs = np.flatnonzero(spectrum.values.imag > 0.0)
+    if not pairs.size:
+        return "HB: the two eigenvalues that cross are real"
+    k = pairs[int(np.argmin(np.abs(spectrum.values[pairs].real) / np.abs(spectrum.values[pairs])))]
+    state = {"value": complex(spectrum.values[k]), "q": spectrum.vectors[:, k]}
+    frequency = abs(state["value"].imag)
+
+    def growth(at: At) -> float:
+        state["value"], state["q"] = refine(problem.linear(at.z), state["value"], state["q"])
+        return float(state["value"].real) / frequency
+
+    found = secant(problem, near, frame, growth)
+    if found is None:
+        return "HB not verified: the real part of the eigenvalue has no zero nearby"
+    at, left, error = found
+    omega = abs(state["value"].imag)
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
+        return f"HB not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    q = state["q"] if state["value"].imag > 0 else np.conj(state["q"])
+    values = problem.spectrum(at.z).values
+    critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
+    others = np.delete(values, critical)
+    form = sparse_forms.hopf(problem, at.z, q, omega)
+    return Verified("HB", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
+
+
+# branch points ------------------------------------------------------------------------------------------------------------
+
+
+def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
+    """The reduced equation at z with borders from the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
+    spectrum = problem.spectrum(z)
+    q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
+    null = np.append(q, 0.0) / scale
+    null /= np.linalg.norm(null)
+    other = tangent - (tangent @ null) * null
+    if np.linalg.norm(other) < 1e-6:  # the branch leaves along the eigenvector itself
+        other = np.append(np.zeros(problem.n), 1.0)
+    other /= np.linalg.norm(other)
+    rows = np.column_stack([null, other]) / scale[:, None]
+    size = scale[:-1] / np.linalg.norm(null[:-1])
+    return Reduced(problem, rows, null[:-1] * size), q
+
+
+def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+    reduced, _ = reduction(problem, near.z, near.tangent, frame.scale)
+    found = reduced.branch_point(near.z)
+    if found is None:
+        return "BP not verified: Newton on the reduced equation did not converge"
+    z, mu, gradient = found
+    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
+    if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
+        return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    generator = np.random.default_rng(3)
+    scatter = 0.0
+    for _ in range(SAMPLES):
+        shifted = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
+        again = reduced.branch_point(shifted)
+        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+    spectrum = problem.spectrum(z)
+    k = int(np.argmin(np.abs(spectrum.values)))
+    others = np.delete(spectrum.values, k)
+    form = sparse_forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    return Verified("BP", z, residual, error, spectrum.values, int(np.sum(others.real > 0.0)), form, {"kernel": 1})
+
+
+def tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
+    """Unit tangents (scaled) of the branches through z."""
+    row = np.random.default_rng(5).normal(size=len(z))
+    here = problem.linearisation(z, row / np.linalg.norm(row), scale)
+    if here is None:
+        raise InputError(problem.describe_failure(z))
+    t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
+    size = float(np.linalg.norm(t))
+    if np.isfinite(size) and size < 1e8:
+        return [t / size]
+    reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
+    crossing = [d / scale for d, _ in reduced.crossing(z)]
+    return [t / np.linalg.norm(t) for t in crossing] or [t / size]
+
+
+def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seeds of the branches that cross the point's own there."""
+    own = point.tangent / point.scale
+    own = own / np.linalg.norm(own)
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    reduced, _ = reduction(problem, point.z, own, point.scale)
+    curves = reduced.crossing(point.z)
+    if not curves:
+        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    cosines = [abs(float((d / point.scale) @ own)) / float(np.linalg.norm(d / point.scale)) for d, _ in curves]
+    direction, bend = curves[int(np.argmin(cosines))]
+    lead = direction[-1] if abs(direction[-1] / point.scale[-1]) > 1e-6 * float(np.linalg.norm(direction / point.scale)) else 0.0
+    if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
+        direction = -direction
+    scale = _metric(point.z, direction, bend, point.scale)
+    d, c = direction / scale, bend / scale
+    norm = float(np.linalg.norm(d))
+    d, c = d / norm, c / norm**2
+    symmetries = reversing_symmetries(problem, point.z, d * scale)
+    seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
+    return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]
+
+
+def _metric(z: Array, direction: Array, bend: Array, old: Array) -> Array:
+    """States get the size that they reach when the parameter crosses its range along the new branch."""
+    n = len(z) - 1
+    unit = old[:-1] / float(np.max(old[:-1]))
+    slope, curve = abs(float(direction[-1] / old[-1])), abs(float(bend[-1] / old[-1]))
+    reaches = ([1.0 / slope] if slope > 1e-9 else []) + ([float(np.sqrt(2.0 / curve))] if curve > 1e-12 else [])
+    amplitude = min(reaches) * float(np.max(np.abs(direction[:-1]) / unit)) if reaches else 0.0
+    size = max(float(np.max(np.abs(z[:-1]) / unit)), amplitude)
+    return np.append(np.sqrt(n) * size * unit, old[-1]) if size > 0.0 and np.isfinite(size) else old
