@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,12 +11,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.errors import NoSolutionError, NotFiniteError
+from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps import IteratedSystem
 from contin.problems.maps_cycle import CycleProblem
 
 BUDGET = 60
+TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
 ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
 
@@ -52,10 +55,22 @@ class Equilibrium:
 def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     """Newton from u at fixed p, with the step halved while the (scaled) residual does not fall.
 
-    Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
-    residual history and the nearest point found where Newton does not converge.
+    Where that stalls, Powell's hybrid method (which may leave the Newton direction for the gradient) looks for a better
+    guess. Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
+    residual history and the nearest point found where no method converges.
     """
     u = np.array(u, dtype=float)
+    try:
+        return _newton(system, u, p, angle_periods)
+    except NoSolutionError:
+        guess = _powell(EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods), u)
+        if guess is not None:
+            with suppress(NoSolutionError, NotFiniteError):
+                return _newton(system, guess, p, angle_periods)
+        raise
+
+
+def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     problem = EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods)
     n = problem.n
 
@@ -96,6 +111,8 @@ def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibri
                         break
             damping *= 0.5
         if not accepted:
+            if _is_rounding(lambda state: evaluate(state)[0], u, f, step):
+                return Equilibrium(system, u, problem.base, angle_periods)
             break
         before = size if damping == 1.0 else np.inf
         u, f, a = trial, f_trial, a_trial
@@ -103,6 +120,34 @@ def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibri
         if history[-1] < best:
             best_u, best = u, history[-1]
     raise NoSolutionError(_failure(system, history, best_u, best))
+
+
+def _powell(problem: EquilibriumProblem, u: Array) -> Array | None:
+    """A better guess, or None where the method finds none."""
+    from scipy.optimize import root
+
+    n = problem.n
+    size = float(np.abs(u).max(initial=0.0)) or 1.0
+    scale = np.where(u == 0.0, size, np.abs(u))
+
+    def scaled(y: Array) -> tuple[Array, Array]:
+        f, matrix = problem.linearise(np.append(scale * y, problem.base[0]))
+        return f / scale, matrix[:, :n] * scale / scale[:, None]
+
+    try:
+        found = root(scaled, u / scale, jac=True, method="hybr")
+    except (ContinError, ArithmeticError, ValueError, np.linalg.LinAlgError):
+        return None
+    guess: Array = scale * found.x
+    return guess if found.success and np.all(np.isfinite(guess)) else None
+
+
+def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: Array) -> bool:
+    """True where f at u is only rounding: a thousand (tiny) Newton steps back, it is linear all the same."""
+    if not float(np.abs(step).max()) <= TINY * max(1.0, float(np.abs(u).max())):
+        return False
+    back = function(u - 1000.0 * step)
+    return bool(np.max(np.abs(back - 1001.0 * f)) <= 0.1 * np.max(np.abs(1001.0 * f)))
 
 
 def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:

@@ -1,0 +1,30 @@
+"""From a guess to an equilibrium: starts at which Newton alone stalls, and starts that have no equilibrium near."""
+
+from math import exp
+
+import pytest
+
+import contin
+from contin.errors import NoSolutionError
+from tests.problems.follow import model
+
+
+def test_a_residual_that_is_only_rounding_is_a_solution():
+    # 1 - 0.3 - |0 - 0.7| is 5.6e-17 in binary arithmetic, and no x near 0 makes it smaller
+    system = model({"x": "p - 0.3 - abs(x - 0.7)"}, {"x": 0.0}, {"p": 1.0})
+    assert contin.equilibrium(system, {"x": 0.0}, {"p": 1.0}).u == pytest.approx([0.0], abs=1e-15)
+
+
+def test_where_newton_leaves_the_range_of_steep_sigmoids_another_method_finds_the_equilibrium():
+    sigmoids = {"E": "-E + 1/(1 + exp(-(16*E - 12*J + P)))", "J": "-J + 1/(1 + exp(-(15*E - 3*J + Q)))"}
+    system = model(sigmoids, {"E": 0.1, "J": 0.1}, {"P": -2.0, "Q": -4.0})  # Wilson and Cowan (1972)
+    excited, inhibited = contin.equilibrium(system, {"E": 0.1, "J": 0.1}, {"P": -2.0, "Q": -4.0}).u
+    assert excited == pytest.approx(1 / (1 + exp(2 - 16 * excited + 12 * inhibited)), rel=1e-12)
+    assert inhibited == pytest.approx(1 / (1 + exp(4 - 15 * excited + 3 * inhibited)), rel=1e-12)
+
+
+@pytest.mark.parametrize("gap", [1.0, 1e-6])
+def test_no_method_finds_an_equilibrium_where_there_is_none(gap):
+    system = model({"x": "x^2 + p"}, {"x": 0.5}, {"p": gap})
+    with pytest.raises(NoSolutionError, match="no equilibrium found from the start"):
+        contin.equilibrium(system, {"x": 0.5}, {"p": gap})
