@@ -38,6 +38,7 @@ class Seed:
     arms: tuple[int, ...] = (-1, 1)
     parent: Parent | None = None
     symmetries: tuple[str, ...] = ()  # declared symmetries that map one half of the new branch onto the other
+    reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
     measured: tuple[int, Any] | None = None  # unstable count and eigenvalues at z, where the seed knows them
 
     @property
@@ -193,7 +194,8 @@ def _origin(
         return found if ahead and found.tangent @ oriented.tangent > 0.8 else None
 
     accepted = None
-    for size in settings.first_step * 10.0 ** -np.arange(1.0, 5.5, 0.5):
+    first = settings.first_step if seed.reach is None else 10.0 * seed.reach
+    for size in first * 10.0 ** -np.arange(1.0, 5.5, 0.5):
         found = beside(size)
         if found is None:
             continue

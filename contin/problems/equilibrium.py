@@ -290,7 +290,7 @@ class EquilibriumProblem:
         if values[-1] < 1e-9 * values[0]:
             return (
                 "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations "
-                "are dependent (a conserved quantity; fix it by an equation or a parameter)."
+                "are dependent (a conserved quantity or a continuous symmetry; fix it by an equation or a parameter)."
             )
         return (
             "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contin.abi import Array
+from contin.problems.fine_directions import fine_directions
 from contin.problems.scaled import ScaledSystem
 
 PARALLEL = 0.9999  # cosine from which a direction is the branch's own
@@ -14,11 +15,17 @@ def reduced_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> 
     """Unit tangents and second derivatives z''(0) (scaled) of the branches other than the one with tangent `own`."""
     from contin.normalforms.directions import branch_directions
     from contin.normalforms.jet import DerivativeJet
+    from contin.normalforms.multiple import CONTINUUM
 
     problem, size = local.problem, local.scale[:-1]
     matrix = problem.linear_part(y * local.scale) * size / size[:, None]
     kind = "map" if problem.is_map else "flow"
     jet = DerivativeJet(matrix, lambda d: np.asarray(local.form(y, *d)), 1, kind, np.ones(local.n))  # type: ignore[arg-type]
     known = own if np.any(own) else None
-    found = branch_directions(jet, known=known, kernel=corank)
-    return [(d.tangent, 2.0 * d.curvature) for d in found if known is None or abs(float(d.tangent @ own)) < PARALLEL]
+    branches: list[tuple[Array, Array]] = []
+    for d in branch_directions(jet, known=known, kernel=corank):
+        finer = []
+        if d.note == CONTINUUM and corank == 2:
+            finer = fine_directions(local, y, 2.0 * float(d.curvature[-1]))
+        branches += finer or [(d.tangent, 2.0 * d.curvature)]
+    return [(t, k) for t, k in branches if known is None or abs(float(t @ own)) < PARALLEL]

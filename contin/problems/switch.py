@@ -14,10 +14,12 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems import defining, special
+from contin.problems.fine_directions import DISTANCE
 from contin.problems.maps_switch import doubled
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 
+FAR = 0.5 * DISTANCE  # where branches set out that only their higher orders tell apart
 PARALLEL = 0.9999  # cosine between tangents from which two branches are the same
 
 
@@ -46,7 +48,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         scale, d, k = renewed_metric(local, point.z, direction, curvature)
         symmetries = reversing_symmetries(problem, point.z, d * scale)
         arms = (1,) if symmetries else (-1, 1)
-        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries))
+        reach = FAR if point.normal_form.get("continua") else None
+        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, reach))
     if not seeds:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     return seeds
