@@ -88,7 +88,7 @@ def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mappin
         Everything that is wrong, each with its place in the file.
     """
     problems = Problems(source)
-    model = _model(entry, source, file, problems)
+    model = _model(entry, source, file, problems, overrides or {})
     problems.raise_if_any()
     return make_plan_for(model, entry, source, file, overrides)
 
@@ -118,7 +118,9 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
     return {kind: path for kind, path in files.items() if path is not None}
 
 
-def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Any:
+def _model(
+    entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]
+) -> Any:
     from contin.model.registry import find
     from contin.model.yaml_loader import model_from_mapping
 
@@ -131,7 +133,7 @@ def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) 
             raise
     else:
         model = model_from_mapping(entry.model, PartSource(source, ("model",)))
-    return apply_passes(model, entry.transform, problems)
+    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides})
 
 
 class _Planner:

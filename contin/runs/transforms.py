@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
@@ -26,11 +27,21 @@ PASSES: Final[Mapping[str, tuple[str, str]]] = {
 """Name in the file -> module and function; the options written in the file are its keyword arguments."""
 
 
-def apply_passes(model: Any, written: Sequence[str | Mapping[str, Any]], problems: Problems) -> Any:
-    """The model after the passes, in order; what is wrong with them is noted in `problems`."""
+def apply_passes(
+    model: Any,
+    written: Sequence[str | Mapping[str, Any]],
+    problems: Problems,
+    values: Mapping[str, Any] | None = None,
+) -> Any:
+    """The model after the passes, in order; what is wrong with them is noted in `problems`.
+
+    `values` are the parameters of the run: passes that look at sizes (which threshold comes first) see these.
+    """
     if written and not _made_of_formulas(model):
         problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
         return model
+    if written and values:
+        model = _with_values(model, values)
     for position, item in enumerate(written):
         name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
         path: Path = ("transform", position)
@@ -52,6 +63,19 @@ def apply_passes(model: Any, written: Sequence[str | Mapping[str, Any]], problem
             problems.add(path, str(error))
             return model
     return model
+
+
+def _with_values(model: Any, values: Mapping[str, Any]) -> Any:
+    """The model with these values as defaults; what is wrong with them is said where the run is planned."""
+    from contin.model.expression import as_expression
+
+    known = {name: value for name, value in values.items() if name in model.parameter_names}
+    try:
+        numbers = model.default_parameters(known)
+    except (ContinError, TypeError):
+        return model
+    changed = (replace(p, value=as_expression(numbers[p.name])) if p.name in known else p for p in model.parameters)
+    return model.replace(parameters=tuple(changed))
 
 
 def _made_of_formulas(model: object) -> bool:

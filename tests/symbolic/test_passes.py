@@ -127,3 +127,16 @@ def test_passes_compose_from_a_run_file():
     apply_passes(model, ["linearize"], problems)
     with pytest.raises(InputError, match="did you mean 'linearise'"):
         problems.raise_if_any()
+
+
+def test_passes_see_the_parameters_of_the_run():
+    """With x1 = 2 > x2 = 1 the escapement never pushes: the averaged amplitude only decays."""
+    from contin.model.source import CallSource, Problems
+    from contin.runs.transforms import apply_passes
+
+    model = contin.load("metronomes/one-constant")
+    problems = Problems(CallSource("test"))
+    made = apply_passes(model, [{"average": {"form": "polar"}}], problems, {"x1": 2, "x2": 1, "alpha": 0.1})
+    problems.raise_if_any()
+    for r in (0.5, 1.5, 3.0):
+        assert field(made, {"r": r})[0] == pytest.approx(-0.05 * r)
