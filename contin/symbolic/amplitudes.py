@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from contin.errors import InputError
+from contin.errors import InputError, NotFiniteError
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
 from contin.symbolic.oscillators import WeakOscillators
 from contin.symbolic.radial import Piece, RadialAverage, Setting, average_over_turn, combined
@@ -92,7 +92,10 @@ def reach_of(oscillators: WeakOscillators) -> float:
     w = float(evaluate(oscillators.omega, values))
     largest = 1.0
     for start in (None, *(s.name for s in model.starts)):
-        u, _ = model.start_point(start)
+        try:
+            u, _ = model.start_point(start)
+        except NotFiniteError:  # a start that does not exist for these parameters
+            continue
         point = dict(zip(model.state_names, u, strict=True))
         for pair in oscillators.pairs:
             largest = max(largest, abs(point[pair.position]), abs(point[pair.velocity]) / w)
