@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
-from contin.continuation.problem import Adaptive, Chunk, Frame, Planar, Problem, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_adaptive, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
@@ -92,7 +92,7 @@ class Arm:
             self.accepted += len(piece.z)
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
-            if self.is_over() and not (failed is not None and isinstance(self.problem, Adaptive)):
+            if self.is_over() and not (failed is not None and is_adaptive(self.problem)):
                 return
             if corner is not None:
                 origin, before, length, step = corner[0], None, 0.0, self.settings.first_step
@@ -102,7 +102,7 @@ class Arm:
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
-            if isinstance(self.problem, Adaptive):
+            if is_adaptive(self.problem):
                 renewal = self.problem.renew(origin, before, self.loop, frame, self.settings)
                 if failed is not None and renewal.end is None:
                     if renewal.origin is origin:  # nothing to adapt that might help
@@ -129,7 +129,7 @@ class Arm:
         n = len(self.scale) - 1
         grown = self.scale.copy()
         fixed = self.problem.angle_periods > 0
-        if isinstance(self.problem, Planar):
+        if is_planar(self.problem):
             fixed = fixed | ~self.problem.growing[:-1]
         grown[:-1] = np.where(fixed, grown[:-1], np.maximum(grown[:-1], np.sqrt(n) * np.abs(origin.z[:-1])))
         ratio = self.scale / grown
@@ -248,8 +248,10 @@ class Arm:
 
     def _same(self, a: Verified, b: Verified) -> bool:
         """One type at one place (angles modulo their periods) and, for oscillations, one frequency."""
-        if a.type != b.type or a.z.size != b.z.size:
+        if a.type != b.type:
             return False
+        if is_adaptive(self.problem):
+            return self.problem.same_point(a, b, self.scale)
         u, v = a.vectors.get("omega", 0.0), b.vectors.get("omega", 0.0)
         near = float(np.linalg.norm(self._seen(self._wrapped(a.z - b.z) / self.scale))) < SAME_POINT
         return near and abs(u - v) <= 1e-6 * (abs(u) + abs(v))
@@ -267,7 +269,7 @@ class Arm:
     def _walls_passed(self, z: Array) -> list[tuple[int, float, str]]:
         """(unknown, bound, name) of every bound that z is beyond."""
         problem = self.problem
-        walls = problem.walls if isinstance(problem, Planar) else [(len(z) - 1, *self.bounds)]
+        walls = problem.walls if is_planar(problem) else [(len(z) - 1, *self.bounds)]
         names = reversed(problem.parameters[: len(walls)])
         passed = []
         for (index, lowest, highest), name in zip(walls, names, strict=True):
@@ -277,7 +279,7 @@ class Arm:
 
     def _seen(self, offset: Array) -> Array:
         """An offset without the unknowns that do not tell points apart."""
-        return np.where(self.problem.identifying, offset, 0.0) if isinstance(self.problem, Planar) else offset
+        return np.where(self.problem.identifying, offset, 0.0) if is_planar(self.problem) else offset
 
     def _closing(self, stretch: Stretch, last: Sample, stop: Stop) -> Sample | None:
         """The start again, where the last step passed it."""
@@ -299,7 +301,7 @@ class Arm:
         self.end = End("closed", f"closed loop: back at the start, {self._position(start)}")
         winding = (high.z - start.z) - gap
         closed = start.z + winding
-        return replace(high, z=closed if not isinstance(self.problem, Planar) else self._same_vectors(high.z, closed))
+        return replace(high, z=closed if not is_planar(self.problem) else self._same_vectors(high.z, closed))
 
     def _same_vectors(self, z: Array, closed: Array) -> Array:
         """The start again, with the auxiliary vectors as the curve brought them (their sign may have turned)."""
@@ -382,7 +384,7 @@ def at_value(stretch: Stretch, a: Sample, b: Sample, value: float, index: int = 
     problem, scale = stretch.problem, stretch.frame.scale
     low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-7 * stretch.distance(a, b))
     near = low if abs(low.z[index] - value) < abs(high.z[index] - value) else high
-    if isinstance(problem, Planar):
+    if is_planar(problem):
         solved = problem.at_unknown(index, near.z, value, scale)
     else:
         solved = problem.at_parameter(near.z, value, scale)

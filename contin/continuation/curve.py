@@ -68,7 +68,7 @@ class Stretch:
         for _ in range(budget):
             if width <= accuracy or f_b == 0.0:
                 break
-            fraction = 0.5 if bisect else min(max(f_a / (f_a - f_b), 0.01), 0.99)
+            fraction = 0.5 if bisect or f_a == f_b else min(max(f_a / (f_a - f_b), 0.01), 0.99)
             middle = self.between(a, b, fraction)
             if middle is None:
                 if fraction == 0.5:

@@ -13,7 +13,7 @@ from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
-from contin.continuation.problem import Chunk, Frame, Planar, Problem, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
@@ -90,8 +90,9 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         raise InputError(
             f"the start has {parameter} = {seed.z[-1]:.10g}, outside the range [{bounds[0]:g}, {bounds[1]:g}]"
         )
-    if isinstance(problem, Planar):
-        for name, (index, lowest, highest) in zip(problem.parameters[1:], problem.walls, strict=False):
+    names = problem.parameters
+    if is_planar(problem):
+        for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
             if not lowest <= seed.z[index] <= highest:
                 raise InputError(
                     f"the start has {name} = {seed.z[index]:.10g}, outside the range [{lowest:g}, {highest:g}]"
@@ -162,8 +163,9 @@ def _oriented(sample: Sample, sense: int) -> Sample:
 
 def _outward(seed: Seed, start: Sample, sense: int, bounds: tuple[float, float]) -> End | None:
     """An arm that would leave the range at once."""
-    if isinstance(seed.problem, Planar):
-        for name, (index, lowest, highest) in zip(seed.problem.parameters[1:], seed.problem.walls, strict=False):
+    problem, names = seed.problem, seed.problem.parameters
+    if is_planar(problem):
+        for name, (index, lowest, highest) in zip(names[1:], problem.walls, strict=False):
             value, rate = start.z[index], sense * start.tangent[index]
             if (value >= highest and rate > 0) or (value <= lowest and rate < 0):
                 return End("bound", f"{name} starts on its bound {value:.10g}", {"value": float(value)})

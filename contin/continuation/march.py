@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Planar, Sample, Stop
+from contin.continuation.problem import Chunk, Frame, Sample, Stop, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import dot, norm
 
@@ -218,7 +218,7 @@ def _what_happened(
         return Stop.CORNER, 0
     periods, grows = problem.angle_periods, problem.angle_periods == 0
     walls: Sequence[tuple[int, float, float]] = [(-1, *bounds)]
-    if isinstance(problem, Planar):
+    if is_planar(problem):
         walls, grows = problem.walls, problem.growing[:-1]
     if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
         return Stop.BOUND, 0

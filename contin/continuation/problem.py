@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,6 +115,9 @@ class Adaptive(Protocol):
     ) -> Renewal:
         """Called after every chunk: see whether the branch ends, and adapt metric and mesh."""
 
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        """True where two points of one type, found perhaps on different meshes, are the same to their errors."""
+
 
 @runtime_checkable
 class Planar(Protocol):
@@ -134,6 +137,9 @@ class Planar(Protocol):
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with unknown `index` fixed at `value`, to full precision."""
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        """What is to be said of the whole curve, whose rows are z."""
 
 
 @dataclass(frozen=True)
@@ -228,3 +234,29 @@ class Problem(Protocol):
 
     def describe_failure(self, z: Array) -> str:
         """Why Newton may fail at z, in words, with what to try."""
+
+
+_offered: dict[tuple[type, type], bool] = {}
+
+
+def _offers(problem: object, protocol: type) -> bool:
+    """isinstance for protocols, asked once a class: the standard check goes through every attribute each time."""
+    key = (type(problem), protocol)
+    if key not in _offered:
+        _offered[key] = isinstance(problem, protocol)
+    return _offered[key]
+
+
+def is_adaptive(problem: object) -> TypeGuard[Adaptive]:
+    """True for problems that renew their unknowns along a branch."""
+    return _offers(problem, Adaptive)
+
+
+def is_planar(problem: object) -> TypeGuard[Planar]:
+    """True for problems in two varying parameters."""
+    return _offers(problem, Planar)
+
+
+def is_floored(problem: object) -> TypeGuard[Floored]:
+    """True for problems with floors under unknowns."""
+    return _offers(problem, Floored)

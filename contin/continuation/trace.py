@@ -15,7 +15,7 @@ from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
-from contin.continuation.problem import Frame, Problem, Sample, Verified
+from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -117,6 +117,8 @@ def _assemble(
             rows.add_piece(piece)
     z, raw_tangents, unstable, eigenvalues = rows.joined()
     columns: dict[str, Any] = dict(problem.columns(z))
+    if isinstance(problem, Planar):
+        notes = [*notes, *problem.remarks(z)]
     columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
