@@ -56,7 +56,7 @@ def test_the_metronomes_branch_point_moves_with_eps_as_the_exact_one():
 
 
 def period_of(force, eps, low, high):
-    """Amplitude and period of the limit cycle by a Poincare map, quadrant by quadrant (the force jumps between them)."""
+    """Amplitude and period of the limit cycle by a Poincare map, quadrant by quadrant (the force jumps)."""
 
     def turn(r):
         state, time = np.array([r, 0.0]), 0.0
