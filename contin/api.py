@@ -68,7 +68,11 @@ def equilibrium(
     if isinstance(model, FunctionProblem) and model.method != "dense":
         return large_equilibrium(model, u, p, period)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)
-    return converge(system, u, p, np.asarray(model.periods(), dtype=float))
+    try:
+        return converge(system, u, p, np.asarray(model.periods(), dtype=float))
+    except NotFiniteError as error:
+        advice = [s.beyond for s, x in zip(getattr(model, "states", ()), u, strict=False) if s.beyond and x == 0.0]
+        raise NotFiniteError(". ".join([str(error), *advice[:1]])) from None
 
 
 def large_equilibrium(model: FunctionProblem, u: Any, p: Any, period: int) -> LargeEquilibrium:
