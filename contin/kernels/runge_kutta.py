@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from contin.kernels.compile import call3, call4, kernel
-from contin.kernels.dop853 import STAGES, A, B, C, D, E3, E5
+from contin.kernels.dop853 import E3, E5, STAGES, A, B, C, D
 
 DONE, EVENTS, STEPS, SMALL, NOT_FINITE = range(5)
 SAFETY, SHRINK, GROW = 0.9, 0.333, 6.0
@@ -129,7 +129,9 @@ def integrate(
             for k in range(n):
                 g0 += section[k] * begin[k]
                 g1 += section[k] * trial[k]
-        crossed = sectioned and ((g0 < 0.0 <= g1 and section[n + 1] >= 0.0) or (g0 > 0.0 >= g1 and section[n + 1] <= 0.0))
+        crossed = sectioned and (
+            (g0 < 0.0 <= g1 and section[n + 1] >= 0.0) or (g0 > 0.0 >= g1 and section[n + 1] <= 0.0)
+        )
         sampled = counts[0] < times.size and times[counts[0]] <= t + h
         if crossed or sampled:
             for stage in range(STAGES + 1, STAGES + 4):

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
-from contin.continuation.departure import Seed
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbit_forcing import ForcingPeriod
 from contin.problems.orbit_layout import Profile, extrema, make_scale, profile_of, sizes_of
@@ -23,6 +23,7 @@ MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 PROBE_TOLERANCE = 1e-10
+SAME_PERIOD = 1e-5  # relative
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
@@ -330,6 +331,11 @@ class OrbitProblem:
         from contin.problems.orbit_renewal import renew
 
         return renew(self, origin, before, loop, frame, settings)
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        periods = self.profile(a.z).period, self.profile(b.z).period
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(periods[0] - periods[1]) < SAME_PERIOD * periods[0]
 
     def describe_failure(self, z: Array) -> str:
         from contin.problems.orbit_mesh import estimate

@@ -19,6 +19,7 @@ SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinkin
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
+AGREED_SPIRAL = 1e-7  # ... with complex leading eigenvalues, where infinitely many folds accumulate
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 PRECISE = Settings(tolerance=1e-11)
@@ -74,7 +75,9 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     frequency = abs(float(solved.extra[0]))
     if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(solved.y - z / metric)) > 2.0 * size:
         return None
-    point = replace(profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1]))
+    point = replace(
+        profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1])
+    )
     values = np.linalg.eigvals(rest.linear_part(found))
     order = np.argsort(np.minimum(np.abs(values - 1j * frequency), np.abs(values + 1j * frequency)))
     others = values[order[2:]]
@@ -97,10 +100,12 @@ class Saddle:
     visits: int
 
     @property
-    def rate(self) -> float:
-        """The slower of the leading unstable and stable rates: p - p* falls like exp(-rate T) a visit."""
+    def leading(self) -> complex:
+        """The leading eigenvalue, stable or unstable, with the slower rate; the upper one of a pair."""
         real = self.eigenvalues.real
-        return float(min(real[real > 0].min(), -real[real < 0].max()))
+        rate = min(real[real > 0].min(), -real[real < 0].max())
+        candidates = self.eigenvalues[np.abs(np.abs(real) - rate) <= 1e-9 * rate]
+        return complex(max(candidates, key=lambda v: v.imag))
 
     @property
     def quantity(self) -> float:
@@ -112,34 +117,46 @@ class Saddle:
 def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The homoclinic or heteroclinic orbit that a family with growing period approaches.
 
-    With v visits of saddles with rates r, p - p* = A exp(-T / sum(1 / r)), so p* = p + (dp/dT) sum(1 / r), the slope from
-    the tangent. It is believed when two orbits agree on p* and the remaining distance is small.
+    With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
+    p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r, and
+    p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits agree on
+    it and the remaining distance is small.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     position = profile.u.size
     earlier = problem.profile(before.z)
-    growing = profile.period > earlier.period
-    if not growing or dwelling(profile, sizes) < LINGERING:
+    gained = profile.period - earlier.period
+    if not gained > 0.0 or dwelling(profile, sizes) < LINGERING:
         return None
     saddles = saddles_near(problem, profile, sizes)
     if not saddles:
         return None
-    delay = sum(s.visits / s.rate for s in saddles)
-    limits = []
-    for sample, orbit in ((origin, profile), (before, earlier)):
+    k = 1.0 / sum(s.visits / abs(s.leading.real) for s in saddles)
+    q = k * max(s.leading.imag / abs(s.leading.real) for s in saddles)
+    slopes = []
+    for sample in (origin, before):
         exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
         if exact is None or exact.tangent[position] == 0.0:
             return None
         raw = exact.tangent * frame.scale
-        limits.append(orbit.parameter + raw[-1] / raw[position] * delay)
+        slopes.append(float(raw[-1] / raw[position]))
     width = float(frame.scale[-1])
-    remaining = abs(limits[0] - profile.parameter)
+    moved = profile.parameter - earlier.parameter
+    if q > 0.0:
+        bends = (
+            (4.0 * slopes[0] + 2.0 * slopes[1]) / gained - 6.0 * moved / gained**2,
+            -(2.0 * slopes[0] + 4.0 * slopes[1]) / gained + 6.0 * moved / gained**2,
+        )
+        steps = [(bend + 2.0 * k * slope) / (k * k + q * q) for bend, slope in zip(bends, slopes, strict=True)]
+    else:
+        steps = [slope / k for slope in slopes]
+    limits = profile.parameter + steps[0], earlier.parameter + steps[1]
+    remaining = abs(steps[0])
     if remaining > DOUBTFUL * width:
         return None
-    moved = abs(profile.parameter - earlier.parameter)
     drift = abs(limits[0] - limits[1])
-    error = drift * max(1.0, remaining / moved) if moved > 0.0 else drift
-    settled = moved > 1e-3 * remaining and error < AGREED * width
+    error = drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else drift
+    settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if q > 0.0 else AGREED) * width
     if not (settled or remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
         return None
     return _connection(problem, origin, profile, saddles, limits[0], 3.0 * error + 2e-11 * width)

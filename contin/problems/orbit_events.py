@@ -15,6 +15,7 @@ from contin.problems import special
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
+UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
@@ -71,6 +72,9 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if type_ == "LPC" and not solved.confirmed:
         return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"
     values = problem.multipliers(solved.z)
+    gap = _critical_gap(_nontrivial(problem, values), type_, solved.theta)
+    if not gap < UNCLEAR:
+        return f"{type_} not labelled: the multipliers are not resolved there (the critical one is off by {gap:.1e})"
     others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
     point = Verified(
@@ -94,8 +98,20 @@ def _nontrivial(problem: Any, values: NDArray[np.complex128]) -> NDArray[np.comp
     return values[1:] if problem.autonomous else values
 
 
+def _targets(type_: str, theta: float) -> tuple[complex, ...]:
+    """The critical multipliers."""
+    if type_ == "NS":
+        return complex(np.exp(1j * theta)), complex(np.exp(-1j * theta))
+    return (-1.0,) if type_ == "PD" else (1.0,)
+
+
+def _critical_gap(values: NDArray[np.complex128], type_: str, theta: float) -> float:
+    """Distance of the computed multipliers from the critical ones."""
+    return float(max(np.min(np.abs(values - target), initial=np.inf) for target in _targets(type_, theta)))
+
+
 def _without_critical(values: NDArray[np.complex128], type_: str, theta: float) -> NDArray[np.complex128]:
-    targets = {"LPC": (1.0,), "BPC": (1.0,), "PD": (-1.0,), "NS": (np.exp(1j * theta), np.exp(-1j * theta))}[type_]
+    targets = _targets(type_, theta)
     left = list(values)
     for target in targets:
         if left:

@@ -60,5 +60,7 @@ def choose_mesh(profile: Profile, sizes: Array, tolerance: float, fixed: int | N
 
 def _smoothed(values: Array, h: Array) -> Array:
     """Averaged with both neighbours (periodic): the estimate is rough, and lengths should change gradually."""
-    around = (np.roll(values * h, 1) + 2.0 * values * h + np.roll(values * h, -1)) / (np.roll(h, 1) + 2.0 * h + np.roll(h, -1))
+    around = (np.roll(values * h, 1) + 2.0 * values * h + np.roll(values * h, -1)) / (
+        np.roll(h, 1) + 2.0 * h + np.roll(h, -1)
+    )
     return np.maximum(around, 0.5 * values)

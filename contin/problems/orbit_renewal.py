@@ -27,7 +27,7 @@ def renew(
     if found is not None:
         return Renewal(frame.scale, origin, before, loop, found.end, found.last, found.point)
     profile = problem.profile(origin.z)
-    n, m = problem.n, problem.points
+    m = problem.points
     sizes = problem.sizes(origin.z, frame.scale)
     grown = np.maximum(sizes, _state_growth(problem, profile, sizes))
     position = profile.u.size
@@ -37,9 +37,9 @@ def renew(
     h = profile.h
     error, _ = estimate(profile, grown)
     chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals)
-    if error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h):
-        if chosen.error < error or len(chosen.h) != len(h):
-            h = chosen.h
+    unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
+    if unfit and (chosen.error < error or len(chosen.h) != len(h)):
+        h = chosen.h
     if h is profile.h and np.array_equal(grown, sizes) and period == frame.scale[position]:
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(h, m, grown, period, float(frame.scale[-1]))

@@ -24,7 +24,14 @@ LONGEST_MULTIPLE = 16  # forcing periods
 
 
 def orbit_by_simulation(
-    system: Any, u: Array, p: Array, periods: Array, *, transient: float = 0.0, intervals: int | None = None, points: int = 4
+    system: Any,
+    u: Array,
+    p: Array,
+    periods: Array,
+    *,
+    transient: float = 0.0,
+    intervals: int | None = None,
+    points: int = 4,
 ) -> PeriodicOrbit:
     """The orbit that the trajectory from u settles on (or already lies on).
 
@@ -96,7 +103,9 @@ def _return(
     for k in range(1, len(states) // 2 + 1):
         difference = states[-1] - states[-1 - k]
         angles = periods > 0.0
-        difference = np.where(angles, difference - periods * np.round(difference / np.where(angles, periods, 1.0)), difference)
+        difference = np.where(
+            angles, difference - periods * np.round(difference / np.where(angles, periods, 1.0)), difference
+        )
         distance = float(np.max(np.abs(difference) / np.where(angles, periods, unit)))
         if best is None or distance < 0.3 * best[0]:
             best = distance, states[-1], float(times[-1] - times[-1 - k]), 0.0
@@ -105,9 +114,7 @@ def _return(
     return best
 
 
-def _forced(
-    system: Any, u: Array, p: Array, periods: Array, intervals: int | None, points: int
-) -> PeriodicOrbit:
+def _forced(system: Any, u: Array, p: Array, periods: Array, intervals: int | None, points: int) -> PeriodicOrbit:
     """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
     from contin.model.evaluate import evaluate
     from contin.simulate.trajectory import integrate
@@ -125,7 +132,9 @@ def _forced(
             break
         start = path.end
     if best[0] > NEAR:
-        raise NoSolutionError("no periodic response found: the stroboscopic states do not return within 16 forcing periods")
+        raise NoSolutionError(
+            "no periodic response found: the stroboscopic states do not return within 16 forcing periods"
+        )
     return _polished(system, best[1], p, periods, best[2] * period, best[2], intervals, points)
 
 
@@ -185,6 +194,7 @@ def orbit_from_array(system: Any, t: Array, u: Array, p: Array, periods: Array, 
     scale = problem.initial_scale(z, (z[-1] - 0.5, z[-1] + 0.5))
     solved = problem.at_parameter(z, float(p[0]), scale)
     if solved is None:
-        raise NoSolutionError("the array is not near a periodic orbit at these parameters: Newton does not converge from it")
+        raise NoSolutionError(
+            "the array is not near a periodic orbit at these parameters: Newton does not converge from it"
+        )
     return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), winding)
-

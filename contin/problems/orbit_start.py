@@ -9,8 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
-from contin.continuation.settings import Settings
 from contin.continuation.departure import Seed
+from contin.continuation.settings import Settings
 from contin.problems.orbit import PERIOD_SCALE, OrbitProblem
 from contin.problems.orbit_layout import Profile, make_scale, sizes_of
 

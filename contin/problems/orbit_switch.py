@@ -104,7 +104,9 @@ def halves_alike(problem: Any, z: Array, direction: Array) -> str | None:
             images = []
             for sign in (0.0, step, -step):
                 bent = replace(profile, u=profile.u + sign * change.u)
-                images.append(problem.system.symmetry(symmetry.name, np.ascontiguousarray(shifted(problem, bent, fraction)), p))
+                images.append(
+                    problem.system.symmetry(symmetry.name, np.ascontiguousarray(shifted(problem, bent, fraction)), p)
+                )
             reference = max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
             if float(np.abs(images[0] - profile.u).max()) > 1e-3 * reference:
                 continue
