@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -180,5 +180,5 @@ class Explorer:
         )
         diagram.branches.append(piece)
         queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
-        self._work(diagram, queue)
+        replace(self, bounds=limits)._work(diagram, queue)
         return piece

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from contin.diagram.diagram import Diagram
 
-SAME_NODE = 1e-7  # relative distance of two points that are one node
+SAME_NODE = 1e-7  # distance of two points that are one node, relative to the size of each unknown on the branch
 
 
 def build_graph(diagram: Diagram) -> MultiGraph:
@@ -24,15 +24,14 @@ def build_graph(diagram: Diagram) -> MultiGraph:
     graph = nx.MultiGraph(parameter=diagram.parameter)
     places: list[tuple[Any, Any, Any]] = []  # z, angle periods, node
 
-    def node_at(z: Any, periods: Any, type_: str, label: str | None, value: float) -> Any:
+    def node_at(z: Any, size: Any, periods: Any, type_: str, label: str | None, value: float) -> Any:
         for known, known_periods, node in places:
-            if known.shape == z.shape and np.array_equal(known_periods, periods):
-                size = max(float(np.abs(z).max()), 1e-12)
-                if float(np.abs(wrapped(known - z, periods)).max()) < SAME_NODE * size:
-                    if label is not None:
-                        graph.nodes[node]["labels"].append(label)
-                        graph.nodes[node]["type"] = type_
-                    return node
+            alike = known.shape == z.shape and np.array_equal(known_periods, periods)
+            if alike and np.all(np.abs(wrapped(known - z, periods)) < SAME_NODE * size):
+                if label is not None:
+                    graph.nodes[node]["labels"].append(label)
+                    graph.nodes[node]["type"] = type_
+                return node
         node = len(places)
         places.append((z, periods, node))
         graph.add_node(node, type=type_, labels=[label] if label else [], parameter=value, z=z)
@@ -40,9 +39,12 @@ def build_graph(diagram: Diagram) -> MultiGraph:
 
     for branch in diagram.branches:
         periods = branch.problem.angle_periods
+        size = np.maximum(np.abs(branch.z).max(axis=0), 1e-3 * np.abs(branch.z).max())
         stops: list[tuple[int, Any]] = []
         for row, end in ((0, branch.ends[0]), (len(branch) - 1, branch.ends[1])):
             stops.append((row, (f"end: {end.reason}", None)))
+        if branch.parent is not None:  # where it was born: it passes through that point, which is no label of its own
+            stops.append((branch.start_row, ("born", None)))
         stops += [(p.index, (p.type, f"{branch.name}.{p.label}")) for p in branch.points]
         merged: dict[int, tuple[str, str | None]] = {}
         for row, (type_, label) in stops:
@@ -50,7 +52,8 @@ def build_graph(diagram: Diagram) -> MultiGraph:
                 merged[row] = (type_, label)
         rows = sorted(merged)
         nodes = [
-            node_at(branch.z[row], periods, *merged[row], float(branch.columns[diagram.parameter][row])) for row in rows
+            node_at(branch.z[row], size, periods, *merged[row], float(branch.columns[diagram.parameter][row]))
+            for row in rows
         ]
         for (first, a), (last, b) in zip(
             zip(rows, nodes, strict=True), list(zip(rows, nodes, strict=True))[1:], strict=False

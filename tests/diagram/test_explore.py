@@ -166,9 +166,9 @@ def test_branches_that_only_the_order_of_the_ring_tells_apart(cells):
     """First branch point with wave number 1: its kernel has dimension 2, and 2 n half-branches are n whole ones."""
     names = " ".join(f"u{k}" for k in range(cells))
     d = 0.2 * (2 - 2 * np.cos(2 * np.pi / cells))
-    diagram = explore(ring(cells, 0.2), zeros(names), {"p": 0.5 * d}, (0.5 * d, 1.2 * d), start=zeros(names))
+    diagram = explore(ring(cells, 0.2), zeros(names), {"p": 0.5 * d}, (0.5 * d, 2.0 * d), start=zeros(names))
     assert [p.type for p in diagram["start"].points] == ["BP"]
-    found = solutions(diagram, 1.15 * d)
+    found = solutions(diagram, 1.8 * d)
     assert len(found) == 1 + 2 * cells
     for image in (np.roll(found, 1, axis=1), found[:, ::-1], -found):
         assert_same_points(found, image)
