@@ -8,13 +8,13 @@ critical ones, and the normal form are computed from exact derivatives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.problems import defining
 from contin.problems.codim2_functions import critical_indices, function_of
 from contin.problems.codim2_forms import described
@@ -43,8 +43,10 @@ MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
 }
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 RESIDUAL_LIMIT = 1e-8
+ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
-FORCED = 1e-8  # an unfolding parameter below this is zero
+FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
+DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: Newton on its defining system did not converge"
     if not solved.residual <= RESIDUAL_LIMIT:
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+    if not solved.error <= ILL_CONDITIONED:
+        return f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
     z = solved.y * frame.scale
     if is_neutral(problem, type_, z):
         return ""
@@ -156,6 +160,33 @@ def eigenvalues(problem: Any, z: Array) -> Any:
     d = problem.curve.sizes
     values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
     return values[np.lexsort((-values.imag, -values.real))]
+
+
+def degeneracy(problem: Any, z: Array) -> float:
+    """The coefficient of a branch point whose zero is a DP: b30 of a pitchfork, b20 of a transcritical point.
+
+    The sign of b20 goes with that of the null vector, which follows the curve's own.
+    """
+    from contin.problems.codim2_forms import branching_coefficient
+
+    return branching_coefficient(problem, z)
+
+
+def with_degeneracy(problem: Any, chunk: Chunk) -> Chunk:
+    """A chunk along a curve of branch points with the test of DP filled in, cut after its first sign change."""
+    previous = 0.0
+    for row in range(len(chunk)):
+        value = degeneracy(problem, chunk.z[row])
+        chunk.tests[row, DEGENERACY] = value
+        if value * previous < 0.0:
+            end = row + 1
+            return replace(
+                chunk, z=chunk.z[:end], tangents=chunk.tangents[:end], tests=chunk.tests[:end],
+                unstable=chunk.unstable[:end], eigenvalues=chunk.eigenvalues[:end], lengths=chunk.lengths[:end],
+                stop=Stop.EVENT, next_step=float(chunk.lengths[row]),
+            )  # fmt: skip
+        previous = value
+    return chunk
 
 
 def is_neutral(problem: Any, type_: str, z: Array) -> bool:

@@ -49,9 +49,13 @@ def branching_form(problem: Any, z: Array) -> Any:
 
 
 def branching_coefficient(problem: Any, z: Array) -> float:
-    """b30 (pitchfork) or b20 (transcritical) relative to its size: zero at a DP."""
+    """b30 (pitchfork) or b20 (transcritical; signed with the curve's null vector): zero at a DP.
+
+    Which of the two belongs to the curve is decided where it is first asked, since b20 vanishes at a transcritical DP.
+    """
     from contin.normalforms.branching import branch_point
 
     form = branch_point(jet_at(problem, z, (problem.curve.first,)))
-    name = "b30" if form.coefficients["kind"] == "pitchfork" else "b20"
-    return float(form.coefficients[name])
+    if problem.memory.setdefault("kind", form.coefficients["kind"]) == "pitchfork":
+        return float(form.coefficients["b30"])
+    return float(form.coefficients["b20"]) * float(np.sign(form.vectors["p"] @ problem.curve.left_vector(z)))

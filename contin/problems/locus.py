@@ -36,7 +36,7 @@ class LocusProblem:
     state_periods: Array
     second_bounds: tuple[float, float] = (-np.inf, np.inf)
     first_bounds: tuple[float, float] = (-np.inf, np.inf)
-    notes: list[str] = field(default_factory=list)
+    memory: dict[str, Any] = field(default_factory=dict)  # what the first point decided: the kind of branch points
 
     kind = "locus"
     maximum_chunk = CHUNK
@@ -134,10 +134,11 @@ class LocusProblem:
             re, im, lengths, info,
         )  # fmt: skip
         m = int(info[0]) + 1
-        return Chunk(
+        chunk = Chunk(
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], _STOPS[reason], float(info[1]),
             0.0, int(info[4]), int(info[2]),
         )  # fmt: skip
+        return codim2.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
 
     @cached_property
     def _functions(self) -> tuple[int, int, int, int]:
@@ -165,6 +166,8 @@ class LocusProblem:
             guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t,
             tests, re, im,
         )  # fmt: skip
+        if count >= 0 and self.locus == "BP":
+            tests[codim2.DEGENERACY] = codim2.degeneracy(self, z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
@@ -213,9 +216,21 @@ class LocusProblem:
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0
-        if self.locus == "BP" and np.any(np.abs(z[:, -3]) > codim2.FORCED):
+        if self.locus == "BP" and self._is_unfolded(z):
             columns["unfolding"] = z[:, -3].copy()
         return columns
+
+    def _is_unfolded(self, z: Array) -> bool:
+        return bool(np.any(np.abs(z[:, -3]) > codim2.FORCED * np.linalg.norm(self.curve.matrix(z[0]))))
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        if self.locus == "BP" and self._is_unfolded(z):
+            return [
+                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always there): "
+                "with two parameters they are isolated, and the curve is that of the unfolded equations f + unfolding w "
+                "= 0, w the left null vector (column `unfolding`)"
+            ]
+        return []
 
     def describe_failure(self, z: Array) -> str:
         text = self.system.explain(z[: self.n], self.curve.full_parameters(z))

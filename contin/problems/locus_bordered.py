@@ -149,6 +149,10 @@ class BorderedCurve:
         width = float(np.hypot(along[-1], along[-2]))
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 else known.across
 
+    def left_vector(self, z: Array) -> Array:
+        """The left null vector to which others are oriented (BP)."""
+        return np.asarray(self.parameters(z).beta / self.sizes)
+
     def reference(self) -> Array:
         """The null vector to which others are oriented."""
         assert self._memory.borders is not None

@@ -111,6 +111,10 @@ class ExtendedCurve:
         """v (LP, HB, PD, NS) or w (BP), in the states' units."""
         return np.asarray(z[self.n : 2 * self.n])
 
+    def left_vector(self, z: Array) -> Array:
+        """w of a branch point."""
+        return self.vector(z)
+
     def matrix(self, z: Array) -> Array:
         """f_u, unscaled."""
         return np.asarray(self.system.jacobian(z[: self.n], self.full_parameters(z))[1][:, : self.n])
@@ -218,7 +222,7 @@ class ExtendedCurve:
         """A typical size of kappa: its own, or that of the slowest other eigenvalue where it vanishes (at BT)."""
         values = np.sort(np.abs(np.linalg.eigvals(self.matrix(z) * self.sizes / self.sizes[:, None])))
         typical = float(values[2]) ** 2 if self.n > 2 else float(np.abs(self.matrix(z)).max()) ** 2
-        return max(abs(self.scalar(z)), 1e-2 * typical, 1e-12)
+        return max(abs(self.scalar(z)), 0.1 * typical, 1e-12)
 
     @cached_property
     def identifying(self) -> Array:

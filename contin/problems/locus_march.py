@@ -42,6 +42,9 @@ class LocusMarch:
         found: Array | None = self.problem.at_unknown(index, guess, value, scale)
         return found
 
+    def remarks(self, z: Array) -> list[str]:
+        return list(self.problem.remarks(z))
+
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
         f, jacobian = self.problem.curve.linearise(z)
         return dense_linearisation(f, jacobian, tangent, scale)
