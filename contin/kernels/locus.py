@@ -224,6 +224,8 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
             curvature += left[i] * quadratic[i] / scale[i]
             for j in range(n):
                 rate += matrix[i, j] * matrix[i, j]
+        if n == 1:
+            rate = 1.0  # the one entry of f_u is rounding at a fold, no measure of rates
         if rate > 0.0 and norm > 0.0:
             tests[2] = math.copysign(curvature, curvature * agreement) / (math.sqrt(rate) * norm)
     return unstable
