@@ -63,10 +63,10 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
     if width <= COINCIDENT or depth >= DEPTH:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
         return
-    middle = None
+    middle: Sample | None = None
     for fraction in (0.5, 0.382, 0.618, 0.25, 0.75):
-        middle = stretch.between(a, b, fraction)
-        if middle is not None:
+        middle = stretch.between(a, b, fraction) or middle
+        if middle is not None and not np.any((middle.tests == 0.0) & (a.tests != 0.0)):  # on an event signs say nothing
             break
     if middle is None:
         yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
