@@ -94,7 +94,8 @@ def periodic_orbit(
 ) -> PeriodicOrbit:
     """A periodic orbit at fixed parameters, by collocation: the start of a continuation.
 
-    start : a named start or mapping of states, from which the trajectory is integrated until it returns (after `transient`);
+    start : a named start or mapping of states, from which the trajectory is integrated until it returns (after
+    `transient`);
         or an array (K, n) of states over one period, with `period`, at equal times (the last row is the first again).
     intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each.
 
@@ -104,7 +105,9 @@ def periodic_orbit(
 
     if isinstance(start, np.ndarray):
         if period is None:
-            raise InputError("an array of states over one period needs its period: periodic_orbit(model, u, period=...)")
+            raise InputError(
+                "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
+            )
         _, p = model.start_point(None, dict(parameters or {}))
         periods = np.asarray(model.periods(), dtype=float)
         return orbit_from_array(compiled(model), np.linspace(0.0, period, len(start)), start, p, periods, points)
@@ -191,9 +194,7 @@ def walk(
             yield {"label": labels.get(int(k)), **point, "unstable": int(unstable[k]), "stable": bool(unstable[k] == 0)}
 
 
-def placed(
-    start: Any, parameter: str | Sequence[str], range: Range | None
-) -> tuple[Seed, tuple[float, float]]:
+def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> tuple[Seed, tuple[float, float]]:
     """What can start a continuation, as a seed within its bounds: those of the (first) parameter are returned too."""
     names = (parameter,) if isinstance(parameter, str) else tuple(parameter)
     if len(names) == 1:
@@ -209,7 +210,7 @@ def placed(
     if range is not None and not isinstance(range, Mapping):
         raise InputError(f"two parameters need a range each: {{{names[0]!r}: (lo, hi), {names[1]!r}: (lo, hi)}}")
     first, second = (bounds_of(seed.problem, name, range) for name in names)
-    return replace(seed, problem=seed.problem.within(first, second)), first
+    return replace(seed, problem=seed.problem.within(first, second)), first  # type: ignore[attr-defined]
 
 
 def as_seed(start: Any, parameter: str) -> Seed:
@@ -278,8 +279,8 @@ def diagram(
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
     start : a named start, a mapping of states, or a list of them; default the states' values. 'all' (unless the model
-        has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value and at
-        some others in the range, so that disconnected branches are found.
+        has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value
+        and at some others in the range, so that disconnected branches are found.
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
     """
@@ -353,7 +354,10 @@ def find_equilibria(
 
 
 def reach_of(model: Any, parameters: Mapping[str, Any] | None = None) -> dict[str, tuple[float, float]]:
-    """Twice the largest size of each state in the model's default and named starts, in both directions; angles apart."""
+    """Twice the largest size of each state in the model's default and named starts, in both directions.
+
+    Angles apart.
+    """
     names = (None, *(s.name for s in model.starts))
     points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
     largest = np.abs(np.array(points)).max(axis=0)

@@ -292,7 +292,9 @@ class Arm:
 
         if not (along(stretch.base) < 0.0 <= along(last)):
             return None
-        if np.linalg.norm(self._seen(self._wrapped(last.z - start.z) / self.scale)) > 4 * stretch.distance(stretch.base, last):
+        if np.linalg.norm(self._seen(self._wrapped(last.z - start.z) / self.scale)) > 4 * stretch.distance(
+            stretch.base, last
+        ):
             return None
         _, high = stretch.zero(along, stretch.base, last, 1e-9)
         gap = self._wrapped(high.z - start.z)

@@ -201,9 +201,7 @@ def march(
         if found.iterations > 3:
             factor = min(factor, 3.0 / found.iterations)
         h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
-        stop, dipped = _what_happened(
-            problem, old, last, sample, h_previous, h_used, bounds, loop, scale, corner
-        )
+        stop, dipped = _what_happened(problem, old, last, sample, h_previous, h_used, bounds, loop, scale, corner)
         if stop is not None:
             return chunk(stop, h, dipped)
         old, h_previous = last, h_used

@@ -23,8 +23,8 @@ class Settings:
         verified to full precision).
     intervals : number of mesh intervals of an orbit; by default as many as its error needs.
     points : Gauss points an interval (collocation of order 2 points at the mesh points).
-    method : of orbits, "collocation" or "shooting"; by default collocation, shooting where the flow is piecewise smooth.
-    stop_at : types of labelled points at which an arm ends, e.g. ("BT",).
+    method : of orbits, "collocation" or "shooting"; by default collocation, shooting where the flow is piecewise
+    smooth. stop_at : types of labelled points at which an arm ends, e.g. ("BT",).
     """
 
     step: float = 0.01

@@ -1,6 +1,7 @@
 """Inner products and norms of long vectors without BLAS.
 
-BLAS splits a dot product of more than 10,000 numbers over threads, which on a busy machine wait milliseconds for each other.
+BLAS splits a dot product of more than 10,000 numbers over threads, which on a busy machine wait milliseconds for
+each other.
 """
 
 from __future__ import annotations

@@ -70,7 +70,10 @@ def new_points(n, m, intervals, p):
 
 @kernel
 def set_phase(e, w, reference, sizes):
-    """Phase condition with respect to `reference` (layout of z): row of weights at the nodes, and its right-hand side."""
+    """Phase condition with respect to `reference` (layout of z): row of weights at the nodes.
+
+    And its right-hand side.
+    """
     w_u = w.u
     w_phase_right = w.phase_right
     w_phase = w.phase

@@ -1,6 +1,7 @@
 """Orthogonal collocation on one interval: Gauss points, Lobatto nodes, and the matrices between them.
 
-A piece of the solution is the polynomial of degree m through its values at m + 1 Gauss-Lobatto nodes of [0, 1] (the ends
+A piece of the solution is the polynomial of degree m through its values at m + 1 Gauss-Lobatto nodes of [0, 1] (the
+ends
 are shared with the neighbours). The differential equation holds at the m Gauss points. Then the error is of order m + 1
 inside the intervals and of order 2 m at their ends (de Boor and Swartz 1973). Lobatto nodes, and not equidistant ones,
 because their quadrature weights are positive for every m: they make the diagonal metric in which lengths are measured.

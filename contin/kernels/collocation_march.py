@@ -18,7 +18,20 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.algebraic import (
-    BOUND, CORNER, CORRECTOR, DIP, EVENT, GROWTH, GUARD, GUARD_FLOOR, LIMIT, LOOP, NOT_FINITE, RESCALE, STAGNATION, TESTS,
+    BOUND,
+    CORNER,
+    CORRECTOR,
+    DIP,
+    EVENT,
+    GROWTH,
+    GUARD,
+    GUARD_FLOOR,
+    LIMIT,
+    LOOP,
+    NOT_FINITE,
+    RESCALE,
+    STAGNATION,
+    TESTS,
     is_dip,
 )  # fmt: skip
 from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
@@ -152,7 +165,10 @@ def renew(e, w, s, x, tangent, scale):
 
 @part
 def floquet(e, w, s, x):
-    """Multipliers from the condensed blocks in `s`: nontrivial ones into x.re, x.im; returns the trivial one (NaN: failed)."""
+    """Multipliers from the condensed blocks in `s`: nontrivial ones into x.re, x.im.
+
+    Returns the trivial one (NaN: failed).
+    """
     n, m = e.n, e.m
     z, m_all, field, state = x.z, x.transitions, x.field, x.state
     F, p = w.F, w.p
@@ -177,7 +193,8 @@ def floquet(e, w, s, x):
 
 @part
 def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, out_re, out_im):
-    """Tangent (row of out_t), test functions (x.tests) and multipliers (row of out_re, out_im) at x.z, from the factors.
+    """Tangent (row of out_t), test functions (x.tests) and multipliers (row of out_re, out_im) at x.z, from the
+    factors.
 
     `near` is the row with the multipliers of a neighbour, or -1. Returns the number of unstable ones.
     """
@@ -277,8 +294,8 @@ def follow(
     """What `mode` says. One kernel for all three: each kernel that calls others compiles them once more.
 
     MARCH : follow the family from row 0 of out_z (guide tangent out_t[0], scaled) for up to `limit` accepted orbits.
-        Returns the reason, as `contin.kernels.algebraic.march`; RESCALE also where the mesh no longer resolves the orbit,
-        the period has reached its limit, or the orbit is about to shrink to a point.
+        Returns the reason, as `contin.kernels.algebraic.march`; RESCALE also where the mesh no longer resolves the
+        orbit, the period has reached its limit, or the orbit is about to shrink to a point.
     PROBE : solve on the plane <out_t[0], (z - out_z[0]) / scale> = controls[0] from the guess in row 1 of out_z and
         measure there (row 1); info[3] is the reference of test 1. Returns the unstable count, -1 or -2 (not finite).
     STABILITY : multipliers of row 0, whatever the rank of the boundary-value problem. Returns 1 (done) or 0.

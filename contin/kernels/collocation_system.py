@@ -1,6 +1,7 @@
 """The linearised boundary-value problem of a periodic orbit, condensed and solved.
 
-Unknowns are u at all nodes, the period T and a parameter p. The matrix has, for each mesh interval, m n collocation rows
+Unknowns are u at all nodes, the period T and a parameter p. The matrix has, for each mesh interval, m n collocation
+rows
 that touch only its own (m + 1) n values, T and p; then n periodicity rows, and two border rows (phase condition or
 forcing period, arclength). It is eliminated in three stages, border rows along with the others:
 
@@ -183,7 +184,8 @@ def _pair_up(blocks, levels, n, pairs, first):
 
 @kernel
 def solve(s, n, m, jump, border, sign_of_end, has_local, out):
-    """Solve with the factors: s.right_local (rows of the intervals, destroyed), u(1) - sign_of_end u(0) = jump (n,), border (2,).
+    """Solve with the factors: s.right_local (rows of the intervals, destroyed), u(1) - sign_of_end u(0) = jump (n,),
+    border (2,).
 
     out : node values (node-major), then T, then p. Where has_local is False the intervals' right-hand sides are zero.
     """

@@ -1,14 +1,17 @@
-"""Multipliers of a periodic orbit from the transition matrices of its mesh intervals, without ever forming their product.
+"""Multipliers of a periodic orbit from the transition matrices of its mesh intervals, without ever forming their
+product.
 
 u(x_(i+1)) = M_i u(x_i) for perturbations. The orbit's own direction f is carried along exactly (M_i f_i ~ f_(i+1)), so
-each M_i is written in orthonormal bases whose first vector is f: the remaining (n - 1) x (n - 1) blocks B_i belong to the
-Poincare map. This keeps the trivial multiplier apart from one that passes through 1 at a fold, where the monodromy matrix
-has a Jordan block and its eigenvalues only half of their digits.
+each M_i is written in orthonormal bases whose first vector is f: the remaining (n - 1) x (n - 1) blocks B_i belong
+to the
+Poincare map. This keeps the trivial multiplier apart from one that passes through 1 at a fold, where the monodromy
+matrix has a Jordan block and its eigenvalues only half of their digits.
 
 The product B_N ... B_1 is kept as Q_N R with orthonormal Q and triangular factors multiplied together, R = R_N ... R_1
-(orthogonal iteration on the cycle, Bojanczyk, Golub and Van Dooren 1992 give the periodic Schur form that it approaches).
-Its eigenvalues are those of R (Q_0^T Q_N). The rows of that matrix are graded like the multipliers, so small ones are as
-accurate as large ones. Two sweeps suffice from any start, one from the basis of a neighbouring orbit.
+(orthogonal iteration on the cycle, Bojanczyk, Golub and Van Dooren 1992 give the periodic Schur form that it
+approaches).
+Its eigenvalues are those of R (Q_0^T Q_N). The rows of that matrix are graded like the multipliers, so small ones
+are as accurate as large ones. Two sweeps suffice from any start, one from the basis of a neighbouring orbit.
 """
 
 import math
@@ -22,7 +25,10 @@ from contin.kernels.eigen import eigenvalues
 
 @kernel
 def transitions(local, n, m, out):
-    """M_i (N, n, n) from the condensed blocks [left | right] of `collocation_system.factorise`; False where one is singular."""
+    """M_i (N, n, n) from the condensed blocks [left | right] of `collocation_system.factorise`.
+
+    False where one is singular.
+    """
     inner = (m - 1) * n
     right = np.empty((n, n))
     column = np.empty(n)
@@ -87,7 +93,10 @@ def deflate(m_all, directions):
 
 @kernel
 def sweep(m_all, skip, q, r_product):
-    """One turn: q (d, d) orthonormal becomes Q_N, r_product the triangular factor; the first `skip` rows and columns are left out."""
+    """One turn: q (d, d) orthonormal becomes Q_N, r_product the triangular factor.
+
+    The first `skip` rows and columns are left out.
+    """
     count, n, _ = m_all.shape
     d = n - skip
     y = np.empty((d, d))
@@ -138,7 +147,8 @@ def sweep(m_all, skip, q, r_product):
 def multipliers(m_all, skip, q, re, im):
     """Multipliers of the cycle into re and im (d,), d = n - skip; q (d, d) is the basis of a neighbour, or NaN.
 
-    q becomes the basis at the end of the cycle. re, im on entry: those of a neighbour, or NaN. Returns False on failure.
+    q becomes the basis at the end of the cycle. re, im on entry: those of a neighbour, or NaN. Returns False on
+    failure.
     """
     n = m_all.shape[1]
     d = n - skip

@@ -1,7 +1,8 @@
 """March along a curve in two parameters: folds, Hopf points or branch points of equilibria of a flow.
 
 The curve solves an extended system (`contin.symbolic.loci`) with unknowns z = (u, vectors, kappa or unfolding, second
-parameter, first parameter); its Jacobian's leading block is f_u, which gives eigenvalues and test functions for nothing.
+parameter, first parameter); its Jacobian's leading block is f_u, which gives eigenvalues and test functions for
+nothing.
 
 Test functions of a point (columns of `tests`); 0 and 1 are not events (dp/ds and a constant):
     folds          2 cusp <psi, B(v,v)>   3 Bogdanov-Takens <psi, v>   4 zero-Hopf: pairs of the other eigenvalues
@@ -285,8 +286,8 @@ def march(
     """Follow the curve from row 0 of out_z for up to `limit` accepted points; as `contin.kernels.algebraic.march`.
 
     n : states of the model.  p, active : parameters of the extended system, the first parameter's place in them.
-    walls (k, 3) : unknown, lowest, highest value.  seen (N,) : 1 for unknowns that identify a point (closing ignores the
-    auxiliary vectors).  growing (N,) : 1 for unknowns whose scale may be outgrown.
+    walls (k, 3) : unknown, lowest, highest value.  seen (N,) : 1 for unknowns that identify a point (closing ignores
+    the auxiliary vectors).  growing (N,) : 1 for unknowns whose scale may be outgrown.
     """
     size = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]

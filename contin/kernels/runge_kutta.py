@@ -1,7 +1,7 @@
 """Trajectories by DOP853 with dense output and a section; the model is a pointer, memory does not grow with the time.
 
-Step control as in Hairer's code: error estimate of orders 5 and 3 combined, h_new = h 0.9 err^(-1/8). The state may carry
-k solutions v of the variational equation v' = f_u v behind u: y = (u, v_1, .., v_k).
+Step control as in Hairer's code: error estimate of orders 5 and 3 combined, h_new = h 0.9 err^(-1/8). The state may
+carry k solutions v of the variational equation v' = f_u v behind u: y = (u, v_1, .., v_k).
 """
 
 import math
@@ -52,13 +52,15 @@ def interpolate(dense, start, x, y):
 
 @kernel
 def integrate(
-    value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes, dense,
+    value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes, dense,  # noqa: E501
 ):  # fmt: skip
     """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL (step) or NOT_FINITE.
 
     controls : [t, t_end, h, h_max, rtol, atol]; t and h are updated.
-    section : (n + 2,) [normal, offset, direction]: crossings of normal . u = offset, upwards for direction > 0, downwards
-        for < 0, both for 0; where normal is zero there are none. `events` (K, 1 + size) receives (t, y) of up to K of them.
+    section : (n + 2,) [normal, offset, direction]: crossings of normal . u = offset, upwards for direction > 0,
+    downwards
+        for < 0, both for 0; where normal is zero there are none. `events` (K, 1 + size) receives (t, y) of up to K
+        of them.
     times : increasing, samples (len(times), size) receives y there.
     counts : [samples filled, events found, steps, rejected]; counts[0] and [1] continue from what they are.
     work (3, size), u, F (n,), J (n, n + p_size), slopes (16, size), dense (7, size) : memory.

@@ -1,14 +1,14 @@
 """Coefficients at special points and what they mean: pure functions of the derivatives at one point (a `Jet`).
 
-    jet            Jet (what is needed of the equations), DerivativeJet (from a function of real directions)
-    sources        compiled_jet(system, u, p, active)
-    point          normal_form(type, jet) -> NormalForm by type code; ORDER of the forms each type needs
-    fold           LP, CP
-    reduction      Lyapunov-Schmidt reduction to a few equations, any dimension of the kernel
-    branching      BP with a simple kernel;  multiple: larger kernels;  directions: all branches through either
-    hopf           HB, GH; predictors of the cycles and of their folds
-    bogdanov_takens, homoclinic, zero_hopf, hopf_hopf     BT, ZH, HH and the curves that start there
-    maps, map_resonances     PD, NS; GPD, CH, R1 to R4
-    homological    Taylor coefficients of centre manifolds and normal forms to any order
-    words          type codes and coefficients in words
+jet            Jet (what is needed of the equations), DerivativeJet (from a function of real directions)
+sources        compiled_jet(system, u, p, active)
+point          normal_form(type, jet) -> NormalForm by type code; ORDER of the forms each type needs
+fold           LP, CP
+reduction      Lyapunov-Schmidt reduction to a few equations, any dimension of the kernel
+branching      BP with a simple kernel;  multiple: larger kernels;  directions: all branches through either
+hopf           HB, GH; predictors of the cycles and of their folds
+bogdanov_takens, homoclinic, zero_hopf, hopf_hopf     BT, ZH, HH and the curves that start there
+maps, map_resonances     PD, NS; GPD, CH, R1 to R4
+homological    Taylor coefficients of centre manifolds and normal forms to any order
+words          type codes and coefficients in words
 """

@@ -1,6 +1,7 @@
 """Codimension-two points on curves of folds, Hopf points and branch points: what a change means, and its verification.
 
-A point is verified by Newton on its own defining system: the equations of the curve and one more, a smooth function that
+A point is verified by Newton on its own defining system: the equations of the curve and one more, a smooth function
+that
 vanishes at points of the type (`codim2_functions`). Then eigenvalues, their number on the unstable side without the
 critical ones, and the normal form are computed from exact derivatives.
 """
@@ -16,8 +17,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.problems import defining
-from contin.problems.codim2_functions import critical_indices, function_of
 from contin.problems.codim2_forms import described
+from contin.problems.codim2_functions import critical_indices, function_of
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
     "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
@@ -37,9 +38,15 @@ MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
     "PD": {2: ("GPD", 0), 3: ("R2", 1), 4: ("PDNS", 2), 5: ("LPPD", 1)},
     "BP": {2: ("DP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
     "NS": {
-        2: ("R1", 0), 3: ("R2", 0), 4: ("LPNS", 1), 5: ("PDNS", 1), 6: ("CH", 0), 7: ("NSNS", 2), 8: ("R3", 0),
+        2: ("R1", 0),
+        3: ("R2", 0),
+        4: ("LPNS", 1),
+        5: ("PDNS", 1),
+        6: ("CH", 0),
+        7: ("NSNS", 2),
+        8: ("R3", 0),
         9: ("R4", 0),
-    },  # fmt: skip
+    },  # fmt: skip  # noqa: RUF028
 }
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 RESIDUAL_LIMIT = 1e-8
@@ -206,5 +213,3 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
         if a.tests[index] * b.tests[index] < 0.0:
             found.append(verify(problem, type_, a, frame))
     return found
-
-

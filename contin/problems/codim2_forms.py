@@ -17,7 +17,7 @@ def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
 
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"
-    return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)
+    return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
 
 
 def described(problem: Any, point: Verified, critical: Any) -> Verified:

@@ -58,7 +58,10 @@ def _shift(problem: Any) -> float:
 
 
 def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
-    """value(z, v, psi) of null vectors from [A b; c^T 0], b and c the singular vectors at z0, with v along the curve's."""
+    """value(z, v, psi) of null vectors from [A b.
+
+    C^T 0], b and c the singular vectors at z0, with v along the curve's.
+    """
     identity = np.eye(problem.n)
     shift = _shift(problem)
     left, _, right = np.linalg.svd(scaled_matrix(problem, z0) - shift * identity)
@@ -110,9 +113,16 @@ def lyapunov(problem: Any, z: Array) -> float:
     v = np.ascontiguousarray(curve.vector(z) / d)
     return float(
         lyapunov_sign(
-            system.form(2), system.form(3), np.ascontiguousarray(z[:n]), curve.full_parameters(z), d, matrix,
-            float(np.sqrt(kappa)), v, matrix @ v,
-        )  # fmt: skip
+            system.form(2),
+            system.form(3),
+            np.ascontiguousarray(z[:n]),
+            curve.full_parameters(z),
+            d,
+            matrix,
+            float(np.sqrt(kappa)),
+            v,
+            matrix @ v,
+        )  # fmt: skip  # noqa: RUF028
     )
 
 
@@ -133,7 +143,7 @@ def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
 def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | str:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
-    own = own_critical(problem, near.z, values)
+    own = own_critical(problem, near.z, values)  # type: ignore[arg-type]
     others = np.delete(values, own)
     size = max(float(np.abs(values).max()), 1e-300)
     complex_ones = others[others.imag > REAL * size]
@@ -199,6 +209,6 @@ def critical_indices(problem: Any, type_: str, z: Array, values: Array) -> list[
     upper = [i for i in rest if values[i].imag > 0.0]
     if not upper:
         return None
-    chosen = min(upper, key=lambda i: distance(values[i]))
+    chosen = min(upper, key=lambda i: distance(values[i]))  # type: ignore[no-untyped-call]
     partner = min((i for i in rest if i != chosen), key=lambda i: abs(values[i] - np.conj(values[chosen])))
     return [*own, chosen, partner]

@@ -1,7 +1,8 @@
 """Test functions of codimension-two points at one point of a curve, in numpy: what `kernels.locus` computes in a march.
 
 Used where there is no kernel: maps, large systems and user functions. Maps:
-    folds and flips   2 quadratic (cubic) coefficient   3 <psi, v>   4 pairs of the other multipliers   5 another at -1 (+1)
+    folds and flips   2 quadratic (cubic) coefficient   3 <psi, v>   4 pairs of the other multipliers   5 another at
+    -1 (+1)
     Neimark-Sacker    2 cos - 1   3 cos + 1   4 another at +1   5 another at -1   6 l1   7 pairs   8 cos + 1/2   9 cos
 """
 
@@ -19,7 +20,10 @@ NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate alon
 
 
 def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-    """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones, all eigenvalues."""
+    """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones.
+
+    All eigenvalues.
+    """
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)
     values = values[np.lexsort((-values.imag, -values.real))]
@@ -44,7 +48,10 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
 
 
 def null_pair(matrix: Array, curve: Any) -> tuple[Array, Array]:
-    """Unit null vectors of a singular matrix: v along the curve's border, psi such that adj(matrix) = c v psi^T, c > 0."""
+    """Unit null vectors of a singular matrix: v along the curve's border, psi such that adj(matrix) = c v psi^T.
+
+    C > 0.
+    """
     left, _, right = np.linalg.svd(matrix)
     v, psi = right[-1], left[:, -1]
     reference = curve.reference()
@@ -78,9 +85,7 @@ def pair_test(values: Any, is_map: bool) -> float:
     from contin.kernels.tests_of_stability import flow_tests, map_tests
 
     tests = np.zeros(4)
-    (map_tests if is_map else flow_tests)(
-        np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests
-    )
+    (map_tests if is_map else flow_tests)(np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests)
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
 
@@ -92,7 +97,7 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
         if abs(cosine) < 1.0:
             sign = lyapunov(problem, z)
         return np.array([
-            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5, cosine,
+            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5, cosine,  # noqa: E501
         ])  # fmt: skip
     shift = -1.0 if problem.locus == "PD" else 1.0
     v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve)

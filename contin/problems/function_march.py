@@ -57,7 +57,8 @@ class DenseMarch:
         return np.asarray(self.problem.angle_periods)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
-        return dense_linearisation(*self.problem.linearise(z), tangent, scale)
+        f, jacobian = self.problem.linearise(z)
+        return dense_linearisation(f, jacobian, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         from contin.kernels.tests_of_stability import flow_tests, map_tests

@@ -163,7 +163,7 @@ class LocusProblem:
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
             *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, length,
-            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t,
+            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t,  # noqa: E501
             tests, re, im,
         )  # fmt: skip
         if count >= 0 and self.locus == "BP":
@@ -212,10 +212,10 @@ class LocusProblem:
                 columns[name] = recorded[:, k].copy()
         if self.locus == "HB":
             columns["kappa"] = z[:, -3].copy()
-            columns["neutral"] = z[:, -3] < 0.0
+            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
-            columns["neutral"] = np.abs(z[:, -3]) > 1.0
+            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         if self.locus == "BP" and self._is_unfolded(z):
             columns["unfolding"] = z[:, -3].copy()
         return columns
@@ -226,8 +226,8 @@ class LocusProblem:
     def remarks(self, z: Array) -> Sequence[str]:
         if self.locus == "BP" and self._is_unfolded(z):
             return [
-                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always there): "
-                "with two parameters they are isolated, and the curve is that of the unfolded equations f + unfolding w "
+                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always there): "  # noqa: E501
+                "with two parameters they are isolated, and the curve is that of the unfolded equations f + unfolding w "  # noqa: E501
                 "= 0, w the left null vector (column `unfolding`)"
             ]
         return []
@@ -257,5 +257,3 @@ class LocusProblem:
         from contin.problems.locus_start import loci_through
 
         return loci_through(self, point, parameters)
-
-

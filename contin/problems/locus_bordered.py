@@ -5,8 +5,8 @@ F(u, p) = 0 and one or two scalars g(u, p) from bordered solves, zero where a ma
     [M B; C^T 0] [V; G] = [0; I],  [M B; C^T 0]^T [W; .] = [0; I],  dG = -W^T (dM) V
 
 with M = f_u - mu (LP: mu = 0, PD: -1, maps' LP: 1), f_u^2 + kappa (HB; maps' NS: f_u^2 - 2 kappa f_u + 1, kappa = cos
-theta), and for BP the matrix [F_u F_s] with s a direction across the curve (Griewank and Reddien 1984; Beyn et al. 2002;
-Govaerts 2000). The unknowns do not grow with the vectors: for large n, for maps and for user functions.
+theta), and for BP the matrix [F_u F_s] with s a direction across the curve (Griewank and Reddien 1984; Beyn et al.
+2002; Govaerts 2000). The unknowns do not grow with the vectors: for large n, for maps and for user functions.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-
 
 FORCED = 1e-9  # an unfolding parameter below this is zero
 

@@ -208,7 +208,10 @@ class ExtendedCurve:
         return np.concatenate([u, v * d, (scaled @ v) * d, [scalar], ends])
 
     def scales(self, z: Array, widths: tuple[float, float]) -> Array:
-        """The metric: states by their sizes, vectors by a multiple of those, parameters by the widths of their ranges."""
+        """The metric: states by their sizes, vectors by a multiple of those.
+
+        Parameters by the widths of their ranges.
+        """
         d = self.sizes
         ends = np.array([widths[1], widths[0]])
         if self.type in ("LP", "PD"):

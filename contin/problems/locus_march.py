@@ -59,9 +59,7 @@ def march(
 ) -> Chunk:  # fmt: skip
     """`Problem.march`; the borders were renewed at origin."""
     bounds = problem.walls[-1][1:]
-    return python_march.march(
-        LocusMarch(problem), origin, before, length, frame, step, limit, bounds, settings, loop
-    )
+    return python_march.march(LocusMarch(problem), origin, before, length, frame, step, limit, bounds, settings, loop)
 
 
 def probe(problem: Any, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:

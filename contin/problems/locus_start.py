@@ -24,7 +24,10 @@ LARGE = 50  # states beyond which minimally augmented systems take the place of 
 
 
 def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve in two parameters through a fold, Hopf or branch point (maps: also PD, NS) of a branch of equilibria."""
+    """The curve in two parameters through a fold, Hopf or branch point (maps: also PD.
+
+    NS) of a branch of equilibria.
+    """
     if point.type not in ("LP", "HB", "BP", "PD", "NS"):
         raise InputError(
             f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LP, BP, HB, PD and NS have"
@@ -33,7 +36,7 @@ def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         raise InputError(f"{point.branch}.{point.label} is a corner of piecewise equations; its curve is not followed")
     if int(point.vectors.get("kernel", 1)) > 1:
         raise InputError(
-            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: its curve is not followed"
+            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: its curve is not followed"  # noqa: E501
         )
     p = problem.full_parameters(point.z)
     sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
@@ -43,7 +46,9 @@ def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     elif point.type == "NS":
         scalar = float(np.cos(point.vectors["omega"]))
     parent = Parent(point.branch, point.label)
-    return [_seed(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)]
+    return [
+        _seed(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
+    ]
 
 
 def _seed(

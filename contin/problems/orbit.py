@@ -124,7 +124,7 @@ class OrbitProblem:
 
         scheme = basis(self.points)
         return Equations(
-            self.system.value_address, self.system.jacobian_address, 0 if self.forcing is None else self.forcing.address,
+            self.system.value_address, self.system.jacobian_address, 0 if self.forcing is None else self.forcing.address,  # noqa: E501
             self.multiple, self.n, self.points, self.active, scheme.values, scheme.slopes, scheme.gauss,
             scheme.gauss_weights, np.asarray(self.winding, dtype=float),
         )  # fmt: skip
@@ -174,8 +174,8 @@ class OrbitProblem:
         profile = self.profile(origin.z)
         sizes = self.sizes(origin.z, frame.scale)
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
-            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._error_limit(profile, sizes),
+            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,  # noqa: E501
+            length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._error_limit(profile, sizes),  # noqa: E501
             self._period_limit(profile, frame.scale),
         ])  # fmt: skip
         reason = self._kernel(0, out, frame.scale, controls, limit, bounds, before, loop)
@@ -228,7 +228,7 @@ class OrbitProblem:
         return np.asarray(out.re[0] + 1j * out.im[0])
 
     def _kernel(
-        self, mode: int, out: _Rows, scale: Array, controls: Array, limit: int, bounds: tuple[float, float] = (0.0, 0.0),
+        self, mode: int, out: _Rows, scale: Array, controls: Array, limit: int, bounds: tuple[float, float] = (0.0, 0.0),  # noqa: E501
         before: Sample | None = None, loop: Sample | None = None,
     ) -> int:  # fmt: skip
         from contin.kernels import collocation_march as kernel
@@ -237,14 +237,14 @@ class OrbitProblem:
         none, size = np.empty(0), out.z.shape[1]
         intervals = (size - n - 2) // (self.points * n + 1)
         free = n - 1 if self.autonomous else n
-        points, factors, scratch = kernel.new_memory(
+        points, factors, scratch = kernel.new_memory(  # type: ignore[no-untyped-call]
             n, self.points, free, intervals, size, self.full_parameters(out.z[0])
         )
         return int(kernel.follow(
             mode, self.equations, points, factors, scratch, scale, self.sizes(out.z[0], scale),
             np.array(bounds, dtype=float), controls, limit, scheme.top, scheme.error,
             out.t[0].copy() if before is None else before.tangent,
-            np.zeros(kernel.TESTS) if before is None else before.tests,
+            np.zeros(kernel.TESTS) if before is None else before.tests,  # type: ignore[attr-defined]
             none if loop is None else loop.z, none if loop is None else loop.tangent,
             out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, out.errors, out.info,
         ))  # fmt: skip
@@ -348,10 +348,10 @@ class OrbitProblem:
         error, _ = estimate(profile, self.state_sizes(profile))
         if error > 100.0 * self.tolerance:
             return (
-                f"The mesh of {profile.intervals} intervals does not resolve the orbit (estimated error {error:.1e}): it is "
+                f"The mesh of {profile.intervals} intervals does not resolve the orbit (estimated error {error:.1e}): it is "  # noqa: E501
                 "very stiff here (a canard?). Try settings.intervals, or start from a simulation beyond this point."
             )
-        return "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are smooth here."
+        return "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are smooth here."  # noqa: E501
 
 
 def dwelling(profile: Profile, sizes: Array) -> float:

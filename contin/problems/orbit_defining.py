@@ -80,7 +80,10 @@ class Bordered:
 
 @dataclass(frozen=True, eq=False)
 class SolvedOrbit:
-    """A special orbit: z, the frequency theta of a pair, scaled residual, error of p, null vectors in scaled unknowns."""
+    """A special orbit: z, the frequency theta of a pair, scaled residual, error of p.
+
+    Null vectors in scaled unknowns.
+    """
 
     z: Array
     theta: float

@@ -118,9 +118,9 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     """The homoclinic or heteroclinic orbit that a family with growing period approaches.
 
     With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
-    p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r, and
-    p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits agree on
-    it and the remaining distance is small.
+    p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r,
+    and p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits
+    agree on it and the remaining distance is small.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     position = profile.u.size
@@ -227,7 +227,7 @@ def _connection(
             for state, s in zip(states, saddles, strict=True)
         ]
     text = (
-        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} +- {error:.1e}, "
+        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} +- {error:.1e}, "  # noqa: E501
         f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
     )
     point = Verified(

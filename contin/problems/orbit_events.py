@@ -24,8 +24,8 @@ TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Types that account for every sign change and for the change of the unstable count.
 
-    A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation error, so
-    the count may lag behind the test by that much.
+    A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation
+    error, so the count may lag behind the test by that much.
     """
     if (a.tests[0] * b.tests[0] < 0.0) and (a.tests[1] * b.tests[1] < 0.0):
         return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows
@@ -70,7 +70,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if type_ in ("LPC", "BPC") and _extent(problem, solved.z, frame) < NO_ORBIT:
         return ""  # the family passes through a Hopf point and comes back
     if type_ == "LPC" and not solved.confirmed:
-        return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"
+        return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"  # noqa: E501
     values = problem.multipliers(solved.z)
     gap = _critical_gap(_nontrivial(problem, values), type_, solved.theta)
     if not gap < UNCLEAR:

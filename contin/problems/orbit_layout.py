@@ -19,7 +19,10 @@ SAMPLES = 17  # points of an interval at which an extremum is looked for
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """An orbit: values u (N m + 1, n) at the nodes of a mesh with interval lengths h (N,), over the scaled time [0, 1]."""
+    """An orbit: values u (N m + 1, n) at the nodes of a mesh with interval lengths h (N,), over the scaled time [0.
+
+    1].
+    """
 
     m: int
     u: Array
@@ -29,7 +32,7 @@ class Profile:
 
     @property
     def n(self) -> int:
-        return self.u.shape[1]
+        return int(self.u.shape[1])
 
     @property
     def intervals(self) -> int:
@@ -87,7 +90,7 @@ def profile_of(z: Array, n: int, m: int) -> Profile:
 
 
 def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) -> Array:
-    """The metric: z / scale has Euclidean length^2 = mean over time and states of (u / sizes)^2 + (T / period)^2 + (p / parameter)^2."""
+    """The metric: z / scale has Euclidean length^2 = mean over time and states of (u / sizes)^2 + (T / period)^2 + (p / parameter)^2."""  # noqa: E501
     n = len(sizes)
     nodes = np.sqrt(n) * sizes[None, :] / np.sqrt(node_weights(h, m))[:, None]
     return np.concatenate([nodes.ravel(), [period], np.ones(len(h)), [parameter]])
@@ -95,7 +98,7 @@ def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) 
 
 def sizes_of(scale: Array, h: Array, n: int, m: int) -> Array:
     """The states' sizes that `make_scale` was given."""
-    return scale[:n] * np.sqrt(node_weights(h, m)[0] / n)
+    return np.asarray(scale[:n] * np.sqrt(node_weights(h, m)[0] / n))
 
 
 def extrema(values: Array, m: int) -> tuple[Array, Array]:

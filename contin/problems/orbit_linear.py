@@ -32,7 +32,7 @@ class OrbitLinear:
 
     @cached_property
     def profile(self) -> Profile:
-        return self.problem.profile(self.z)
+        return self.problem.profile(self.z)  # type: ignore[no-any-return]
 
     @cached_property
     def sizes(self) -> Array:
@@ -58,7 +58,7 @@ class OrbitLinear:
         from contin.kernels.collocation import evaluate, new_points, set_phase
 
         problem, profile = self.problem, self.profile
-        w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(self.z))
+        w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(self.z))  # type: ignore[no-untyped-call]
         set_phase(problem.equations, w, self.reference, self.sizes)
         evaluate(problem.equations, w, self.z, True)
         return w
@@ -115,7 +115,7 @@ class OrbitLinear:
         blocks = np.einsum("i,cj,ickq->ickjq", factor, scheme.values, matrices)
         if with_slopes:
             blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(self.profile.n))
-        return blocks
+        return np.asarray(blocks)
 
     @cached_property
     def _pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -174,7 +174,10 @@ class OrbitLinear:
         return float(period), float(derivative)
 
     def hessian(self, v: NDArray[Any], variational: bool = False) -> Any:
-        """d (J v) / d x for v (nu + 2,) scaled, (nu + 1, nu + 2) sparse; variational: of the matrix of v' = T f_u v, (nu, nu + 2)."""
+        """d (J v) / d x for v (nu + 2,) scaled, (nu + 1, nu + 2) sparse.
+
+        Variational: of the matrix of v' = T f_u v, (nu, nu + 2).
+        """
         profile, w = self.profile, self._points
         n, m, count = profile.n, profile.m, profile.intervals
         h, period = profile.h, profile.period

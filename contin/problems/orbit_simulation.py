@@ -55,7 +55,7 @@ def orbit_by_simulation(
         if float(np.max(np.where(periods > 0, 0.0, extent / sizes))) < AT_REST and not _turns(extent, periods):
             names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
             raise NoSolutionError(
-                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit attracts "
+                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit attracts "  # noqa: E501
                 "this start. Start elsewhere, change the parameters, or start from a Hopf point."
             )
         found = _return(system, path.end, p, periods, time, extent)
@@ -68,7 +68,7 @@ def orbit_by_simulation(
     distance, at, period, _ = best
     if distance > NEAR:
         raise NoSolutionError(
-            f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of its "
+            f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of its "  # noqa: E501
             "extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
         )
     return _polished(system, at, p, periods, period, 1, intervals, points)
@@ -122,7 +122,7 @@ def _forced(system: Any, u: Array, p: Array, periods: Array, intervals: int | No
     period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
     start, best = u, (np.inf, u, 1)
     for _ in range(60):
-        path = integrate(system, start, p, 64 * period, times=period * np.arange(65))
+        path = integrate(system, start, p, 64 * period, times=period * np.arange(65.0))
         unit = np.maximum(np.ptp(path.u, axis=0), 1e-9 * np.maximum(np.abs(path.u).max(axis=0), 1e-9))
         for k in range(1, LONGEST_MULTIPLE + 1):
             distance = float(np.max(np.abs(path.u[-1] - path.u[-1 - k]) / np.maximum(unit, np.abs(path.u[-1]) + 1e-9)))
@@ -181,7 +181,10 @@ def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: i
 
 
 def orbit_from_array(system: Any, t: Array, u: Array, p: Array, periods: Array, points: int = 4) -> PeriodicOrbit:
-    """An orbit from samples u (K, n) at times t (K,) over one period (the last is the first again), solved by Newton."""
+    """An orbit from samples u (K, n) at times t (K,) over one period (the last is the first again).
+
+    Solved by Newton.
+    """
     t, u = np.asarray(t, dtype=float), np.asarray(u, dtype=float)
     period = float(t[-1] - t[0])
     h = np.full(60, 1.0 / 60)

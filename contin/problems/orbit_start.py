@@ -91,7 +91,7 @@ def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tu
 
 def configured(seed: Seed, settings: Settings) -> Seed:
     """The seed on the mesh that the settings ask for: number of Gauss points, fixed number of intervals."""
-    problem: OrbitProblem = seed.problem
+    problem: OrbitProblem = seed.problem  # type: ignore[assignment]
     if problem.points == settings.points and settings.intervals is None:
         return seed
     profile = problem.profile(seed.z)
@@ -114,7 +114,7 @@ def configured(seed: Seed, settings: Settings) -> Seed:
     def direction(d: Array | None) -> Array | None:
         if d is None:
             return None
-        raw = d * seed.scale
+        raw = d * seed.scale  # type: ignore[operator]
         raw[profile.u.size + 1 : -1] = profile.h
         out = moved(raw)
         out[-1 - len(h) : -1] = 0.0

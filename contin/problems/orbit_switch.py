@@ -18,7 +18,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the families born at a BPC (the crossing one) or a PD (the doubled orbits), with `parameter` free."""
     if parameter != problem.parameters[0]:
         raise InputError(
-            f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "
+            f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "  # noqa: E501
             "one of its orbits"
         )
     if point.type == "BPC":
@@ -82,11 +82,12 @@ def shifted(problem: Any, u: Profile, fraction: float) -> Array:
     """u(x + fraction) at the nodes of u, (K, n); what angles gained in a period is added after it."""
     times = u.times + fraction
     turns = np.floor(times)
-    return u.at(times - turns) + turns[:, None] * problem.winding
+    return np.asarray(u.at(times - turns) + turns[:, None] * problem.winding)
 
 
 def halves_alike(problem: Any, z: Array, direction: Array) -> str | None:
-    """The declared symmetry (with a half-period shift, or none) that keeps the orbit and turns the raw `direction` round.
+    """The declared symmetry (with a half-period shift, or none) that keeps the orbit and turns the raw `direction`
+    round.
 
     At a branch point the two halves of the new family are then images of each other.
     """
@@ -117,7 +118,7 @@ def halves_alike(problem: Any, z: Array, direction: Array) -> str | None:
 
 
 def symmetry_of(problem: Any, z: Array) -> tuple[str, float] | None:
-    """A declared symmetry under which the orbit as a set is its own image: its name and the shift (0 or half a period)."""
+    """A declared symmetry under which the orbit as a set is its own image: its name and the shift (0 or half a period)."""  # noqa: E501
     profile = problem.profile(z)
     reference = max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
     p = problem.full_parameters(z)

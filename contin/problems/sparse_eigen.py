@@ -1,6 +1,7 @@
 """Eigenvalues near zero of a large operator by shift-invert Arnoldi, as many as stability needs.
 
-The leading eigenvalues are those that can have crossed, or be about to cross, the imaginary axis. By Bendixson's theorem
+The leading eigenvalues are those that can have crossed, or be about to cross, the imaginary axis. By Bendixson's
+theorem
 all eigenvalues with Re >= 0 lie in |Im| <= max row sum of |A - A^T|/2 and Re <= the largest Gershgorin bound of
 (A + A^T)/2. The basis grows until every eigenvalue in the disc around that part of the plane has converged, or to a
 largest size; where the operator is not known entry by entry, until the unstable ones and some stable ones have.
@@ -45,7 +46,9 @@ class Region:
     def of(self, matrix: Any) -> tuple[float, float]:
         """(R, S): eigenvalues with Re >= 0 have Re <= R and |Im| <= S (Bendixson, Gershgorin)."""
         known = self._pattern
-        if known is None or not all(np.array_equal(a, b) for a, b in zip(known, (matrix.indptr, matrix.indices), strict=True)):
+        if known is None or not all(
+            np.array_equal(a, b) for a, b in zip(known, (matrix.indptr, matrix.indices), strict=True)
+        ):
             self._learn(matrix)
         if self._partner is None:
             return np.inf, np.inf

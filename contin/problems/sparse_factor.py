@@ -1,7 +1,7 @@
 """Sparse LU factors with solves, transposed solves and determinants; the order of elimination is chosen once a pattern.
 
-Matrices that a reordering (reverse Cuthill-McKee) makes narrow are factored as bands by LAPACK: for a tridiagonal matrix
-of 10,000 rows that takes 0.5 ms, SuperLU 21 ms. All others go to SuperLU.
+Matrices that a reordering (reverse Cuthill-McKee) makes narrow are factored as bands by LAPACK: for a tridiagonal
+matrix of 10,000 rows that takes 0.5 ms, SuperLU 21 ms. All others go to SuperLU.
 """
 
 from __future__ import annotations

@@ -16,7 +16,9 @@ RESTART = 60
 RESTARTS = 8
 
 
-def gmres(apply: Operator, precondition: Operator, right: Vector, start: Vector | None = None) -> tuple[Vector, int, float]:
+def gmres(
+    apply: Operator, precondition: Operator, right: Vector, start: Vector | None = None
+) -> tuple[Vector, int, float]:
     """x with apply(x) = right (right preconditioning, Saad and Schultz 1986); returns x, iterations, relative residual.
 
     The search stops at `TOLERANCE`, or where the residual does not fall any more.

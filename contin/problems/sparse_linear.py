@@ -84,7 +84,7 @@ class KrylovLinear:
     determinant = None
 
     def __init__(
-        self, apply: Callable[[Vector], Vector], precondition: Callable[[Vector], Vector], precise: Factor | None = None,
+        self, apply: Callable[[Vector], Vector], precondition: Callable[[Vector], Vector], precise: Factor | None = None,  # noqa: E501
         shift: complex = 0.0,
     ) -> None:  # fmt: skip
         self._apply, self._precondition, self._precise, self._shift = apply, precondition, precise, shift
@@ -132,7 +132,9 @@ class KrylovBordered:
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
         state, rest = x[:n], x[n:]
-        return np.concatenate([self.linear.apply(state) + self.columns @ rest, self.rows.T @ state + self.corner @ rest])
+        return np.concatenate(
+            [self.linear.apply(state) + self.columns @ rest, self.rows.T @ state + self.corner @ rest]
+        )
 
     def solve(self, right: Vector) -> Vector:
         if self.complex_ and not np.iscomplexobj(right):

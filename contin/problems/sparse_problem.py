@@ -180,7 +180,10 @@ class LargeProblem:
     # the engine's contract --------------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        """The same size for all states (or `typical` where that is a vector): the norm is a function's, not a vector's."""
+        """The same size for all states (or `typical` where that is a vector): the norm is a function's.
+
+        Not a vector's.
+        """
         width = bounds[1] - bounds[0] if np.isfinite(bounds[1] - bounds[0]) else max(1.0, abs(float(z[-1])))
         typical = self.system.model.typical
         unit = typical / float(np.abs(typical).max())
@@ -275,7 +278,7 @@ class LargeProblem:
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         if point.type != "BP":
             raise InputError(
-                f"{point.branch}.{point.label}: of large systems only branch points have another branch; this is {point.type}"
+                f"{point.branch}.{point.label}: of large systems only branch points have another branch; this is {point.type}"  # noqa: E501
             )
         return sparse_special.switch(self, point, parameter)
 

@@ -1,8 +1,8 @@
 """Special points of large systems: what a change means, location to full precision along the curve, switching.
 
 A fold is a zero of dp/ds, a Hopf point one of the real part of an eigenvalue: smooth functions of the arclength, whose
-zeros the secant method finds to rounding. A branch point, where the curve is not unique, is found on the reduced equation.
-Errors are the scatter of results from points perturbed by 1e-9.
+zeros the secant method finds to rounding. A branch point, where the curve is not unique, is found on the reduced
+equation. Errors are the scatter of results from points perturbed by 1e-9.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.vectors import norm
 from contin.continuation import march as python_march
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.vectors import norm
 from contin.errors import InputError
 from contin.problems import sparse_forms
 from contin.problems.sparse_linear import Linear
@@ -51,7 +51,8 @@ def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Event types that account for the change of the unstable count and of the signs of the tests; None: more than one.
 
-    The determinant changes sign with the parity of the count, except at folds; where there are no factors, it says nothing.
+    The determinant changes sign with the parity of the count, except at folds; where there are no factors, it says
+    nothing.
     """
     fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(b.unstable - a.unstable)
@@ -85,7 +86,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     return found
 
 
-# along the curve ----------------------------------------------------------------------------------------------------------
+# along the curve ----------------------------------------------------------------------------------------------------------  # noqa: E501
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +167,7 @@ def _scatter(
     return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
 
 
-# folds and Hopf points ----------------------------------------------------------------------------------------------------
+# folds and Hopf points ----------------------------------------------------------------------------------------------------  # noqa: E501
 
 
 def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
@@ -222,7 +223,7 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
 
     def growth(at: At) -> float:
         state["value"], state["q"] = refine(problem.linear(at.z), state["value"], state["q"])
-        return float(state["value"].real) / frequency
+        return float(float(state["value"].real) / frequency)
 
     found = secant(problem, near, frame, growth)
     if found is None:
@@ -240,11 +241,14 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     return Verified("HB", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
 
 
-# branch points ------------------------------------------------------------------------------------------------------------
+# branch points ------------------------------------------------------------------------------------------------------------  # noqa: E501
 
 
 def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
-    """The reduced equation at z with borders from the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
+    """The reduced equation at z with borders from the eigenvector to the eigenvalue nearest to zero (raw.
+
+    Returned too).
+    """
     spectrum = problem.spectrum(z)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
@@ -263,7 +267,7 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     found = reduced.branch_point(near.z)
     if found is None:
         return "BP not verified: Newton on the reduced equation did not converge"
-    z, mu, gradient = found
+    z, mu, gradient = found  # noqa: RUF059
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
     if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
         return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
@@ -308,7 +312,11 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     cosines = [abs(float((d / point.scale) @ own)) / float(np.linalg.norm(d / point.scale)) for d, _ in curves]
     direction, bend = curves[int(np.argmin(cosines))]
-    lead = direction[-1] if abs(direction[-1] / point.scale[-1]) > 1e-6 * float(np.linalg.norm(direction / point.scale)) else 0.0
+    lead = (
+        direction[-1]
+        if abs(direction[-1] / point.scale[-1]) > 1e-6 * float(np.linalg.norm(direction / point.scale))
+        else 0.0
+    )
     if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
         direction = -direction
     scale = _metric(point.z, direction, bend, point.scale)

@@ -128,7 +128,10 @@ def _with(point: Verified, **changes: Any) -> Verified:
 
 
 def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
-    """Points of the curve on both sides of y, even where the Jacobian is singular all along; [] where there are none."""
+    """Points of the curve on both sides of y, even where the Jacobian is singular all along.
+
+    [] where there are none.
+    """
     found = []
     for side in (-BESIDE, BESIDE):
         at = y + side * tangent

@@ -118,9 +118,7 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
     return {kind: path for kind, path in files.items() if path is not None}
 
 
-def _model(
-    entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]
-) -> Any:
+def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]) -> Any:
     from contin.model.registry import find
     from contin.model.yaml_loader import model_from_mapping
 

@@ -72,7 +72,7 @@ def integrate(
         plane[:n], plane[n], plane[n + 1] = section.normal, section.offset, section.direction
     counts = np.zeros(4, np.int64)
     controls = np.array([start, start + duration, 0.0, max_step, rtol, float(np.min(atol))])
-    memory = kernel.new_work(y.size, n, system.p_size)
+    memory = kernel.new_work(y.size, n, system.p_size)  # type: ignore[no-untyped-call]
     while True:
         status = kernel.integrate(
             system.value_address, system.jacobian_address, system.is_forced, y, full, controls, CHUNK, plane, wanted,

@@ -1,8 +1,8 @@
 """Defining systems of curves in two parameters: from a model, a larger model whose equilibria are its special points.
 
-Each pass appends null vectors (and kappa) to the states and makes one parameter, `free`, a state; another parameter then
-varies along the curve. Auxiliary names contain a dot, so they cannot meet a model's own. Vectors are measured in typical
-sizes of the states, the new parameters `size.x`, so that nothing depends on their units.
+Each pass appends null vectors (and kappa) to the states and makes one parameter, `free`, a state; another parameter
+then varies along the curve. Auxiliary names contain a dot, so they cannot meet a model's own. Vectors are measured in
+typical sizes of the states, the new parameters `size.x`, so that nothing depends on their units.
 """
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def branch_point_system(model: Model, other: str, free: str) -> Model:
     """Branch points: F + b w = 0, F_u^T w = 0, <w, a F_other + c F_free> = 0, |w| = 1.
 
     States (u, w, b, free), 2n + 2; a, c are the parameters `across.1`, `across.2`. Branch points that something forces
-    (a symmetry, an invariant subspace, a solution that is always there) form a curve in two parameters with b = 0; others
+    (a symmetry, an invariant subspace, a solution that is always there) form a curve in two parameters with b = 0;
+    others
     are met at isolated parameters, and b, the unfolding parameter, leaves zero along the curve of this system: f has to
     be perturbed by b w to keep them (Moore 1980; Govaerts, Numerical Methods for Bifurcations, sec. 8.2). (a, c) is a
     direction of the parameters across the curve: on a forced curve both products vanish.

@@ -170,9 +170,7 @@ def test_a_bubble_of_two_cycles_ends_where_it_joins_the_fixed_point_again():
 
 
 def test_user_functions_give_the_same_cascade():
-    problem = contin.FunctionProblem(
-        lambda u, p: p["r"] * u * (1 - u), [0.6], {"r": 2.5}, kind="map", states=["x"]
-    )
+    problem = contin.FunctionProblem(lambda u, p: p["r"] * u * (1 - u), [0.6], {"r": 2.5}, kind="map", states=["x"])
     line = api.continuation(problem, "r", WIDE)
     cycle = api.continuation(line["PD1"].switch(), "r", WIDE)
     assert line["PD1"].values["r"] == pytest.approx(3.0, abs=1e-12)
