@@ -1,0 +1,45 @@
+"""Sphinx configuration. Every code cell is executed in the build, and a warning fails it."""
+
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent), str(HERE)]
+# The cells call `contin`: the one beside the Python that builds.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
+
+from docstrings import as_restructured_text  # noqa: E402
+
+from contin._version import __version__  # noqa: E402
+
+project = "contin"
+author = "The contin developers"
+release = version = __version__
+extensions = ["myst_nb", "sphinx.ext.autodoc"]
+exclude_patterns = ["_build", "gallery/*.py"]
+html_theme = "furo"
+html_title = f"contin {__version__}"
+nitpicky = False
+
+nb_execution_mode = "force"
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True  # what the cells write does not stay in the sources
+nb_merge_streams = True
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+suppress_warnings = ["mystnb.unknown_mime_type"]
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autoclass_content = "class"
+
+
+def setup(app):
+    """Docstrings are plain text with `names` and lists "name : meaning"."""
+
+    def convert(app, what, name, obj, options, lines):
+        lines[:] = as_restructured_text("\n".join(lines)).split("\n")
+
+    app.connect("autodoc-process-docstring", convert)
