@@ -64,7 +64,7 @@ def equilibrium(
     from contin.symbolic.corotating import frame_for
 
     u, p = model.start_point(start, dict(parameters or {}))
-    model = frame_for(model, u, p)
+    model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
         return large_equilibrium(model, u, p, period)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)

@@ -68,7 +68,8 @@ class EquilibriumProblem:
                 lowest = float(evaluate(s.minimum, values))
                 u, _ = model.start_point()
                 u[k] = lowest
-                singular = not bool(np.all(np.isfinite(self.system.value(u, self.base))))
+                alone = np.where(np.arange(self.n) == k, lowest, 0.0)  # or the only one that is not at rest
+                singular = not all(np.all(np.isfinite(self.system.value(v, self.base))) for v in (u, alone))
                 text = f"{s.name} fell to its lowest value. {s.beyond or ''}".rstrip()
                 found.append(Floor(k, lowest, text, singular))
         return tuple(found)

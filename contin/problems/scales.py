@@ -49,6 +49,7 @@ def _balanced(scale: Array, coupling: Array) -> Array:
     result = np.where(known, scale, 1.0)
     if not known.any():
         return result
+    coupling = np.where(coupling > ROUNDING * coupling.max(), coupling, 0.0)
     for _ in range(10):
         for i in np.flatnonzero(~known):
             others = np.arange(n) != i

@@ -161,7 +161,10 @@ def _singular_values(*jacobians: Array) -> list[Array]:
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
     """True where the Jacobian loses as much rank beside the point, on the curve, as at it."""
     beside = _beside(local, y, tangent)
-    at_point, *around = _singular_values(*(local.linearise(at)[1] for at in (y, *beside)))
+    jacobians = [local.linearise(at)[1] for at in (y, *beside)]
+    if not all(np.all(np.isfinite(m)) for m in jacobians):
+        return False  # the equations have no value there, so nothing is a point of the branch
+    at_point, *around = _singular_values(*jacobians)
     for singular in around:
         if singular[-corank] > max(100.0 * at_point[-corank], ROUNDED * singular[0]):
             return False

@@ -12,19 +12,27 @@ one replaced by a negative one (Beyn and Thuemmler, Freezing solutions of equiva
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contin.errors import InputError
-from contin.model.evaluate import evaluate_all
+from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
 from contin.model.model import Model
+from contin.model.parts import State
 from contin.model.rotation import check_rotation
 from contin.model.source import CallSource, Problems
+from contin.symbolic.derivatives import sparse_jacobian
 from contin.symbolic.formulas import read
 from contin.symbolic.holding import holds
 
+Array = NDArray[np.float64]
 _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
 
 
@@ -69,10 +77,17 @@ def corotating(model: Model) -> Model:
     generator = [model.rotation.get(name, ZERO) for name in model.state_names]
     rate = rotation_rate(model, model.equations, phase_condition(model))
     equations = tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
-    result = model.replace(equations=equations, rotation={})
+    result = model.replace(states=_normalised(model), equations=equations, rotation={})
     # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
     _made[model] = result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
     return result
+
+
+def _normalised(model: Model) -> tuple[State, ...]:
+    """The states, with the one that the phase condition makes positive kept so."""
+    first = _turned_pair(model)[0]
+    text = f"The frame turns with {first}, which is 0 here; rest is an equilibrium of its own: start there."
+    return tuple(replace(s, minimum=ZERO, beyond=text) if s.name == first else s for s in model.states)
 
 
 def rotation_rate(model: Model, equations: Sequence[Expression], phase: Expression = ZERO) -> Expression:
@@ -84,21 +99,50 @@ def rotation_rate(model: Model, equations: Sequence[Expression], phase: Expressi
 
 def phase_condition(model: Model) -> Expression:
     """c a b for the first pair with xi_a = -c b, xi_b = c a: zero and increasing along the rotation at b = 0."""
+    a, b, speed = _turned_pair(model)
+    return mul(speed, symbol(a), symbol(b))
+
+
+def _turned_pair(model: Model) -> tuple[str, str, Expression]:
+    """(a, b, c) with xi_a = -c b, xi_b = c a."""
     for a, xi in model.rotation.items():
         factor, rest = split_coefficient(xi)
         if rest.op == "symbol" and rest is not symbol(a):
             b = str(rest.value)
             if model.rotation.get(b) is mul(number(-factor), symbol(a)):
-                return mul(neg(number(factor)), symbol(a), symbol(b))
+                return a, b, neg(number(factor))
     raise InputError(f"model {model.name}: the rotation turns no pair of states (a: -b, b: a)")
 
 
-def is_moved(model: Model, u: Sequence[float], p: Sequence[float]) -> bool:
+def is_moved(model: Model, u: Array, p: Array) -> bool:
     """True where the rotation moves the point u: rotating waves start there, rest does not."""
     point = {**dict(zip(model.state_names, u, strict=True)), **dict(zip(model.parameter_names, p, strict=True))}
     return any(abs(float(v)) > 0 for v in evaluate_all(model.rotation.values(), point))
 
 
-def frame_for(model: Model, u: Sequence[float], p: Sequence[float]) -> Model:
-    """The model in which the state u can be an equilibrium: corotating where a declared rotation moves u."""
-    return corotating(model) if getattr(model, "rotation", None) and is_moved(model, u, p) else model
+def frame_for(model: Model, u: Array, p: Array) -> tuple[Model, Array]:
+    """The model in which the state u can be an equilibrium, and u in it.
+
+    Where a declared rotation moves u: the corotating model, and u turned to the phase that it keeps.
+    """
+    if not getattr(model, "rotation", None) or not is_moved(model, u, p):
+        return model, u
+    return corotating(model), _turned(model, u, p)
+
+
+def _turned(model: Model, u: Array, p: Array) -> Array:
+    """u rotated until b = 0, a > 0 for the pair of the phase condition; the rotation must be linear."""
+    from scipy.linalg import expm
+
+    a, b, speed = _turned_pair(model)
+    names = list(model.state_names)
+    values = dict(zip(model.parameter_names, map(float, p), strict=True))
+    here = dict(zip(names, map(float, u), strict=True))
+    angle = -math.atan2(here[b], here[a]) / float(evaluate(speed, values))
+    if angle == 0.0:
+        return u
+    generator = [model.rotation.get(n, ZERO) for n in names]
+    matrix = np.zeros((len(names), len(names)))
+    for (i, j), entry in sparse_jacobian(generator, names).items():
+        matrix[i, j] = evaluate(entry, {**values, **here})
+    return np.asarray(expm(angle * matrix) @ u)

@@ -89,6 +89,17 @@ def test_rotating_waves_are_equilibria_of_the_corotating_frame():
     assert wave.u == pytest.approx([math.sqrt(0.5), 0], abs=1e-12)
     _, jacobian = wave.system.jacobian(wave.u, wave.p)
     assert sorted(np.linalg.eigvals(jacobian[:, :2]).real) == pytest.approx([-1, -1])  # -2 mu, and the phase's
+    declared = contin.Model(
+        "declared", states={"x": 0.7, "y": 0.2}, parameters={"mu": 0.5, "w": 2.0}, rotation={"x": "-y", "y": "x"},
+        equations={"x": "mu*x - w*y - x*(x^2 + y^2)", "y": "w*x + mu*y - y*(x^2 + y^2)"},
+    )  # fmt: skip
+    for start in ({"x": 0, "y": 0.6}, {"x": -0.5, "y": -0.1}):  # turned to the phase that the frame keeps
+        wave = contin.equilibrium(declared, start)
+        assert wave.u == pytest.approx([math.sqrt(0.5), 0], abs=1e-12)
+    assert contin.equilibrium(declared, {"x": 0, "y": 0}).u == pytest.approx([0, 0])  # rest, in the frame of the file
+    line = contin.continuation(wave, "mu", (-1, 1))
+    assert line.points == ()
+    assert "rest is an equilibrium" in line.ends[0].text
     with pytest.raises(InputError, match="not a symmetry"):
         corotate(HOPF, {"x": "-y", "y": "2*x"})
     with pytest.raises(InputError, match="declares no rotation"):
