@@ -194,7 +194,8 @@ def _branch_point(
         target = 1.0 if problem.is_map else 0.0
         return list(np.argsort(np.abs(values - target))[:corank])
 
-    if solved is not None and _singular_throughout(local, solved.y, tangent, corank):
+    converged = solved is not None and solved.residual <= RESIDUAL_LIMIT
+    if solved is not None and converged and _singular_throughout(local, solved.y, tangent, corank):
         return (
             "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
         )
