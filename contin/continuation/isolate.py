@@ -190,7 +190,12 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         if target is None or abs(target - s[1]) < 1e-3 * (s[2] - s[0]) or not s[0] + margin < target < s[2] - margin:
             target = s[1] - 0.382 * (s[1] - s[0]) if left_wider else s[1] + 0.382 * (s[2] - s[1])
         pair, span = ((low, middle), (s[0], s[1])) if target < s[1] else ((middle, high), (s[1], s[2]))
-        trial = stretch.between(*pair, (target - span[0]) / (span[1] - span[0]))
+        fraction = (target - span[0]) / (span[1] - span[0])
+        trial = stretch.between(*pair, fraction)
+        if trial is None:  # on a multiple branch point Newton does not work: beside it
+            fraction += 0.05 if fraction < 0.5 else -0.05
+            target = span[0] + fraction * (span[1] - span[0])
+            trial = stretch.between(*pair, fraction)
         if trial is None:
             return
         f_trial = size(trial)

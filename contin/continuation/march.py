@@ -23,6 +23,7 @@ STAGNATION = 1e-6
 DIP_FRACTION = 0.5
 GUARD = 0.6
 GUARD_FLOOR = 2e-3
+LANDED = 1e-9
 GROWTH = 2.0
 RESCALE_AT = 2.0
 CORNER_STEP = 1e-7
@@ -191,6 +192,11 @@ def march(
                     blocks += 1
                     h = max(0.5 * h, 0.5 * GUARD_FLOOR)
                     continue
+            landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
+            if landed and blocks < 8 and h > settings.min_step:
+                blocks = 8
+                h = max(0.9 * h, settings.min_step)
+                continue
             break
         rows.append(sample)
         lengths.append(h)

@@ -28,6 +28,7 @@ STAGNATION = 1e-6  # a Newton correction below this that no longer falls is at t
 DIP_FRACTION = 0.5  # a local minimum of |test| is looked at when its parabola falls below this part of it
 GUARD = 0.6  # a step is refined while a test function differs from its linear prediction by more than this part
 GUARD_FLOOR = 2e-3  # ... but not below this arclength
+LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
 GROWTH = 2.0  # largest growth of a step
 RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
 
@@ -325,6 +326,14 @@ def march(
                 if rough:
                     guard_blocks += 1
                     h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                    continue
+            if guard_blocks < 8 and h > h_min:
+                landed = False
+                for i in range(TESTS):
+                    landed |= abs(tests[i]) < LANDED * abs(out_tests[k, i])
+                if landed:
+                    guard_blocks = 8
+                    h = max(0.9 * h, h_min)
                     continue
             break
         guard_blocks = 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +22,7 @@ CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a c
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
 CENTRE = 1e-11  # a pair this close to the boundary on both sides of a point stays there
+MUTUAL = 1e-8  # two states act on each other: product of their couplings beside the square of the largest eigenvalue
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
 
 
@@ -53,22 +55,37 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
+    frame, tangent = _balanced_frame(problem, near, frame)
     local = problem.scaled(frame.scale)
     y = near.z / frame.scale
     if type_ == "LP":
         return _accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0))
     if type_ == "BP":
-        return _branch_point(problem, local, y, frame, 1, near.tangent)
+        return _branch_point(problem, local, y, frame, 1, tangent)
     if type_ == "PD":
         return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
     pair = _critical_pair(near.eigenvalues, problem.is_map)
     if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
         if type_ == "neutral":
-            return _opposite_zeros(problem, local, y, frame, near.tangent)
+            return _opposite_zeros(problem, local, y, frame, tangent)
         return f"{type_}: the two eigenvalues that cross are real"
     if type_ == "neutral":
         return "a pair of eigenvalues touches the stability boundary without a change of the unstable count"
-    return _oscillatory(problem, local, y, frame, pair, near.tangent)
+    return _oscillatory(problem, local, y, frame, pair, tangent)
+
+
+def _balanced_frame(problem: Any, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
+    """The metric in which F_u at the sample is balanced, and the sample's unit tangent in it.
+
+    Defining systems are solved there, so that a badly guessed scale of a state costs no accuracy.
+    """
+    local, y = problem.scaled(frame.scale), sample.z / frame.scale
+    jacobians = [local.linearise(at)[1] for at in (y, y + BESIDE * sample.tangent)]  # at the point couplings may vanish
+    if not all(np.all(np.isfinite(m)) for m in jacobians):
+        return frame, sample.tangent
+    units = _balancing_units(*jacobians)
+    tangent = sample.tangent / units
+    return Frame(frame.scale * units, frame.reference), tangent / np.linalg.norm(tangent)
 
 
 def _opposite_zeros(problem: Any, local: ScaledSystem, y: Array, frame: Frame, tangent: Array) -> Verified | str:
@@ -122,16 +139,11 @@ def _oscillatory(
 
 
 def _with(point: Verified, **changes: Any) -> Verified:
-    from dataclasses import replace
-
     return replace(point, **changes)
 
 
 def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
-    """Points of the curve on both sides of y, even where the Jacobian is singular all along.
-
-    [] where there are none.
-    """
+    """Points of the curve on both sides of y, even where J is singular all along; [] where there are none."""
     found = []
     for side in (-BESIDE, BESIDE):
         at = y + side * tangent
@@ -149,13 +161,25 @@ def _singular_values(*jacobians: Array) -> list[Array]:
 
     A state whose scale was guessed badly would otherwise make the others' Jacobian look singular.
     """
+    units = _balancing_units(*jacobians)
+    return [np.linalg.svd(m * units / units[:-1, None], compute_uv=False) for m in jacobians]
+
+
+def _balancing_units(*jacobians: Array) -> Array:
+    """Units of the states (1 for the parameter), (n + 1,), in which rows and columns of all F_u together are alike.
+
+    Only pairs of states that act on each other are balanced: where one of the two couplings is a rounding error, the
+    ratio of the two says nothing. The product of the two, beside the eigenvalues, does not depend on units.
+    """
     from scipy.linalg import matrix_balance
 
     n = len(jacobians[0])
     total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
+    largest = max(float(np.max(np.abs(np.linalg.eigvals(m[:, :n])))) for m in jacobians)
+    mutual = total * total.T >= MUTUAL * largest**2
     with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
-        units = matrix_balance(total, permute=False, separate=True)[1][0]
-    return [np.linalg.svd(m * np.append(units, 1.0) / units[:, None], compute_uv=False) for m in jacobians]
+        units = matrix_balance(np.where(mutual, total, 0.0), permute=False, separate=True)[1][0]
+    return np.append(units, 1.0)
 
 
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:
@@ -194,8 +218,7 @@ def _branch_point(
         target = 1.0 if problem.is_map else 0.0
         return list(np.argsort(np.abs(values - target))[:corank])
 
-    converged = solved is not None and solved.residual <= RESIDUAL_LIMIT
-    if solved is not None and converged and _singular_throughout(local, solved.y, tangent, corank):
+    if solved is not None and _singular_throughout(local, solved.y, tangent, corank):
         return (
             "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
         )
@@ -251,11 +274,12 @@ def _balanced(matrix: Array) -> Array:
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Everything that happens at one place: folds, branch points of any corank, several pairs."""
+    frame, tangent = _balanced_frame(problem, a, frame)
     local = problem.scaled(frame.scale)
     y = 0.5 * (a.z + b.z) / frame.scale
     found: list[Verified | str] = []
     _, jacobian = local.linearise(y)
-    _, beside = local.linearise(y + BESIDE * a.tangent)
+    _, beside = local.linearise(y + BESIDE * tangent)
     if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
         return ["the equations are not finite here"]
     here, there = _singular_values(jacobian, beside)
@@ -264,14 +288,14 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     width = float(np.linalg.norm((b.z - a.z) / frame.scale))
     corank = int(np.sum(here < np.maximum(SINGULAR * size, 2.0 * width * slopes)))
     if corank >= 1:
-        found.append(_branch_point(problem, local, y, frame, corank, a.tangent))
+        found.append(_branch_point(problem, local, y, frame, corank, tangent))
     elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
     if a.tests[3] * b.tests[3] < 0.0:
         flip = defining.eigenvalue_at(local, y, -2.0)
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
     for pair, count in _pairs_on_boundary(eigenvalues_of(problem, y * frame.scale), problem.is_map, size):
-        found.append(_oscillatory(problem, local, y, frame, pair, a.tangent, count))
+        found.append(_oscillatory(problem, local, y, frame, pair, tangent, count))
     return _merge(found, frame)
 
 
@@ -313,6 +337,13 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
 
     Or at a branch point those of the reduced equation.
     """
+    units = _balancing_units(local.linearise(y)[1])
+    tangents = [units * t for t in _tangents(replace(local, scale=local.scale * units), y / units)]
+    return [t / np.linalg.norm(t) for t in tangents]
+
+
+def _tangents(local: ScaledSystem, y: Array) -> list[Array]:
+    """The same in balanced units."""
     _, jacobian = local.linearise(y)
     _, singular, right = np.linalg.svd(jacobian)
     size = max(float(singular[0]), 1e-300)
@@ -322,16 +353,17 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     size = max(
         size, float(np.linalg.norm(local.hessian(y, right[-1]))), float(np.linalg.norm(local.hessian(y, right[-2])))
     )
-    if singular[-1] > 1e-9 * size:
-        return [right[-1]]
     corank = int(np.sum(singular <= 1e-9 * size))
-    if corank > 1:
-        from contin.problems.multiple import reduced_branches
+    if corank == 0:
+        return [right[-1]]
+    if corank == 1:
+        return crossing_tangents(local, y) or [right[-1]]
+    from contin.problems.multiple import reduced_branches
 
-        tangents = [t for t, _ in reduced_branches(local, y, np.zeros(local.n + 1), corank)]
-    else:
-        tangents = crossing_tangents(local, y)
-    return tangents or [right[-1]]
+    try:
+        return [t for t, _ in reduced_branches(local, y, np.zeros(local.n + 1), corank)] or [right[-1]]
+    except np.linalg.LinAlgError:  # the zero eigenvalue is defective: the reduction has no basis
+        return [right[-1]]
 
 
 def crossing_tangents(local: ScaledSystem, y: Array) -> list[Array]:

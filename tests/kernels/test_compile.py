@@ -1,8 +1,7 @@
 """Kernels compile once: one signature each, cached under a name that changes with any of their sources."""
 
-import importlib
+import ast
 import os
-import pkgutil
 import shutil
 import subprocess
 import sys
@@ -10,33 +9,36 @@ from pathlib import Path
 
 import numpy as np
 
-import contin
 from contin import kernels
 from contin.kernels.compile import fingerprint, kernel_cache_folder
 
 SOURCES = Path(kernels.__file__).parent
 
 
-def all_kernels():
-    for info in pkgutil.iter_modules([str(SOURCES)]):
-        module = importlib.import_module(f"contin.kernels.{info.name}")
-        for name, value in vars(module).items():
-            if hasattr(value, "signatures") and value.__module__ == module.__name__:
-                yield f"{info.name}.{name}", value
+EVERY_KIND = """
+import contin
+from tests.kernels.signatures import all_kernels
+from tests.problems.cases import oscillator, zeros
+from tests.problems.follow import follow
+
+follow({"x": "p - x^2"}, {"x": 1.0}, {"p": 1.0}, (-1.0, 1.5))
+follow({"x": "1 - x^2 - p^2", "y": "-y"}, {"x": 1.0, "y": 0.0}, {"p": 0.0, "q": 1.0}, (-2.0, 2.0))
+cycle = contin.Model("m", kind="map", states={"x": 0.5}, parameters={"p": 2.0}, equations={"x": "p*x*(1 - x)"})
+contin.continuation(contin.equilibrium(cycle), "p", (1.5, 3.5))
+hopf = follow(oscillator("x", "y", "p"), zeros("x y"), {"p": -0.5}, (-0.5, 0.2))
+contin.continuation(hopf["HB1"].switch(), "p", (-0.5, 0.2))
+print({name: len(kernel.signatures) for name, kernel in all_kernels()})
+"""
 
 
-def test_every_kernel_has_at_most_one_signature_whatever_ran_before():
-    """Flows, maps, several dimensions, closed loops and branches without: no call may bring a second compilation."""
-    from tests.problems.follow import follow
-
-    follow({"x": "p - x^2"}, {"x": 1.0}, {"p": 1.0}, (-1.0, 1.5))
-    follow({"x": "1 - x^2 - p^2", "y": "-y"}, {"x": 1.0, "y": 0.0}, {"p": 0.0, "q": 1.0}, (-2.0, 2.0))
-    cycle = contin.Model("m", kind="map", states={"x": 0.5}, parameters={"p": 2.0}, equations={"x": "p*x*(1 - x)"})
-    contin.continuation(contin.equilibrium(cycle), "p", (1.5, 3.5))
-    found = dict(all_kernels())
-    assert {"algebraic.march", "algebraic.probe", "dense.lu_factor", "eigen.eigenvalues"} <= set(found)
-    assert {name: len(k.signatures) for name, k in found.items() if len(k.signatures) > 1} == {}
-    assert len(found["algebraic.march"].signatures) == 1
+def test_every_kernel_has_one_signature_after_every_kind_of_run():
+    """Flows, maps, several dimensions, closed loops, orbits: no call may bring a second compilation."""
+    environment = os.environ | {"PYTHONPATH": str(SOURCES.parent.parent)}
+    text = subprocess.check_output([sys.executable, "-c", EVERY_KIND], env=environment, text=True)
+    counts = ast.literal_eval(text)
+    assert {"algebraic.march", "algebraic.probe", "dense.lu_factor", "eigen.eigenvalues"} <= set(counts)
+    assert counts["algebraic.march"] == 1
+    assert {name: count for name, count in counts.items() if count > 1} == {}
 
 
 def test_cache_folder_is_named_by_the_sources(tmp_path):

@@ -70,7 +70,7 @@ def test_flow_test_does_not_depend_on_the_unit_of_time(seed, factor):
 
 @given(seed=st.integers(0, 10**6), n=st.integers(2, 8))
 def test_size_is_continuous_through_a_collision_on_the_real_axis(seed, n):
-    """Two real eigenvalues meet and leave as a pair: the test function must not jump (that would look like an event)."""  # noqa: E501
+    """Two real eigenvalues meet and leave as a pair: the test function must not jump (that looks like an event)."""
     rest = spectrum(np.random.default_rng(seed), n)
     at = np.random.default_rng(seed + 1).normal()
     h = 1e-7

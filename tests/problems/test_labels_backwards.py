@@ -1,5 +1,7 @@
 """Random polynomial systems whose special points are known because they were built backwards; honest errors."""
 
+from itertools import pairwise
+
 import mpmath
 import numpy as np
 import pytest
@@ -81,10 +83,7 @@ def defect(field, n, type_):
 
 
 def test_error_estimates_bound_the_true_errors_and_are_not_a_thousand_times_them():
-    """Every fold and Hopf point of random cubic systems.
-
-    Against Newton in 50 digits with the same binary coefficients.
-    """
+    """Every fold and Hopf point of random cubic systems, against Newton in 50 digits with the same coefficients."""
     ratios = []
     with mpmath.workdps(50):
         for seed in range(8):
@@ -110,7 +109,7 @@ def test_labels_account_for_every_change_of_stability_and_of_direction(seed):
     counts = np.array([np.sum(np.linalg.eigvals(branch.problem.linear_part(z)).real > 0) for z in branch.z])
     labelled = {p.index: p for p in branch.points}
     plain = [k for k in range(len(branch)) if k not in labelled]
-    for k, m in zip(plain, plain[1:], strict=False):  # noqa: RUF007
+    for k, m in pairwise(plain):
         between = [labelled[j].type for j in range(k + 1, m)]
         moved, turned = abs(counts[m] - counts[k]), branch.tangents[m][-1] * branch.tangents[k][-1] < 0
         assert moved <= between.count("LP") + 2 * between.count("HB")
