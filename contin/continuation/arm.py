@@ -207,7 +207,8 @@ class Arm:
         if replaced and last is not None:
             z[-1] = last.z
             tangents, unstable, eigenvalues = tangents.copy(), unstable.copy(), eigenvalues.copy()
-            tangents[-1], unstable[-1], eigenvalues[-1] = last.tangent, last.unstable, last.eigenvalues
+            tangents[-1], unstable[-1] = last.tangent, last.unstable
+            eigenvalues = _with_last(eigenvalues, last.eigenvalues)
         if not corner:
             self._failures(chunk)
         if halt is not None:  # the labelled point itself is the last row
@@ -361,6 +362,15 @@ def _labelled(point: Verified, sample: Sample, scale: Array) -> Piece:
 def _single(sample: Sample, scale: Array) -> Piece:
     """One row."""
     return Piece(sample.z[None], sample.tangent[None], np.array([sample.unstable]), sample.eigenvalues[None], scale)
+
+
+def _with_last(eigenvalues: NDArray[np.complex128], last: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """The rows with another last one, padded with NaN where it has more values than they, or fewer."""
+    width = max(eigenvalues.shape[1], len(last))
+    rows = np.full((len(eigenvalues), width), np.nan, complex)
+    rows[:-1, : eigenvalues.shape[1]] = eigenvalues[:-1]
+    rows[-1, : len(last)] = last
+    return rows
 
 
 def _without_last(chunk: Chunk) -> Chunk:

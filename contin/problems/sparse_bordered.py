@@ -1,10 +1,8 @@
-"""Bordered linear systems [A B; C^T D] [x; y] = [f; g] by block elimination: A is factored, the dense borders never
-are.
+"""Bordered systems [A B; C^T D] [x; y] = [f; g] by block elimination: A is factored, the dense borders never are.
 
 One border row and column at a time, by the mixed elimination BEMW (Govaerts and Pryce 1993): as accurate as the
-bordered
-matrix is well conditioned, even where A is singular. It needs solves with A^T; without them (matrix-free) plain block
-elimination is used, which serves as a preconditioner.
+bordered matrix is well conditioned, even where A is singular. It needs solves with A^T; without them (matrix-free)
+plain block elimination is used, which serves as a preconditioner.
 """
 
 from __future__ import annotations

@@ -1,14 +1,14 @@
 """Eigenvalues near zero of a large operator by shift-invert Arnoldi, as many as stability needs.
 
 The leading eigenvalues are those that can have crossed, or be about to cross, the imaginary axis. By Bendixson's
-theorem
-all eigenvalues with Re >= 0 lie in |Im| <= max row sum of |A - A^T|/2 and Re <= the largest Gershgorin bound of
+theorem all eigenvalues with Re >= 0 lie in |Im| <= max row sum of |A - A^T|/2 and Re <= the largest Gershgorin bound of
 (A + A^T)/2. The basis grows until every eigenvalue in the disc around that part of the plane has converged, or to a
 largest size; where the operator is not known entry by entry, until the unstable ones and some stable ones have.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,9 @@ FEWEST = 4  # eigenvalues that are always computed
 MARGIN = 1.3  # by which the radius exceeds what must be inside
 CONVERGED = 1e-4  # relative error of an eigenvalue, for detection
 LARGEST_BASIS = 160
+DAVIDSON_STEPS = 3
+DAVIDSON_SETTLED = 0.1  # corrections below this make their eigenvectors accurate enough
+DAVIDSON_ACCURACY = 1e-2  # of eigenvectors; eigenvalues have its square
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
 
 
@@ -46,9 +49,8 @@ class Region:
     def of(self, matrix: Any) -> tuple[float, float]:
         """(R, S): eigenvalues with Re >= 0 have Re <= R and |Im| <= S (Bendixson, Gershgorin)."""
         known = self._pattern
-        if known is None or not all(
-            np.array_equal(a, b) for a, b in zip(known, (matrix.indptr, matrix.indices), strict=True)
-        ):
+        pattern = (matrix.indptr, matrix.indices)
+        if known is None or not all(np.array_equal(a, b) for a, b in zip(known, pattern, strict=True)):
             self._learn(matrix)
         if self._partner is None:
             return np.inf, np.inf
@@ -121,6 +123,54 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
             vectors = basis[:size].T @ ritz[:, :keep]
             return Spectrum(values[:keep].astype(complex), vectors.astype(complex), bool(enough and reached))
         size = min(most, size + max(FEWEST, size // 3))
+
+
+def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128]) -> Spectrum:
+    """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
+
+    vectors : (n, k) eigenvectors there. About 2 k applications of the operator and of the approximate inverse.
+    """
+    wanted = vectors.shape[1]
+    basis = _orthonormal(np.hstack([vectors.real, vectors.imag]), np.empty((len(vectors), 0)))
+    images = np.column_stack([linear.apply(v) for v in basis.T])
+    settled = False
+    for _ in range(DAVIDSON_STEPS + 1):
+        values, ritz = np.linalg.eig(basis.T @ images)
+        order = np.argsort(-values.real)[:wanted]
+        values, ritz = values[order], ritz[:, order]
+        right = basis @ ritz
+        if settled:  # the last correction was small, and convergence is quadratic
+            break
+        corrections: list[Array] = []
+        worst = 0.0
+        for k in np.flatnonzero(values.imag >= 0.0):
+            residual = images @ ritz[:, k] - values[k] * right[:, k]
+            parts = [residual.real] + ([residual.imag] if values[k].imag > 0.0 else [])
+            steps = [precondition(np.ascontiguousarray(r)) for r in parts]
+            size = max(norm(s) for s in steps) / norm(right[:, k])
+            worst = max(worst, size)
+            if size > DAVIDSON_ACCURACY:
+                corrections += steps
+        if not corrections or basis.shape[1] + len(corrections) > len(basis):
+            break
+        fresh = _orthonormal(np.column_stack(corrections), basis)
+        if not fresh.shape[1]:
+            break
+        basis = np.hstack([basis, fresh])
+        images = np.hstack([images, np.column_stack([linear.apply(v) for v in fresh.T])])
+        settled = worst < DAVIDSON_SETTLED
+    near = np.argsort(np.abs(values))
+    return Spectrum(values[near].astype(complex), right[:, near].astype(complex), False)
+
+
+def _orthonormal(columns: Array, basis: Array) -> Array:
+    """An orthonormal basis of what the columns add to a basis."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    for _ in range(2):
+        columns = columns - basis @ (basis.T @ columns)
+    q, r = np.linalg.qr(columns)
+    return np.asarray(q[:, np.abs(np.diagonal(r)) > 1e-8])
 
 
 def _without_half_pairs(values: NDArray[Any], count: int) -> int:

@@ -17,6 +17,7 @@ from contin.normalforms.result import parts, sense
 from contin.problems.sparse_linear import Linear
 
 Vector = NDArray[Any]
+SAMPLES = 3
 TRUST = 1e-6  # coefficients below this part of their largest summand are zero to the accuracy of differenced forms
 
 
@@ -29,6 +30,19 @@ def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any
         return found[:-1], found[-1]
 
     return project
+
+
+def rounding(linear: Linear, value: complex, q: Vector) -> float:
+    """How much the real part of an eigenvalue moves when the operator's entries are rounded: max |Re <p, E q>|.
+
+    E has random entries of half a unit in the last place of A's, or, where A is not known by entries, of its size.
+    """
+    generator = np.random.default_rng(4)
+    q = normalise(q)
+    project = projector(linear.shifted(value), q)
+    size = linear.magnitude(np.abs(q))
+    noise = np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, len(q)))
+    return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
 
 
 def state(v: Vector) -> Vector:

@@ -16,6 +16,9 @@ from contin.problems.function_system import FunctionSystem
 from contin.problems.sparse_factor import Factoriser
 from contin.problems.sparse_linear import DirectLinear, KrylovLinear, Linear
 
+ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
+OUT_OF_DATE = 9  # GMRES iterations from which old factors are renewed
+
 
 class JacobianSource:
     """Makes the operator at a point; keeps what all points share (orders of elimination, colours)."""
@@ -23,13 +26,30 @@ class JacobianSource:
     def __init__(self, system: FunctionSystem) -> None:
         self.system = system
         self.factoriser = Factoriser()
+        self._last: KrylovLinear | None = None
 
     def at(self, u: Array, p: Array) -> Linear | None:
         """F_u(u, p); None where it is not finite."""
         if self.system.model.method == "sparse":
             matrix = self.matrix(u, p)
-            return DirectLinear(matrix, self.factoriser) if np.all(np.isfinite(matrix.data)) else None
+            if not np.all(np.isfinite(matrix.data)):
+                return None
+            cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
+            return DirectLinear(matrix, self.factoriser) if cheap else self._lagged(matrix)
         return KrylovLinear(self._product(u, p), self._preconditioner(u, p))
+
+    def _lagged(self, matrix: Any) -> KrylovLinear:
+        """Solved by GMRES with the factors of an earlier point, which are renewed when that takes long."""
+        last, exact = self._last, False
+        if last is None or last.iterations > OUT_OF_DATE or last.precise is None:
+            factor, exact = self.factoriser.factor(matrix), True
+        else:
+            factor = last.precise
+        fresh = KrylovLinear(lambda v: np.asarray(matrix @ v), factor.solve, factor, exact, matrix)
+        if last is not None and not exact:
+            fresh.borders = last.borders
+        self._last = fresh
+        return fresh
 
     def matrix(self, u: Array, p: Array) -> Any:
         """F_u as a CSC matrix."""

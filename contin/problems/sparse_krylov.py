@@ -8,65 +8,73 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.continuation.vectors import norm
+
 Vector = NDArray[Any]
 Operator = Callable[[Vector], Vector]
 
-TOLERANCE = 1e-11  # of the residual, relative to the right-hand side
+TOLERANCE = 1e-11  # of the residual, relative to the right-hand side; Newton steps and tangents need less
+COARSE = 1e-7
 RESTART = 60
+FIRST_BASIS = 12  # vectors allocated at first
 RESTARTS = 8
 
 
 def gmres(
-    apply: Operator, precondition: Operator, right: Vector, start: Vector | None = None
+    apply: Operator, precondition: Operator, right: Vector, tolerance: float = TOLERANCE
 ) -> tuple[Vector, int, float]:
-    """x with apply(x) = right (right preconditioning, Saad and Schultz 1986); returns x, iterations, relative residual.
+    """x with apply(x) = right, by flexible GMRES (Saad 1993); returns x, iterations, relative residual.
 
-    The search stops at `TOLERANCE`, or where the residual does not fall any more.
+    The search stops at `tolerance`, or where the residual does not fall any more.
     """
-    size = float(np.linalg.norm(right))
-    x = np.zeros_like(right) if start is None else start
+    size = norm(right)
+    x = np.zeros_like(right)
     if size == 0.0:
         return np.zeros_like(right), 0, 0.0
     used = 0
     before = np.inf
     for _ in range(RESTARTS):
-        residual = right - apply(x) if used or start is not None else right
-        beta = float(np.linalg.norm(residual))
+        residual = right - apply(x) if used else right
+        beta = norm(residual)
         if not np.isfinite(beta):
             return x, used, np.inf
-        if beta <= TOLERANCE * size or beta > 0.5 * before:
+        if beta <= tolerance * size or beta > 0.5 * before:
             return x, used, beta / size
         before = beta
-        update, steps = _cycle(apply, precondition, residual / beta, beta, TOLERANCE * size)
+        update, steps, left = _cycle(apply, precondition, residual / beta, beta, tolerance * size)
         x = x + update
         used += steps
-    return x, used, float(np.linalg.norm(right - apply(x))) / size
+        if left <= tolerance * size:
+            return x, used, left / size
+    return x, used, norm(right - apply(x)) / size
 
 
-def _cycle(apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float) -> tuple[Vector, int]:
-    """One cycle of at most RESTART steps; the update of x and the number of steps."""
-    basis = [v]
-    hessenberg = np.zeros((RESTART + 1, RESTART), dtype=complex if np.iscomplexobj(v) else float)
-    steps = 0
+def _cycle(apply: Operator, precondition: Operator, v: Vector, beta: float, goal: float) -> tuple[Vector, int, float]:
+    """One cycle of at most RESTART steps: the update of x, the number of steps, the norm of the residual left."""
+    kind = v.dtype
+    basis, directions = np.empty((FIRST_BASIS, len(v)), kind), np.empty((FIRST_BASIS, len(v)), kind)
+    basis[0] = v
+    hessenberg = np.zeros((RESTART + 1, RESTART), kind)
+    steps, left = 0, beta
     y: Vector = np.zeros(0)
     for k in range(RESTART):
-        w = apply(precondition(basis[k]))
-        if np.iscomplexobj(w) and not np.iscomplexobj(hessenberg):
-            hessenberg = hessenberg.astype(complex)
-        block = np.array(basis)
+        directions[k] = precondition(basis[k])
+        w = apply(directions[k])
         for _ in range(2):  # orthogonalised twice
-            h = block.conj() @ w
-            w = w - h @ block
+            h = np.einsum("ij,j->i", basis[: k + 1].conj(), w)
+            w = w - np.einsum("i,ij->j", h, basis[: k + 1])
             hessenberg[: k + 1, k] += h
-        norm = float(np.linalg.norm(w))
-        hessenberg[k + 1, k] = norm
+        length = norm(w)
+        hessenberg[k + 1, k] = length
         steps = k + 1
         e = np.zeros(k + 2)
         e[0] = beta
         y, *_ = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], e, rcond=None)
         left = float(np.linalg.norm(e - hessenberg[: k + 2, : k + 1] @ y))
-        if left <= goal or norm <= 1e-14 * beta:
+        if left <= goal or length <= 1e-14 * beta:
             break
-        basis.append(w / norm)
-    combination = y @ np.array(basis[:steps])
-    return precondition(combination), steps
+        if k + 1 == len(basis):
+            basis = np.concatenate([basis, np.empty_like(basis)])
+            directions = np.concatenate([directions, np.empty_like(directions)])
+        basis[k + 1] = w / length
+    return np.einsum("i,ij->j", y, directions[:steps]), steps, left

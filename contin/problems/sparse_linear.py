@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 
 from contin.problems.sparse_bordered import Approximate, ApproximateBordered, bordered
 from contin.problems.sparse_factor import Factor, Factoriser
-from contin.problems.sparse_krylov import TOLERANCE, gmres
+from contin.problems.sparse_krylov import COARSE, TOLERANCE, gmres
 
 Vector = NDArray[Any]
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 
 
 class Solution(Protocol):
-    """Solves a bordered system."""
+    """Solves a bordered system; `pivot` is the Schur complement of the last border (1 where it is not known)."""
+
+    pivot: Any
 
     def solve(self, right: Vector) -> Vector: ...
 
@@ -26,18 +28,29 @@ class Solution(Protocol):
 class Linear(Protocol):
     """A square operator A."""
 
+    matrix: Any  # sparse, or None
+
+    def precondition(self, right: Vector) -> Vector:
+        """About A^-1 right."""
+
     @property
-    def determinant(self) -> tuple[float, float] | None:
-        """Sign and logarithm of |det A|, where factors give it."""
+    def sign(self) -> float:
+        """Of det A where factors give it, else 1."""
 
     def apply(self, x: Vector) -> Vector:
         """A x."""
 
+    def magnitude(self, x: Vector) -> Vector:
+        """|A| x for x >= 0, or what is about as large: the scale of rounding errors in A x."""
+
     def solve(self, right: Vector) -> Vector:
         """A^-1 right."""
 
-    def bordered(self, columns: Vector, rows: Vector, corner: Vector) -> Solution:
-        """[A B; C^T D] with B = columns (n, k), C = rows (n, k), D = corner (k, k)."""
+    def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
+        """[A B; C^T D] with B = columns (n, k), C = rows (n, k), D = corner (k, k).
+
+        `coarse` allows iterative methods an error of 1e-7, enough for Newton steps and tangents.
+        """
 
     def shifted(self, shift: complex) -> Linear:
         """A - shift I."""
@@ -54,17 +67,24 @@ class DirectLinear:
         return self.factoriser.factor(self.matrix)
 
     @property
-    def determinant(self) -> tuple[float, float] | None:
-        return self.factor.sign, self.factor.log_determinant
+    def sign(self) -> float:
+        return self.factor.sign
 
     def apply(self, x: Vector) -> Vector:
         return np.asarray(self.matrix @ x)
 
+    def magnitude(self, x: Vector) -> Vector:
+        return np.asarray(abs(self.matrix) @ x)
+
     def solve(self, right: Vector) -> Vector:
         return self.factor.solve(right)
 
-    def bordered(self, columns: Vector, rows: Vector, corner: Vector) -> Solution:
-        return bordered(self.factor, columns, rows, corner)
+    def precondition(self, right: Vector) -> Vector:
+        return self.factor.solve(right)
+
+    def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
+        solution: Solution = bordered(self.factor, columns, rows, corner)  # type: ignore[assignment]
+        return solution
 
     def shifted(self, shift: complex) -> DirectLinear:
         from scipy.sparse import identity
@@ -78,16 +98,24 @@ class DirectLinear:
 class KrylovLinear:
     """An operator that is only applied; solved by GMRES with a preconditioner (an approximate inverse).
 
-    `precise` is a factor of a nearby matrix where there is one: then borders are eliminated with it (BEMW).
+    `precise` are factors of a nearby matrix where there are some, `exact` where they are this operator's own: then
+    borders are eliminated with them (BEMW). `matrix` is the operator's matrix, where it has one.
     """
 
-    determinant = None
+    sign = 1.0
 
     def __init__(
-        self, apply: Callable[[Vector], Vector], precondition: Callable[[Vector], Vector], precise: Factor | None = None,  # noqa: E501
+        self,
+        apply: Callable[[Vector], Vector],
+        precondition: Callable[[Vector], Vector],
+        precise: Factor | None = None,
+        exact: bool = False,
+        matrix: Any = None,
         shift: complex = 0.0,
-    ) -> None:  # fmt: skip
-        self._apply, self._precondition, self._precise, self._shift = apply, precondition, precise, shift
+    ) -> None:
+        self._apply, self._precondition, self._shift = apply, precondition, shift
+        self.precise, self.exact, self.matrix = precise, exact, matrix
+        self.borders: dict[int, Any] = {}  # bordered factors by the number of borders, shared with later points
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
 
     def apply(self, x: Vector) -> Vector:
@@ -97,7 +125,12 @@ class KrylovLinear:
             value = self._apply(x)
         return value - self._shift * x if self._shift else value
 
-    def _approximate(self, right: Vector) -> Vector:
+    def magnitude(self, x: Vector) -> Vector:
+        signs = np.where(np.arange(len(x)) % 2 == 0, 1.0, -1.0)  # neighbours in a discretised operator do not cancel
+        return np.maximum(np.abs(self._apply(signs * x)), np.abs(self._apply(x)))
+
+    def precondition(self, right: Vector) -> Vector:
+        """About A^-1 right."""
         if np.iscomplexobj(right):
             return self._precondition(right.real) + 1j * self._precondition(right.imag)
         return self._precondition(right)
@@ -105,38 +138,48 @@ class KrylovLinear:
     def _finish(self, found: tuple[Vector, int, float]) -> Vector:
         x, used, residual = found
         self.iterations = max(self.iterations, used)
-        return x if residual <= max(ACCURATE, TOLERANCE) else np.full_like(x, np.nan)
+        return x if residual <= ACCURATE else np.full_like(x, np.nan)
 
     def solve(self, right: Vector) -> Vector:
-        return self._finish(gmres(self.apply, self._approximate, right))
+        return self._finish(gmres(self.apply, self.precondition, right))
 
-    def bordered(self, columns: Vector, rows: Vector, corner: Vector) -> Solution:
-        return KrylovBordered(self, columns, rows, corner)
+    def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
+        return KrylovBordered(self, columns, rows, corner, COARSE if coarse else TOLERANCE)
 
-    def shifted(self, shift: complex) -> KrylovLinear:
-        return KrylovLinear(self._apply, self._precondition, None, self._shift + shift)
+    def shifted(self, shift: complex) -> Linear:
+        if self.matrix is not None:
+            return DirectLinear(self.matrix, Factoriser()).shifted(shift)
+        return KrylovLinear(self._apply, self._precondition, shift=self._shift + shift)
 
 
 class KrylovBordered:
     """GMRES on the whole bordered operator, which is regular where A is singular."""
 
-    def __init__(self, linear: KrylovLinear, columns: Vector, rows: Vector, corner: Vector) -> None:
+    pivot = 1.0
+
+    def __init__(self, linear: KrylovLinear, columns: Vector, rows: Vector, corner: Vector, tolerance: float) -> None:
         self.linear, self.columns, self.rows, self.corner = linear, columns, rows, corner
+        self.tolerance = tolerance
         complex_ = any(np.iscomplexobj(a) for a in (columns, rows, corner)) or linear._shift != 0.0
         self.complex_ = complex_
-        if linear._precise is not None and not complex_:
-            self.preconditioner: Any = bordered(linear._precise, columns, rows, corner)
-        else:
-            self.preconditioner = ApproximateBordered(Approximate(linear._approximate), columns, rows, corner)
+        self.preconditioner = self._preconditioner()
+
+    def _preconditioner(self) -> Any:
+        """Block elimination with old factors (old borders of this shape included), or an approximate one."""
+        linear, k = self.linear, self.columns.shape[1]
+        if linear.precise is None or self.complex_:
+            return ApproximateBordered(Approximate(linear.precondition), self.columns, self.rows, self.corner)
+        if k not in linear.borders:
+            linear.borders[k] = bordered(linear.precise, self.columns, self.rows, self.corner)
+        return linear.borders[k]
 
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
         state, rest = x[:n], x[n:]
-        return np.concatenate(
-            [self.linear.apply(state) + self.columns @ rest, self.rows.T @ state + self.corner @ rest]
-        )
+        upper = self.linear.apply(state) + self.columns @ rest
+        return np.concatenate([upper, self.rows.T @ state + self.corner @ rest])
 
     def solve(self, right: Vector) -> Vector:
         if self.complex_ and not np.iscomplexobj(right):
             right = right.astype(complex)
-        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right))
+        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, self.tolerance))

@@ -6,6 +6,7 @@ Jacobians, time are proportional to n.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -20,14 +21,16 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.continuation.vectors import norm
 from contin.errors import InputError
 from contin.problems import sparse_special
 from contin.problems.function_system import FunctionSystem
-from contin.problems.sparse_eigen import Region, Spectrum, leading
+from contin.problems.sparse_eigen import Region, Spectrum, followed, leading
 from contin.problems.sparse_jacobian import JacobianSource
-from contin.problems.sparse_linear import DirectLinear, Linear, Solution
+from contin.problems.sparse_linear import KrylovBordered, KrylovLinear, Linear, Solution
 
 POLISH_BUDGET = 12
+FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
 
@@ -36,10 +39,21 @@ class LargeLinearisation:
     """Scaled residual, and M = [J; t] in scaled unknowns, solved by elimination of the border."""
 
     residual: Array
-    sign: float
-    log_determinant: float
+    sign: float  # of det M, where factors give it
     scale: Array
     _solution: Solution
+
+    @cached_property
+    def log_determinant(self) -> float:
+        """In place of log |det M|, which swings by many powers of ten when n is large: -2 log |M^-1 e|.
+
+        With it, the test for branch points is the sign of the determinant times 1/|M^-1 e|, about the smallest singular
+        value of M.
+        """
+        if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
+            return 0.0
+        length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
+        return -2.0 * math.log(length) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
@@ -55,6 +69,7 @@ class Workspace:
     z: Array | None = None
     linear: Linear | None = None
     start: Array | None = None
+    vectors: NDArray[np.complex128] | None = None
     region: Region = field(default_factory=Region)
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
 
@@ -143,13 +158,9 @@ class LargeProblem:
         if linear is None or not np.all(np.isfinite(slope)):
             return None
         row = tangent / scale
-        solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None])
-        sign, logarithm = 1.0, 0.0
-        if linear.determinant is not None:
-            pivot = float(np.real(getattr(solution, "pivot", 1.0)))
-            sign = linear.determinant[0] * (1.0 if pivot > 0.0 else -1.0)
-            logarithm = linear.determinant[1] + float(np.log(abs(pivot)))
-        return LargeLinearisation(f / scale[:-1], sign, logarithm, scale, solution)
+        solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None], coarse=True)
+        sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
+        return LargeLinearisation(f / scale[:-1], sign, scale, solution)
 
     def spectrum(self, z: Array) -> Spectrum:
         """Leading eigenvalues of F_u at z, from the factors of the last point if that is near."""
@@ -162,11 +173,17 @@ class LargeProblem:
         n = self.n
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
-        if isinstance(linear, DirectLinear):
+        lagging = isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact
+        if lagging and work.vectors is not None:
+            found = followed(linear, linear.precondition, work.vectors)
+            work.vectors = found.vectors
+            return found
+        if linear.matrix is not None:
             right, up = work.region.of(linear.matrix)
             radius = float(np.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         found = leading(linear, n, start, radius, work.reach)
         if found.values.size:
+            work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))
             watched = found.values.real > -0.2 * np.abs(found.values)
             work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
@@ -180,10 +197,7 @@ class LargeProblem:
     # the engine's contract --------------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        """The same size for all states (or `typical` where that is a vector): the norm is a function's.
-
-        Not a vector's.
-        """
+        """The same size for all states (in proportion to `typical`, if given): the norm is that of a function."""
         width = bounds[1] - bounds[0] if np.isfinite(bounds[1] - bounds[0]) else max(1.0, abs(float(z[-1])))
         typical = self.system.model.typical
         unit = typical / float(np.abs(typical).max())
@@ -221,7 +235,7 @@ class LargeProblem:
             if linear is None:
                 return None
             step = linear.solve(-f)
-            size = float(np.linalg.norm(step / d))
+            size = norm(step / d)
             if not np.isfinite(size) or size > 1.0:
                 return None
             if size >= 0.5 * before and before < 1e-6:
@@ -278,7 +292,8 @@ class LargeProblem:
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         if point.type != "BP":
             raise InputError(
-                f"{point.branch}.{point.label}: of large systems only branch points have another branch; this is {point.type}"  # noqa: E501
+                f"{point.branch}.{point.label}: of a large system only branch points have another branch; "
+                f"this is {point.type}"
             )
         return sparse_special.switch(self, point, parameter)
 

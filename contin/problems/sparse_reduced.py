@@ -1,10 +1,10 @@
 """The reduced equation at a point where F_u is singular, from bordered solves alone (no transposes).
 
-Near z0 the curves F(z) = 0 are the zeros of a scalar function mu(a1, a2): F(z) + mu b = 0 with c_i . (z - z0) = a_i.
-With K = [J b; C^T 0], which is regular, z and mu and all their derivatives in a are solutions of K x = r:
+Near z0 the curves F(z) = 0 are the zeros of a scalar function mu(a1, a2): F(z) + mu b = 0, c_i . (z - z0) = a_i. With
+K = [J b; C^T 0], which is regular, z and mu and all their derivatives in a are solutions of K x = r:
 
-    K (z_i, mu_i) = (0, e_i),   K (z_ij, mu_ij) = (-D^2F[z_i, z_j], 0),   K (., mu_aaa) = (-D^3F[a, a, a] - 3 D^2F[a,
-    z_aa], 0).
+    K (z_i, mu_i) = (0, e_i),   K (z_ij, mu_ij) = (-D^2F[z_i, z_j], 0),
+    K (z_aaa, mu_aaa) = (-D^3F[z_a, z_a, z_a] - 3 D^2F[z_a, z_aa], 0).
 
 A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros of the quadratic form mu_ij
 (Lyapunov and Schmidt; Govaerts 2000, ch. 6).

@@ -51,8 +51,7 @@ def stability_tests(values: NDArray[np.complex128]) -> tuple[Array, int]:
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Event types that account for the change of the unstable count and of the signs of the tests; None: more than one.
 
-    The determinant changes sign with the parity of the count, except at folds; where there are no factors, it says
-    nothing.
+    The determinant changes sign with the parity of the count, except at folds; without factors it is silent.
     """
     fold, determinant, pairs, _ = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(b.unstable - a.unstable)
@@ -86,7 +85,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     return found
 
 
-# along the curve ----------------------------------------------------------------------------------------------------------  # noqa: E501
+# along the curve ------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +111,12 @@ def point_at(problem: Any, base: Sample, length: float, guess: Array, frame: Fra
 Measure = Callable[[At], float]
 
 
-def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[At, float, float] | None:
-    """The zero of `measure` near base: the point, the value left, and the estimated error of the parameter."""
+def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[At, float, float, float] | None:
+    """The zero of `measure` near base.
+
+    Returns the point, the value left, the estimated error of the parameter, and the slope of `measure` in the parameter
+    (infinite where the parameter does not change).
+    """
 
     def evaluate(s: float, near: At | None) -> tuple[At, float] | None:
         guess = base.z + s * frame.scale * base.tangent if near is None else near.z
@@ -146,7 +149,9 @@ def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[
             break
     if not last < 1e-4:
         return None
-    return at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope)
+    rate = float(at.tangent[-1]) * float(frame.scale[-1])
+    by_parameter = slope / rate if rate != 0.0 else np.inf
+    return at, v1, _scatter(problem, base, frame, measure, s1, at, v1, slope), by_parameter
 
 
 def _scatter(
@@ -167,14 +172,14 @@ def _scatter(
     return 4.0 * worst * float(frame.scale[-1]) + EPSILON * abs(float(at.z[-1]))
 
 
-# folds and Hopf points ----------------------------------------------------------------------------------------------------  # noqa: E501
+# folds and Hopf points ------------------------------------------------------------------------------------------------
 
 
 def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return "LP not verified: the parameter does not turn at one point of the curve"
-    at, left, error = found
+    at, left, error, _ = found
     values = problem.spectrum(at.z).values
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
     q = at.tangent[:-1] * frame.scale[:-1]
@@ -187,9 +192,7 @@ def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
 
 def _floor(problem: Any, z: Array, frame: Frame) -> float:
     """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
-    linear = problem.linear(z)
-    v = np.ones(problem.n)
-    size = float(np.max(np.abs(linear.apply(np.where(np.arange(problem.n) % 2 == 0, v, -v)))))
+    size = float(np.max(problem.linear(z).magnitude(np.ones(problem.n))))
     return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
 
 
@@ -218,37 +221,36 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     if not pairs.size:
         return "HB: the two eigenvalues that cross are real"
     k = pairs[int(np.argmin(np.abs(spectrum.values[pairs].real) / np.abs(spectrum.values[pairs])))]
-    state = {"value": complex(spectrum.values[k]), "q": spectrum.vectors[:, k]}
-    frequency = abs(state["value"].imag)
+    value, q = complex(spectrum.values[k]), spectrum.vectors[:, k]
+    frequency = abs(value.imag)
 
     def growth(at: At) -> float:
-        state["value"], state["q"] = refine(problem.linear(at.z), state["value"], state["q"])
-        return float(float(state["value"].real) / frequency)
+        nonlocal value, q
+        value, q = refine(problem.linear(at.z), value, q)
+        return value.real / frequency
 
     found = secant(problem, near, frame, growth)
     if found is None:
         return "HB not verified: the real part of the eigenvalue has no zero nearby"
-    at, left, error = found
-    omega = abs(state["value"].imag)
+    at, left, error, slope = found
+    omega = abs(value.imag)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
         return f"HB not verified: its defining system has no solution nearby (residual {residual:.1e})"
-    q = state["q"] if state["value"].imag > 0 else np.conj(state["q"])
+    q = q if value.imag > 0 else np.conj(q)
     values = problem.spectrum(at.z).values
     critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
     others = np.delete(values, critical)
     form = sparse_forms.hopf(problem, at.z, q, omega)
+    error += 3.0 * sparse_forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
     return Verified("HB", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
 
 
-# branch points ------------------------------------------------------------------------------------------------------------  # noqa: E501
+# branch points --------------------------------------------------------------------------------------------------------
 
 
 def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
-    """The reduced equation at z with borders from the eigenvector to the eigenvalue nearest to zero (raw.
-
-    Returned too).
-    """
+    """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
     spectrum = problem.spectrum(z)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
@@ -267,7 +269,7 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     found = reduced.branch_point(near.z)
     if found is None:
         return "BP not verified: Newton on the reduced equation did not converge"
-    z, mu, gradient = found  # noqa: RUF059
+    z, mu, _ = found
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
     if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
         return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
@@ -312,11 +314,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     cosines = [abs(float((d / point.scale) @ own)) / float(np.linalg.norm(d / point.scale)) for d, _ in curves]
     direction, bend = curves[int(np.argmin(cosines))]
-    lead = (
-        direction[-1]
-        if abs(direction[-1] / point.scale[-1]) > 1e-6 * float(np.linalg.norm(direction / point.scale))
-        else 0.0
-    )
+    scaled = direction / point.scale
+    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * float(np.linalg.norm(scaled)) else 0.0
     if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
         direction = -direction
     scale = _metric(point.z, direction, bend, point.scale)

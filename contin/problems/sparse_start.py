@@ -74,6 +74,6 @@ def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibri
         history.append(float(np.max(np.abs(f))))
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
     raise NoSolutionError(
-        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. Start closer, give "  # noqa: E501
-        "other parameters, or check the Jacobian (matrix-free: the preconditioner)."
+        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. Start closer, "
+        "give other parameters, or check the Jacobian (matrix-free: the preconditioner)."
     )

@@ -1,0 +1,356 @@
+"""Large systems: their linear algebra against dense algebra; folds, Hopf and branch points against closed forms."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.optimize import brentq
+
+import contin
+from contin import api
+from contin.errors import InputError, NoSolutionError
+from contin.problems.sparse_bordered import bordered
+from contin.problems.sparse_eigen import Region, leading
+from contin.problems.sparse_factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
+from contin.problems.sparse_krylov import gmres
+from contin.problems.sparse_linear import DirectLinear, KrylovLinear
+
+GENERATOR = np.random.default_rng(0)
+
+
+def band(n, width):
+    diagonals = [GENERATOR.normal(size=n - abs(k)) for k in range(-width, width + 1)]
+    return sp.diags(diagonals, range(-width, width + 1), format="csc")
+
+
+def shuffled(matrix):
+    order = GENERATOR.permutation(matrix.shape[0])
+    return matrix[order][:, order].tocsc()
+
+
+def scattered(n):
+    return (sp.random(n, n, 0.03, random_state=1) + sp.diags([3.0 + GENERATOR.random(n)], [0])).tocsc()
+
+
+FACTORED = {
+    "tridiagonal": (band(60, 1), TridiagonalFactor), "band": (band(60, 4), BandFactor),
+    "shuffled band": (shuffled(band(400, 3)), BandFactor), "scattered": (scattered(300), SuperFactor),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FACTORED)
+@pytest.mark.parametrize("shift", [0.0, 0.7j])
+def test_factors_solve_transposed_too_and_give_the_sign_of_the_determinant(name, shift):
+    matrix, kind = FACTORED[name]
+    matrix = (matrix - shift * sp.identity(matrix.shape[0])).tocsc() if shift else matrix.copy()
+    matrix.sort_indices()
+    factor = Factoriser().factor(matrix)
+    assert isinstance(factor, kind)
+    right = GENERATOR.normal(size=matrix.shape[0])
+    np.testing.assert_allclose(matrix @ factor.solve(right), right, atol=1e-9)
+    np.testing.assert_allclose(matrix.T @ factor.solve_transposed(right), right, atol=1e-9)
+    both = right + 1j * right[::-1]
+    np.testing.assert_allclose(matrix @ factor.solve(both), both, atol=1e-9)
+    if not shift:
+        assert factor.sign == np.linalg.slogdet(matrix.toarray())[0]
+
+
+def test_bordered_solves_are_accurate_where_the_matrix_is_singular():
+    n = 40
+    matrix = band(n, 1).toarray()
+    values = np.linalg.eigvals(matrix)
+    real = int(np.argmin(np.abs(values.imag) + 1e-3 * np.abs(values.real)))
+    singular = sp.csc_matrix(sp.diags([np.zeros(n)], [0]) + sp.csc_matrix(matrix)) - values[real].real * sp.identity(n)
+    singular = singular.tocsc()
+    assert np.linalg.svd(singular.toarray(), compute_uv=False)[-1] < 1e-12
+    columns, rows, corner = GENERATOR.normal(size=(n, 2)), GENERATOR.normal(size=(n, 2)), GENERATOR.normal(size=(2, 2))
+    corner[0, 0] = 0.0
+    whole = np.block([[singular.toarray(), columns], [rows.T, corner]])
+    exact = GENERATOR.normal(size=n + 2)
+    solver = bordered(Factoriser().factor(singular), columns, rows, corner)
+    np.testing.assert_allclose(solver.solve(whole @ exact), exact, atol=1e-9)
+    np.testing.assert_allclose(solver.solve_transposed(whole.T @ exact), exact, atol=1e-9)
+
+
+def test_gmres_takes_as_many_steps_as_there_are_distinct_eigenvalues():
+    values = np.repeat([1.0, 2.0, 5.0, 9.0], 25)
+    basis, _ = np.linalg.qr(GENERATOR.normal(size=(100, 100)))
+    matrix = basis @ np.diag(values) @ basis.T
+    right = GENERATOR.normal(size=100)
+    x, used, residual = gmres(lambda v: matrix @ v, lambda v: v, right)
+    assert used == 4
+    assert residual < 1e-11
+    np.testing.assert_allclose(matrix @ x, right, atol=1e-9)
+    shifted = matrix + 1j * np.eye(100)
+    x, _, residual = gmres(lambda v: shifted @ v, lambda v: v, right.astype(complex))
+    np.testing.assert_allclose(shifted @ x, right, atol=1e-9)
+
+
+def test_region_holds_every_unstable_eigenvalue():
+    for seed in range(5):
+        matrix = sp.csc_matrix(np.random.default_rng(seed).normal(size=(30, 30)))
+        right, up = Region().of(matrix)
+        values = np.linalg.eigvals(matrix.toarray())
+        unstable = values[values.real >= 0]
+        assert np.all(unstable.real <= right + 1e-12)
+        assert np.all(np.abs(unstable.imag) <= up + 1e-12)
+
+
+def test_leading_eigenvalues_are_those_of_the_dense_matrix():
+    n = 300
+    laplacian = sp.diags([np.ones(n - 1), -2 * np.ones(n), np.ones(n - 1)], [-1, 0, 1]) * (n + 1) ** 2
+    rotation = sp.csc_matrix([[30.0, 8.0], [-8.0, 30.0]])
+    matrix = (sp.kron(laplacian, sp.identity(2)) + sp.kron(sp.identity(n), rotation)).tocsc()
+    right, up = Region().of(matrix)
+    radius = float(np.hypot(right, up))
+    found = leading(DirectLinear(matrix, Factoriser()), 2 * n, GENERATOR.normal(size=2 * n), radius)
+    assert found.certain
+    exact = np.linalg.eigvals(matrix.toarray())
+    inside = exact[np.abs(exact) <= radius]
+    assert len(found.values) >= len(inside)
+    for value, vector in zip(found.values, found.vectors.T, strict=True):
+        assert np.abs(exact - value).min() < 1e-3 * abs(value)
+        assert np.linalg.norm(matrix @ vector - value * vector) < 1e-2 * np.linalg.norm(matrix @ vector)
+    assert int(np.sum(found.values.real > 0)) == int(np.sum(exact.real > 0)) == 2
+
+
+# Bratu: u'' + p exp(u) = 0, u(0) = u(1) = 0 -------------------------------------------------------------------------
+
+
+def bratu_fold():
+    """p = 8 (s / cosh s)^2 where s tanh s = 1: 3.513830719125..."""
+    s = brentq(lambda s: s * np.tanh(s) - 1.0, 1.0, 2.0, xtol=1e-15)
+    return 8.0 * (s / np.cosh(s)) ** 2
+
+
+def bratu(n, **given):
+    h = 1.0 / (n + 1)
+    pattern = sp.diags([np.ones(n - 1), -2 * np.ones(n), np.ones(n - 1)], [-1, 0, 1], format="csc") / h**2
+    diagonal = np.flatnonzero(pattern.indices == np.repeat(np.arange(n), np.diff(pattern.indptr)))
+
+    def residual(u, p):
+        value = p["p"] * np.exp(u) - 2.0 * u / h**2
+        value[1:] += u[:-1] / h**2
+        value[:-1] += u[1:] / h**2
+        return value
+
+    def jacobian(u, p):
+        matrix = pattern.copy()
+        matrix.data[diagonal] += p["p"] * np.exp(u)
+        return matrix
+
+    ways = {
+        "sparse": {"jacobian": jacobian},
+        "coloured": {"sparsity": pattern},
+        "matrix-free": {
+            "jacobian": lambda u, p: sp.linalg.aslinearoperator(jacobian(u, p)),
+            "preconditioner": lambda u, p: sp.linalg.splu(pattern).solve,
+        },
+        "products": {"preconditioner": lambda u, p: sp.linalg.splu(pattern).solve},
+    }
+    return contin.FunctionProblem(residual, np.zeros(n), {"p": 0.0}, **ways[given.get("way", "sparse")])
+
+
+@pytest.mark.parametrize("way", ["sparse", "coloured", "matrix-free", "products"])
+def test_bratu_fold_is_that_of_the_discretised_problem(way):
+    n = 400
+    problem = bratu(n, way=way)
+    assert problem.method == ("sparse" if way in ("sparse", "coloured") else "matrix-free")
+    branch = api.continuation(problem, "p", (0.0, 4.0), direction="up", settings={"steps": 46})
+    assert [point.type for point in branch.points] == ["LP"]
+    fold = branch["LP1"]
+    h = 1.0 / (n + 1)
+    assert fold.values["p"] == pytest.approx(bratu_fold() - 1.83 * h**2, abs=2e-3 * 1.83 * h**2 + 1e-9)
+    assert fold.error < 1e-7
+    assert (branch.columns["unstable"][0], branch.columns["unstable"][-1]) == (0, 1)
+
+
+def test_the_fold_converges_with_second_order_and_the_dense_method_agrees():
+    values = []
+    for n in (50, 100, 200):
+        branch = api.continuation(bratu(n), "p", (0.0, 4.0), direction="up", settings={"steps": 46})
+        values.append(branch["LP1"].values["p"])
+        if n == 50:
+            problem = bratu(n)
+            dense = contin.FunctionProblem(
+                problem.residual, np.zeros(n), {"p": 0.0}, lambda u, p, given=problem.jacobian: given(u, p).toarray()
+            )
+            reference = api.continuation(dense, "p", (0.0, 4.0), direction="up", settings={"steps": 150})["LP1"]
+            assert values[0] == pytest.approx(reference.values["p"], abs=1e-11)
+            ours = branch["LP1"].normal_form["a"]
+            assert abs(ours) == pytest.approx(abs(reference.normal_form["a"]), rel=1e-6)
+    errors = bratu_fold() - np.array(values)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.05)
+
+
+def test_ten_thousand_unknowns_take_few_factorisations():
+    problem = bratu(10_000)
+    calls = 0
+    given = problem.jacobian
+
+    def counted(u, p):
+        nonlocal calls
+        calls += 1
+        return given(u, p)
+
+    problem.jacobian = counted
+    branch = api.continuation(problem, "p", (0.0, 4.0), direction="up", settings={"steps": 42})
+    assert branch["LP1"].values["p"] == pytest.approx(bratu_fold() - 1.83e-8, abs=5e-9)
+    assert calls < 4 * branch.steps
+
+
+# Brusselator on an interval: Hopf points in closed form --------------------------------------------------------------
+
+
+def brusselator(n, **given):
+    """X' = D1/L^2 X'' + X^2 Y - (B + 1) X + A, Y' = D2/L^2 Y'' - X^2 Y + B X, held at (A, B/A) on both ends."""
+    h, d1, d2, a, b = 1.0 / (n + 1), 0.008, 0.004, 2.0, 5.45
+
+    def laplacian(x, end):
+        value = -2.0 * x
+        value[1:] += x[:-1]
+        value[:-1] += x[1:]
+        value[0] += end
+        value[-1] += end
+        return value / h**2
+
+    def residual(u, p):
+        x, y, s = u[0::2], u[1::2], p["L"] ** 2
+        value = np.empty_like(u)
+        value[0::2] = d1 / s * laplacian(x, a) + x * x * y - (b + 1) * x + a
+        value[1::2] = d2 / s * laplacian(y, b / a) - x * x * y + b * x
+        return value
+
+    u0 = np.tile([a, b / a], n)
+    neighbours = sp.diags([np.ones(n - 1), np.ones(n), np.ones(n - 1)], [-1, 0, 1])
+    pattern = sp.kron(neighbours, sp.identity(2)) + sp.kron(sp.identity(n), np.ones((2, 2)))
+    exact = [np.sqrt((d1 + d2) * 4 / h**2 * np.sin(k * np.pi * h / 2) ** 2 / (b - 1 - a**2)) for k in (1, 2, 3)]
+    return contin.FunctionProblem(residual, u0, {"L": 0.4}, sparsity=pattern), exact
+
+
+def test_brusselator_hopf_points_are_at_their_closed_form():
+    problem, exact = brusselator(500)  # 1000 unknowns
+    branch = api.continuation(problem, "L", (0.4, 1.2), direction="up")
+    assert [point.type for point in branch.points] == ["HB", "HB"]
+    for point, value in zip(branch.points, exact, strict=False):
+        assert abs(point.values["L"] - value) <= max(point.error, 1e-14)
+        assert point.error < 1e-7
+        assert point.normal_form["omega"] == pytest.approx(2.1395092895, abs=1e-8)
+        assert point.normal_form["criticality"] == "supercritical"
+    assert [point.values["unstable"] for point in branch.points] == [0, 2]
+    assert branch.steps < 40
+
+
+def test_hopf_normal_form_is_that_of_the_dense_method():
+    large, _ = brusselator(12)
+    dense = contin.FunctionProblem(large.residual, large.u0, {"L": 0.4})
+    ours = api.continuation(large, "L", (0.4, 0.8), direction="up")["HB1"]
+    reference = api.continuation(dense, "L", (0.4, 0.8), direction="up")["HB1"]
+    assert ours.values["L"] == pytest.approx(reference.values["L"], abs=1e-11)
+    np.testing.assert_allclose(ours.normal_form["c1"], reference.normal_form["c1"], rtol=1e-6)
+
+
+# branch points: u'' + p (u - u^3) = 0 --------------------------------------------------------------------------------
+
+
+def chafee_infante(n, dense=False, quadratic=0.0):
+    """Branch points of the rest state at p = 4/h^2 sin^2(k pi h/2)."""
+    h = 1.0 / (n + 1)
+    laplacian = sp.diags([np.ones(n - 1), -2 * np.ones(n), np.ones(n - 1)], [-1, 0, 1], format="csc") / h**2
+
+    def residual(u, p):
+        return laplacian @ u + p["p"] * (u + quadratic * u**2 - u**3)
+
+    def jacobian(u, p):
+        matrix = (laplacian + sp.diags(p["p"] * (1 + 2 * quadratic * u - 3 * u**2))).tocsc()
+        return matrix.toarray() if dense else matrix
+
+    exact = [4 / h**2 * np.sin(k * np.pi * h / 2) ** 2 for k in (1, 2, 3)]
+    symmetries = None if quadratic else {"flip": lambda u: -u}
+    return contin.FunctionProblem(residual, np.zeros(n), {"p": 1.0}, jacobian, symmetries=symmetries), exact
+
+
+def test_pitchforks_and_switched_branches():
+    problem, exact = chafee_infante(300)
+    line = api.continuation(problem, "p", (1.0, 60.0), direction="up")
+    assert [point.type for point in line.points] == ["BP", "BP"]
+    for point, value in zip(line.points, exact, strict=False):
+        assert abs(point.values["p"] - value) <= max(point.error, 1e-12)
+        assert point.normal_form["kind"] == "pitchfork"
+        assert point.normal_form["criticality"] == "supercritical"
+        assert point.normal_form["b11"] == pytest.approx(1.0, abs=1e-9)
+    fork = api.continuation(line["BP1"].switch(), "p", (1.0, 60.0))
+    assert fork.symmetries == ("flip",)
+    assert fork.points == ()
+    assert np.all(fork.columns["stable"][1:])
+    assert fork.columns["max"][-1] == pytest.approx(1.0, abs=0.1)
+    diagram = api.diagram(problem, "p", (1.0, 60.0))
+    assert len(diagram) == 5  # rest, two branches and their mirror images
+
+
+def test_branch_point_coefficients_are_those_of_the_dense_method():
+    for quadratic in (0.0, 0.5):
+        large, _ = chafee_infante(30, quadratic=quadratic)
+        dense, _ = chafee_infante(30, dense=True, quadratic=quadratic)
+        ours = api.continuation(large, "p", (1.0, 20.0), direction="up")["BP1"]
+        reference = api.continuation(dense, "p", (1.0, 20.0), direction="up")["BP1"]
+        assert ours.values["p"] == pytest.approx(reference.values["p"], abs=1e-10)
+        assert ours.normal_form["kind"] == reference.normal_form["kind"]
+        assert ours.normal_form["kind"] == ("transcritical" if quadratic else "pitchfork")
+        for key in ("a01", "a02", "b11", "b20", "b30"):
+            value, expected = ours.normal_form[key], reference.normal_form[key]
+            assert abs(value) == pytest.approx(abs(expected), rel=1e-6, abs=1e-7), key
+
+
+def test_transcritical_branches_cross():
+    problem, _ = chafee_infante(100, quadratic=0.5)
+    line = api.continuation(api.equilibrium(problem, parameters={"p": 6.0}), "p", (5.0, 15.0))
+    cross = api.continuation(line["BP1"].switch(), "p", (5.0, 15.0))
+    assert {end.reason for end in cross.ends} == {"bound"}
+    assert cross.columns["p"].min() < line["BP1"].values["p"] < cross.columns["p"].max() + 1e-9
+
+
+# effort, memory, messages --------------------------------------------------------------------------------------------
+
+
+def test_colours_of_a_grid_are_few():
+    from contin.problems.sparse_jacobian import JacobianSource
+
+    n = 20
+    grid = sp.diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(n, n))
+    pattern = sp.kron(grid, sp.identity(n)) + sp.kron(sp.identity(n), grid)
+    u0 = np.ones(n * n)
+    problem = contin.FunctionProblem(lambda u, p: pattern @ np.sin(u) + p["a"], u0, {"a": 1.0}, sparsity=pattern)
+    source = JacobianSource(problem.system())
+    u = GENERATOR.normal(size=n * n)
+    exact = pattern @ sp.diags(np.cos(u))
+    np.testing.assert_allclose(source.matrix(u, np.array([1.0])).toarray(), exact.toarray(), atol=1e-14)
+    assert source._pattern[3] <= 9
+
+
+def test_large_equilibria_say_what_is_missing():
+    with pytest.raises(InputError, match="maps need a dense Jacobian"):
+        api.equilibrium(contin.FunctionProblem(lambda u, p: u, np.ones(3), {"a": 1.0}, sparsity=np.eye(3), kind="map"))
+    never = contin.FunctionProblem(lambda u, p: u**2 + 1.0 + p["a"], np.ones(3), {"a": 1.0}, sparsity=np.eye(3))
+    with pytest.raises(NoSolutionError, match=r"no equilibrium found from the start: residual .* Newton steps"):
+        api.equilibrium(never)
+    wrong = contin.FunctionProblem(lambda u, p: u, np.ones(3), {"a": 1.0}, sparsity=np.eye(4))
+    with pytest.raises(InputError, match=r"sparsity must be a matrix of shape \(3, 3\), like dF/du; got \(4, 4\)"):
+        api.equilibrium(wrong)
+
+
+def test_krylov_and_direct_operators_agree():
+    matrix = scattered(80)
+    direct = DirectLinear(matrix, Factoriser())
+    krylov = KrylovLinear(lambda v: matrix @ v, lambda v: v / 3.5)
+    right = GENERATOR.normal(size=80)
+    np.testing.assert_allclose(krylov.solve(right), direct.solve(right), atol=1e-8)
+    border = GENERATOR.normal(size=(80, 1))
+    both = (border, border[::-1].copy(), np.zeros((1, 1)))
+    extended = np.append(right, 0.3)
+    np.testing.assert_allclose(
+        krylov.bordered(*both).solve(extended), direct.bordered(*both).solve(extended), atol=1e-7
+    )
+    np.testing.assert_allclose(
+        krylov.shifted(0.5j).solve(right.astype(complex)), direct.shifted(0.5j).solve(right.astype(complex)), atol=1e-8
+    )
