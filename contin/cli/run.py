@@ -80,7 +80,7 @@ def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: fl
     to_stdout = json == "-"
     errors = console(sys.stderr, quiet)
     report = errors if to_stdout else console(sys.stdout, quiet)
-    writable(json)
+    writable(json, plan.outputs)
     journal = open_journal(plan, resume)
     document, complete = compute(plan, orbits, errors, began, journal)
     if not quiet:
@@ -98,10 +98,20 @@ def console(stream: TextIO, quiet: bool) -> Console:
     return Console(file=stream, quiet=quiet, highlight=False, width=None if stream.isatty() else 200, markup=False)
 
 
-def writable(json: str | None) -> None:
-    """A mistyped output is found before the computation, not after it."""
-    if json not in (None, "-") and not Path(str(json)).absolute().parent.is_dir():
-        raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
+def writable(json: str | None, outputs: Mapping[str, Path]) -> None:
+    """An output that cannot be written is found before the computation, not after it."""
+    if json not in (None, "-"):
+        path = Path(str(json)).absolute()
+        if path.is_dir():
+            raise InputError(f"--json {json}: is a folder; name a file")
+        if not path.parent.is_dir():
+            raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
+    for kind, path in outputs.items():
+        above = next(folder for folder in path.absolute().parents if folder.exists())
+        if not above.is_dir():
+            raise InputError(f"outputs.{kind}: {above} is a file; {path.name} needs a folder of that name")
+        if not os.access(above, os.W_OK):
+            raise InputError(f"outputs.{kind}: the folder {above} may not be written to")
 
 
 def open_journal(plan: Plan, resume: bool) -> SqliteJournal | None:

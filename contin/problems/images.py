@@ -40,7 +40,7 @@ def images_through(branch: Branch, z: Array, known: Iterable[Branch]) -> list[Br
     for name in symmetry_names(branch.problem):
         mapped = apply_symmetry(branch.problem, name, branch.z)
         others = [b.z for b in (*known, *found) if b.z.shape == mapped.shape]
-        if any(np.all(np.abs(mapped - other) <= SAME * size) for other in others):
+        if any(np.all(np.abs(mapped - rows) <= SAME * size) for other in others for rows in (other, other[::-1])):
             continue
         if np.any(np.all(np.abs(mapped - z) <= SAME * np.maximum(size, np.abs(z)), axis=1)):
             found.append(image(branch, name))

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Final
 
+from contin.errors import InputError
 from contin.model.source import Problems
 
 ENDINGS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -61,5 +62,8 @@ def _mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Path) 
 
 
 def make_folder(path: Path) -> None:
-    """Make the folder of an output below the run file's, where it is missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Make the folder of an output below the run file's, where it is missing; InputError where it cannot be."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: its folder cannot be made ({error.strerror})") from None

@@ -176,3 +176,13 @@ def test_outputs_do_not_overwrite_the_run_file_or_one_another(tmp_path, capsys):
     path = run_file(tmp_path, FOLD, {"parameter": "p"}, name="case.json", outputs={"json": "case.json"})
     assert call("run", path) == 2
     assert "would overwrite the run file itself" in capsys.readouterr().err
+
+
+def test_an_output_that_cannot_be_written_is_found_before_the_computation(tmp_path, capsys):
+    (tmp_path / "taken").write_text("")
+    path = run_file(tmp_path, FOLD, {"parameter": "p"}, outputs={"plot": "taken/x.png", "json": "done.json"})
+    assert call("run", path) == 2
+    assert "taken is a file; x.png needs a folder of that name" in capsys.readouterr().err
+    assert call("run", run_file(tmp_path, FOLD, {"parameter": "p"}), "--json", tmp_path) == 2
+    assert "is a folder; name a file" in capsys.readouterr().err
+    assert not (tmp_path / "done.json").exists()

@@ -7,7 +7,7 @@ import pytest
 
 import contin
 from contin.errors import InputError
-from tests.diagram.crossings import explore, model
+from tests.diagram.crossings import assert_same_points, explore, model, solutions
 
 R = (-1.0, 1.5)
 FORK = {"x": "p*x - x^3"}
@@ -138,3 +138,14 @@ def test_branch_point_that_breaks_a_declared_symmetry_gives_an_image_with_mapped
         assert (image.columns["p"] == original.columns["p"]).all()
         assert image.columns["y"] == pytest.approx(-original.columns["y"])
         assert [(p.label, p.values["p"]) for p in image.points] == [(p.label, p.values["p"]) for p in original.points]
+
+
+def test_images_of_one_line_under_several_symmetries_are_one_branch():
+    """Pitchforks with the symmetry of the square: two axes and two diagonals, each pair computed once."""
+    square = {"x": "p*x - x^3 - x*y^2/2", "y": "p*y - y^3 - y*x^2/2"}
+    symmetries = {"flip": {"x": "-x"}, "swap": {"x": "y", "y": "x"}}
+    diagram = explore(square, {"x": 0.0, "y": 0.0}, {"p": -1.0}, R, symmetries=symmetries)
+    assert [b.image_of is None for b in diagram] == [True, True, False, True, False]
+    a, d = 0.5**0.5, (0.5 / 1.5) ** 0.5
+    axes = [(a, 0), (-a, 0), (0, a), (0, -a)]
+    assert_same_points(solutions(diagram, 0.5), [(0, 0), *axes, (d, d), (d, -d), (-d, d), (-d, -d)])
