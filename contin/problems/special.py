@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
@@ -156,7 +157,7 @@ def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
     return found
 
 
-def _singular_values(*jacobians: Array) -> list[Array]:
+def _singular_values(*jacobians: Array) -> list[NDArray[np.floating]]:
     """Singular values of matrices (n, n + 1) after the change of units of the states that balances them together.
 
     A state whose scale was guessed badly would otherwise make the others' Jacobian look singular.
