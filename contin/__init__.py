@@ -12,7 +12,7 @@ from contin._version import __version__
 
 _EXPORTS = {
     "ContinError": "contin.errors",
-    "FunctionProblem": "contin.problems.function",
+    "FunctionProblem": "contin.problems.functions.problem",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
     "average": "contin.symbolic.averaging",

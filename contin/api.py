@@ -20,11 +20,11 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.deflation import FoundEquilibrium
-from contin.problems.function import FunctionProblem
-from contin.problems.maps import iterate
+from contin.problems.functions.problem import FunctionProblem
+from contin.problems.maps.iterate import iterate
 from contin.problems.orbit import OrbitProblem
 from contin.problems.orbit_start import PeriodicOrbit, configured
-from contin.problems.sparse_start import LargeEquilibrium, converge_large
+from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]

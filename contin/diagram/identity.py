@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
-from contin.problems.maps_cycle import CycleProblem
+from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 SAME = 1e-6  # scaled distance of a point from a curve

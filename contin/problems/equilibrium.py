@@ -19,7 +19,7 @@ from contin.continuation.settings import Settings
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
-from contin.problems.function_march import DenseMarch
+from contin.problems.functions.march import DenseMarch
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import state_scales

@@ -13,7 +13,7 @@ from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.codim2_tests import tests_at
-from contin.problems.function_march import DenseLinearisation, dense_linearisation
+from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 
 
 @dataclass(frozen=True, eq=False)

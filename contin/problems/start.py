@@ -13,8 +13,8 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.maps import IteratedSystem
-from contin.problems.maps_cycle import CycleProblem
+from contin.problems.maps.cycle import CycleProblem
+from contin.problems.maps.iterate import IteratedSystem
 
 BUDGET = 60
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding

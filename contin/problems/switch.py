@@ -15,7 +15,7 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems import defining, special
 from contin.problems.fine_directions import DISTANCE
-from contin.problems.maps_switch import doubled
+from contin.problems.maps.switch import doubled
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from contin.abi import NO_FUNCTION, Array
 from contin.errors import InputError, NotFiniteError
 from contin.normalforms.jet import expand_complex
-from contin.problems.function_derivatives import Lines, is_analytic
+from contin.problems.functions.derivatives import Lines, is_analytic
 
 if TYPE_CHECKING:
-    from contin.problems.function import FunctionProblem
+    from contin.problems.functions.problem import FunctionProblem
 
 
 class FunctionSystem:

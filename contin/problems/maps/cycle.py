@@ -24,8 +24,8 @@ from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
-from contin.problems.function_march import DenseMarch
-from contin.problems.maps import IteratedSystem
+from contin.problems.functions.march import DenseMarch
+from contin.problems.maps.iterate import IteratedSystem
 from contin.problems.polish import at_parameter
 
 HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period

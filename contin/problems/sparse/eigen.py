@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.vectors import norm
-from contin.problems.sparse_linear import Linear
+from contin.problems.sparse.linear import Linear
 
 FEWEST = 4  # eigenvalues that are always computed
 MARGIN = 1.3  # by which the radius exceeds what must be inside

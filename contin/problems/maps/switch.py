@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.problems.maps import iterate
+from contin.problems.maps.iterate import iterate
 
 
 def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
@@ -20,7 +20,7 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """
     from contin.normalforms.maps import flip_predictor
     from contin.problems.describe import jet_at
-    from contin.problems.maps_cycle import HALF_PERIOD, lifted
+    from contin.problems.maps.cycle import HALF_PERIOD, lifted
     from contin.problems.switch import renewed_metric  # which imports this module
 
     if parameter != problem.parameters[0]:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.sparse_linear import Solution
+from contin.problems.sparse.linear import Solution
 
 STEPS = 12
 

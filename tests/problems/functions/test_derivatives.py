@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contin.problems.function_derivatives import HALF_WIDTHS, STEPS, Lines, is_analytic, stencil
+from contin.problems.functions.derivatives import HALF_WIDTHS, STEPS, Lines, is_analytic, stencil
 
 P = np.array([0.7])
 SIZES = np.ones(3)

@@ -8,11 +8,11 @@ from scipy.optimize import brentq
 import contin
 from contin import api
 from contin.errors import InputError, NoSolutionError
-from contin.problems.sparse_bordered import bordered
-from contin.problems.sparse_eigen import Region, leading
-from contin.problems.sparse_factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
-from contin.problems.sparse_krylov import gmres
-from contin.problems.sparse_linear import DirectLinear, KrylovLinear
+from contin.problems.sparse.bordered import bordered
+from contin.problems.sparse.eigen import Region, leading
+from contin.problems.sparse.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
+from contin.problems.sparse.krylov import gmres
+from contin.problems.sparse.linear import DirectLinear, KrylovLinear
 
 GENERATOR = np.random.default_rng(0)
 
@@ -314,7 +314,7 @@ def test_transcritical_branches_cross():
 
 
 def test_colours_of_a_grid_are_few():
-    from contin.problems.sparse_jacobian import JacobianSource
+    from contin.problems.sparse.jacobian import JacobianSource
 
     n = 20
     grid = sp.diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(n, n))

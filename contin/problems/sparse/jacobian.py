@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.problems.function_derivatives import COMPLEX_STEP, STEPS, stencil
-from contin.problems.function_system import FunctionSystem
-from contin.problems.sparse_factor import Factoriser
-from contin.problems.sparse_linear import DirectLinear, KrylovLinear, Linear
+from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
+from contin.problems.functions.system import FunctionSystem
+from contin.problems.sparse.factor import Factoriser
+from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
 
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
 OUT_OF_DATE = 9  # GMRES iterations from which old factors are renewed

@@ -15,7 +15,7 @@ from contin.errors import InputError, NotFiniteError
 
 if TYPE_CHECKING:
     from contin.model.parts import Expectation
-    from contin.problems.function_system import FunctionSystem
+    from contin.problems.functions.system import FunctionSystem
 
 NAMED = 50  # up to this number, states are columns of their own
 DENSE = 200  # without a Jacobian or its sparsity, a dense one is differenced up to this number of states
@@ -136,7 +136,7 @@ class FunctionProblem:
 
     def system(self) -> FunctionSystem:
         """The function with all its derivatives, as problems use it."""
-        from contin.problems.function_system import FunctionSystem
+        from contin.problems.functions.system import FunctionSystem
 
         return FunctionSystem(self)
 

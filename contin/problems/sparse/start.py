@@ -9,9 +9,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError, NotFiniteError
-from contin.problems.function_system import FunctionSystem
-from contin.problems.sparse_jacobian import JacobianSource
-from contin.problems.sparse_problem import LargeProblem
+from contin.problems.functions.system import FunctionSystem
+from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.problem import LargeProblem
 
 BUDGET = 40
 ACCURATE = 1e-12

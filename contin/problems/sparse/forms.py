@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.normalforms.linear import normalise
 from contin.normalforms.result import parts, sense
-from contin.problems.sparse_linear import Linear
+from contin.problems.sparse.linear import Linear
 
 Vector = NDArray[Any]
 SAMPLES = 3

@@ -23,11 +23,11 @@ from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
 from contin.errors import InputError
-from contin.problems import sparse_special
-from contin.problems.function_system import FunctionSystem
-from contin.problems.sparse_eigen import Region, Spectrum, followed, leading
-from contin.problems.sparse_jacobian import JacobianSource
-from contin.problems.sparse_linear import KrylovBordered, KrylovLinear, Linear, Solution
+from contin.problems.functions.system import FunctionSystem
+from contin.problems.sparse import special
+from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
+from contin.problems.sparse.jacobian import JacobianSource
+from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
 
 POLISH_BUDGET = 12
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
@@ -191,7 +191,7 @@ class LargeProblem:
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         values = self.spectrum(z).values
-        tests, unstable = sparse_special.stability_tests(values)
+        tests, unstable = special.stability_tests(values)
         return tests, unstable, values
 
     # the engine's contract --------------------------------------------------------------------------------------------
@@ -214,7 +214,7 @@ class LargeProblem:
         return np.append(np.sqrt(self.n) * size * unit, width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        return sparse_special.tangents(self, z, scale)
+        return special.tangents(self, z, scale)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -247,16 +247,16 @@ class LargeProblem:
         return z if before < 1e-6 else None
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return sparse_special.explain(a, b)
+        return special.explain(a, b)
 
     def watch(self, type_: str) -> int | None:
         return {"LP": 0, "BP": None, "HB": 2}[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return sparse_special.verify(self, type_, near, frame)
+        return special.verify(self, type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return sparse_special.verify_compound(self, a, b, frame)
+        return special.verify_compound(self, a, b, frame)
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         return None
@@ -295,7 +295,7 @@ class LargeProblem:
                 f"{point.branch}.{point.label}: of a large system only branch points have another branch; "
                 f"this is {point.type}"
             )
-        return sparse_special.switch(self, point, parameter)
+        return special.switch(self, point, parameter)
 
     def describe_failure(self, z: Array) -> str:
         return self.system.explain(z[:-1], self.full_parameters(z)) or (

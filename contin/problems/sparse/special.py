@@ -21,9 +21,9 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
 from contin.errors import InputError
-from contin.problems import sparse_forms
-from contin.problems.sparse_linear import Linear
-from contin.problems.sparse_reduced import Reduced
+from contin.problems.sparse import forms
+from contin.problems.sparse.linear import Linear
+from contin.problems.sparse.reduced import Reduced
 from contin.problems.symmetry import reversing_symmetries
 
 SECANT_BUDGET = 10
@@ -183,7 +183,7 @@ def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     values = problem.spectrum(at.z).values
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
     q = at.tangent[:-1] * frame.scale[:-1]
-    form = sparse_forms.fold(problem, at.z, q)
+    form = forms.fold(problem, at.z, q)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
         return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
@@ -241,8 +241,8 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     values = problem.spectrum(at.z).values
     critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
     others = np.delete(values, critical)
-    form = sparse_forms.hopf(problem, at.z, q, omega)
-    error += 3.0 * sparse_forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
+    form = forms.hopf(problem, at.z, q, omega)
+    error += 3.0 * forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
     return Verified("HB", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
 
 
@@ -282,7 +282,7 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     spectrum = problem.spectrum(z)
     k = int(np.argmin(np.abs(spectrum.values)))
     others = np.delete(spectrum.values, k)
-    form = sparse_forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
+    form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
     error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
     return Verified("BP", z, residual, error, spectrum.values, int(np.sum(others.real > 0.0)), form, {"kernel": 1})
 

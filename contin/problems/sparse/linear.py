@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.problems.sparse_bordered import Approximate, ApproximateBordered, bordered
-from contin.problems.sparse_factor import Factor, Factoriser
-from contin.problems.sparse_krylov import COARSE, TOLERANCE, gmres
+from contin.problems.sparse.bordered import Approximate, ApproximateBordered, bordered
+from contin.problems.sparse.factor import Factor, Factoriser
+from contin.problems.sparse.krylov import COARSE, TOLERANCE, gmres
 
 Vector = NDArray[Any]
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one

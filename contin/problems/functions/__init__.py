@@ -1,0 +1,1 @@
+"""Users' Python functions as systems: what they give, what is differenced."""

@@ -1,0 +1,1 @@
+"""Maps: the iterated map, cycles as its fixed points, doubled cycles."""

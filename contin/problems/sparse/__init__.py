@@ -1,0 +1,1 @@
+"""Large systems: sparse or matrix-free Jacobians; bordered solves by block elimination, stability by Arnoldi."""
