@@ -273,7 +273,7 @@ class EquilibriumProblem:
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curve of such points in two parameters."""
-        from contin.problems.locus_start import loci_of_point
+        from contin.problems.loci.start import loci_of_point
 
         return loci_of_point(self, point, parameters)
 

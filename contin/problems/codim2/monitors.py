@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.codim2_functions import lyapunov, own_critical, scaled_matrix
+from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
 
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
 
@@ -41,7 +41,7 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
         return np.array([kappa / size, product, pairs, sign]), unstable, values
     v, psi = null_pair(matrix, problem.curve)
     if problem.locus == "BP":
-        from contin.problems.codim2_forms import branching_coefficient
+        from contin.problems.codim2.forms import branching_coefficient
 
         return np.array([branching_coefficient(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
@@ -106,7 +106,7 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
     elif problem.locus == "PD":
         leading = flip_coefficient(problem, z) * np.sign(float(psi @ v))
     else:
-        from contin.problems.codim2_forms import branching_coefficient
+        from contin.problems.codim2.forms import branching_coefficient
 
         leading = branching_coefficient(problem, z)
     return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])
@@ -115,7 +115,7 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
 def flip_coefficient(problem: Any, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
     from contin.normalforms.maps import period_doubling
-    from contin.problems.codim2_forms import jet_at
+    from contin.problems.codim2.forms import jet_at
 
     try:
         form = period_doubling(jet_at(problem, z))

@@ -32,11 +32,11 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
     if type_ == "CP":
         return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
     if type_ == "DP":
-        from contin.problems.codim2_forms import branching_coefficient
+        from contin.problems.codim2.forms import branching_coefficient
 
         return lambda z: branching_coefficient(problem, z)
     if type_ == "GPD":
-        from contin.problems.codim2_tests import flip_coefficient
+        from contin.problems.codim2.monitors import flip_coefficient
 
         return lambda z: flip_coefficient(problem, z)
     if type_ in ("GH", "CH"):
@@ -103,7 +103,7 @@ def lyapunov(problem: Any, z: Array) -> float:
         return 0.0
     if curve.system.jacobian_address == NO_FUNCTION:
         from contin.normalforms.hopf import hopf
-        from contin.problems.codim2_forms import jet_at
+        from contin.problems.codim2.forms import jet_at
 
         return float(hopf(jet_at(problem, z), float(np.sqrt(kappa))).coefficients["l1"])
     from contin.kernels.lyapunov import lyapunov_sign
@@ -129,7 +129,7 @@ def lyapunov(problem: Any, z: Array) -> float:
 def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
     """Re d of a Neimark-Sacker point."""
     from contin.normalforms.maps import neimark_sacker
-    from contin.problems.codim2_forms import jet_at
+    from contin.problems.codim2.forms import jet_at
 
     if abs(cosine) >= 1.0:
         return 0.0

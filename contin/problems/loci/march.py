@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
-from contin.problems.codim2_tests import tests_at
+from contin.problems.codim2.monitors import tests_at
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 
 

@@ -11,9 +11,9 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.locus import LocusProblem
-from contin.problems.locus_bordered import BorderedCurve
-from contin.problems.locus_extended import ExtendedCurve
+from contin.problems.loci.bordered import BorderedCurve
+from contin.problems.loci.extended import ExtendedCurve
+from contin.problems.loci.problem import LocusProblem
 
 CURVES: Final = {  # the curves that pass through a point
     "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("BP",),

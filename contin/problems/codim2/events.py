@@ -2,7 +2,7 @@
 
 A point is verified by Newton on its own defining system: the equations of the curve and one more, a smooth function
 that
-vanishes at points of the type (`codim2_functions`). Then eigenvalues, their number on the unstable side without the
+vanishes at points of the type (`codim2.functions`). Then eigenvalues, their number on the unstable side without the
 critical ones, and the normal form are computed from exact derivatives.
 """
 
@@ -17,8 +17,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.problems import defining
-from contin.problems.codim2_forms import described
-from contin.problems.codim2_functions import critical_indices, function_of
+from contin.problems.codim2.forms import described
+from contin.problems.codim2.functions import critical_indices, function_of
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
     "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
@@ -174,7 +174,7 @@ def degeneracy(problem: Any, z: Array) -> float:
 
     The sign of b20 goes with that of the null vector, which follows the curve's own.
     """
-    from contin.problems.codim2_forms import branching_coefficient
+    from contin.problems.codim2.forms import branching_coefficient
 
     return branching_coefficient(problem, z)
 

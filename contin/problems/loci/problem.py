@@ -15,7 +15,8 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
-from contin.problems import codim2, newton_fixed
+from contin.problems import newton_fixed
+from contin.problems.codim2 import events
 
 CHUNK = 250
 _NONE = np.empty(0)
@@ -109,7 +110,7 @@ class LocusProblem:
     ) -> Chunk:  # fmt: skip
         self.curve.settle(origin.z)
         if not self.curve.compiled:
-            from contin.problems.locus_march import march
+            from contin.problems.loci.march import march
 
             return march(self, origin, before, length, frame, step, limit, settings, loop)
         from contin.kernels import locus as kernel
@@ -138,7 +139,7 @@ class LocusProblem:
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], _STOPS[reason], float(info[1]),
             0.0, int(info[4]), int(info[2]),
         )  # fmt: skip
-        return codim2.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
+        return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
 
     @cached_property
     def _functions(self) -> tuple[int, int, int, int]:
@@ -153,7 +154,7 @@ class LocusProblem:
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if not self.curve.compiled:
-            from contin.problems.locus_march import probe
+            from contin.problems.loci.march import probe
 
             return probe(self, base, length, guess, frame, settings)
         from contin.kernels import locus as kernel
@@ -167,7 +168,7 @@ class LocusProblem:
             tests, re, im,
         )  # fmt: skip
         if count >= 0 and self.locus == "BP":
-            tests[codim2.DEGENERACY] = codim2.degeneracy(self, z)
+            tests[events.DEGENERACY] = events.degeneracy(self, z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
@@ -178,16 +179,16 @@ class LocusProblem:
         return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return codim2.explain(self.locus, a, b, self.system.kind == "map")
+        return events.explain(self.locus, a, b, self.system.kind == "map")
 
     def watch(self, type_: str) -> int | None:
-        return codim2.TEST_OF[self.locus][type_]
+        return events.TEST_OF[self.locus][type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return codim2.verify(self, type_, near, frame)
+        return events.verify(self, type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return codim2.verify_compound(self, a, b, frame)
+        return events.verify_compound(self, a, b, frame)
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         return None
@@ -221,7 +222,7 @@ class LocusProblem:
         return columns
 
     def _is_unfolded(self, z: Array) -> bool:
-        return bool(np.any(np.abs(z[:, -3]) > codim2.FORCED * np.linalg.norm(self.curve.matrix(z[0]))))
+        return bool(np.any(np.abs(z[:, -3]) > events.FORCED * np.linalg.norm(self.curve.matrix(z[0]))))
 
     def remarks(self, z: Array) -> Sequence[str]:
         if self.locus == "BP" and self._is_unfolded(z):
@@ -248,12 +249,12 @@ class LocusProblem:
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         """The branch of equilibria through the point, in one parameter."""
-        from contin.problems.locus_start import equilibria_through
+        from contin.problems.loci.start import equilibria_through
 
         return equilibria_through(self, point, parameter)
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curves of other types through a point of codimension two; its own where there is none."""
-        from contin.problems.locus_start import loci_through
+        from contin.problems.loci.start import loci_through
 
         return loci_through(self, point, parameters)

@@ -1,0 +1,1 @@
+"""Points of codimension two on those curves: detection, verification, normal forms."""

@@ -1,0 +1,1 @@
+"""Curves of special points of equilibria and fixed points in two parameters."""
