@@ -22,8 +22,8 @@ from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteErr
 from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
-from contin.problems.orbit import OrbitProblem
-from contin.problems.orbit_start import PeriodicOrbit, configured
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.start import PeriodicOrbit, configured
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -101,7 +101,7 @@ def periodic_orbit(
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    from contin.problems.orbit_simulation import orbit_by_simulation, orbit_from_array
+    from contin.problems.orbits.simulation import orbit_by_simulation, orbit_from_array
 
     if isinstance(start, np.ndarray):
         if period is None:

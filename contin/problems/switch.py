@@ -28,7 +28,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     if point.type == "PD" and problem.is_map:
         return doubled(problem, point, parameter)
     if point.type == "HB":
-        from contin.problems.orbit_start import hopf_seeds
+        from contin.problems.orbits.start import hopf_seeds
 
         return hopf_seeds(problem, point, parameter)
     if point.type != "BP":

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbit_layout import Profile
+from contin.problems.orbits.layout import Profile
 
 SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
 
@@ -256,7 +256,7 @@ class OrbitLinear:
 
 def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
-    from contin.problems.orbit_defining import Bordered, crossing
+    from contin.problems.orbits.defining import Bordered, crossing
 
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian

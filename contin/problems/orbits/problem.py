@@ -16,8 +16,8 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbit_forcing import ForcingPeriod
-from contin.problems.orbit_layout import Profile, extrema, make_scale, profile_of, sizes_of
+from contin.problems.orbits.forcing import ForcingPeriod
+from contin.problems.orbits.layout import Profile, extrema, make_scale, profile_of, sizes_of
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
@@ -54,7 +54,7 @@ class _Rows:
 
 @dataclass(frozen=True, eq=False)
 class OrbitProblem:
-    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbit_layout`.
+    """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbits.layout`.
 
     system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
     `active` varies.  points : Gauss points an interval.  winding : what each state gains in one period (rotations).
@@ -160,7 +160,7 @@ class OrbitProblem:
         return np.where(largest > floor, largest, np.where(largest > 0.0, floor, 1.0))
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        from contin.problems.orbit_linear import branch_tangents
+        from contin.problems.orbits.linear import branch_tangents
 
         return branch_tangents(self, z, scale)
 
@@ -192,7 +192,7 @@ class OrbitProblem:
         )  # fmt: skip
 
     def _error_limit(self, profile: Profile, sizes: Array) -> float:
-        from contin.problems.orbit_mesh import estimate
+        from contin.problems.orbits.mesh import estimate
 
         error, _ = estimate(profile, sizes)
         return max(self.tolerance, 3.0 * error)
@@ -261,7 +261,7 @@ class OrbitProblem:
         return found.z
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        from contin.problems.orbit_events import explain
+        from contin.problems.orbits.events import explain
 
         return explain(a, b)
 
@@ -269,12 +269,12 @@ class OrbitProblem:
         return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        from contin.problems.orbit_events import verify
+        from contin.problems.orbits.events import verify
 
         return verify(self, type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        from contin.problems.orbit_events import verify_compound
+        from contin.problems.orbits.events import verify_compound
 
         return verify_compound(self, a, b, frame)
 
@@ -321,14 +321,14 @@ class OrbitProblem:
         return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        from contin.problems.orbit_switch import switch
+        from contin.problems.orbits.switch import switch
 
         return switch(self, point, parameter)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        from contin.problems.orbit_renewal import renew
+        from contin.problems.orbits.renewal import renew
 
         return renew(self, origin, before, loop, frame, settings)
 
@@ -338,7 +338,7 @@ class OrbitProblem:
         return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(periods[0] - periods[1]) < SAME_PERIOD * periods[0]
 
     def describe_failure(self, z: Array) -> str:
-        from contin.problems.orbit_mesh import estimate
+        from contin.problems.orbits.mesh import estimate
 
         profile = self.profile(z)
         for u in profile.u:

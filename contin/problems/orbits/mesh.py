@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbit_layout import Profile
+from contin.problems.orbits.layout import Profile
 
 SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average

@@ -11,8 +11,8 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
-from contin.problems.orbit import PERIOD_SCALE, OrbitProblem
-from contin.problems.orbit_layout import Profile, make_scale, sizes_of
+from contin.problems.orbits.layout import Profile, make_scale, sizes_of
+from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 
 HOPF_INTERVALS = 20  # a small cycle is a sine
 

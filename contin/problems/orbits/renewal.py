@@ -10,8 +10,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
-from contin.problems.orbit_layout import Profile, make_scale
-from contin.problems.orbit_mesh import choose_mesh, estimate
+from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.mesh import choose_mesh, estimate
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
 TOO_FINE = 0.55  # ... and part of the present number of intervals below which it is made coarser
@@ -21,7 +21,7 @@ def renew(
     problem: Any, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
 ) -> Renewal:
     """Metric and mesh for the next chunk, or the end of the branch."""
-    from contin.problems.orbit_ends import ending
+    from contin.problems.orbits.ends import ending
 
     found = ending(problem, origin, before, frame)
     if found is not None:

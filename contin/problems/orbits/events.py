@@ -50,7 +50,7 @@ def _distance_from_one(sample: Sample) -> float:
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
-    from contin.problems.orbit_defining import solve_special
+    from contin.problems.orbits.defining import solve_special
 
     theta = 0.0
     if type_ in ("NS", "neutral"):
@@ -89,7 +89,7 @@ def _extent(problem: Any, z: Array, frame: Frame) -> float:
 
 
 def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    from contin.problems.orbit_normal_form import normal_form
+    from contin.problems.orbits.normal_form import normal_form
 
     return replace(point, normal_form=normal_form(problem, point, scale))
 

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.orbit_layout import Profile, make_scale
+from contin.problems.orbits.layout import Profile, make_scale
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:

@@ -9,16 +9,17 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
-from contin.problems.orbit import OrbitProblem
-from contin.problems.orbit_layout import Profile
-from contin.problems.orbit_mesh import choose_mesh
-from contin.problems.orbit_start import PeriodicOrbit
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.mesh import choose_mesh
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.start import PeriodicOrbit
 
 FIRST_TIME = 60.0  # time scales before the first look
 LONGEST = 2e5  # time scales until giving up
 CROSSINGS = 60  # returns compared at once
 CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
 NEAR = 3e-2  # ... and one this close is tried when time is up
+SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
 LONGEST_MULTIPLE = 16  # forcing periods
 
@@ -46,19 +47,22 @@ def orbit_by_simulation(
     if system.is_forced:
         return _forced(system, start, p, periods, intervals, points)
     scale = _time_scale(system, start, p)
+    largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 1.0)
     while total < LONGEST * scale:
-        path = integrate(system, start, p, time, times=np.linspace(0.5 * time, time, 400))
+        path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800))
         total += time
-        sizes = np.maximum(np.abs(path.u).max(axis=0), 1e-12)
-        extent = np.ptp(path.u, axis=0)
-        if float(np.max(np.where(periods > 0, 0.0, extent / sizes))) < AT_REST and not _turns(extent, periods):
+        largest = np.maximum(largest, np.abs(path.u).max(axis=0))
+        extent, recent = np.ptp(path.u[400:], axis=0), np.ptp(path.u[-100:], axis=0)
+        still = float(np.max(np.where(periods > 0, 0.0, extent / largest))) < AT_REST
+        if still and not _turns(extent, periods):
             names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
             raise NoSolutionError(
-                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit attracts "  # noqa: E501
-                "this start. Start elsewhere, change the parameters, or start from a Hopf point."
+                f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit "
+                "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point."
             )
-        found = _return(system, path.end, p, periods, time, extent)
+        shrinking = bool(np.all(recent < SETTLED * extent))
+        found = None if shrinking else _return(system, path.end, p, periods, time, extent)
         if found is not None:
             if found[0] < best[0]:
                 best = found
@@ -68,8 +72,8 @@ def orbit_by_simulation(
     distance, at, period, _ = best
     if distance > NEAR:
         raise NoSolutionError(
-            f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of its "  # noqa: E501
-            "extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
+            f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of "
+            "its extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
         )
     return _polished(system, at, p, periods, period, 1, intervals, points)
 
@@ -181,10 +185,7 @@ def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: i
 
 
 def orbit_from_array(system: Any, t: Array, u: Array, p: Array, periods: Array, points: int = 4) -> PeriodicOrbit:
-    """An orbit from samples u (K, n) at times t (K,) over one period (the last is the first again).
-
-    Solved by Newton.
-    """
+    """An orbit from samples u (K, n) at times t (K,) over one period, the last the first again; polished by Newton."""
     t, u = np.asarray(t, dtype=float), np.asarray(u, dtype=float)
     period = float(t[-1] - t[0])
     h = np.full(60, 1.0 / 60)

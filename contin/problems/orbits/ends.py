@@ -12,8 +12,8 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.problems.orbit import dwelling
-from contin.problems.orbit_layout import Profile
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.problem import dwelling
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
@@ -107,6 +107,11 @@ class Saddle:
         candidates = self.eigenvalues[np.abs(np.abs(real) - rate) <= 1e-9 * rate]
         return complex(max(candidates, key=lambda v: v.imag))
 
+    def at(self, problem: Any, parameter: float, sizes: Array) -> Saddle:
+        """The same equilibrium at another parameter value."""
+        found = _equilibrium(problem, self.u, parameter, sizes)
+        return self if found is None else replace(self, u=found[0], eigenvalues=found[1])
+
     @property
     def quantity(self) -> float:
         """Saddle quantity: leading unstable plus leading stable real part; negative: a stable cycle (n = 2)."""
@@ -159,33 +164,44 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if q > 0.0 else AGREED) * width
     if not (settled or remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
         return None
-    return _connection(problem, origin, profile, saddles, limits[0], 3.0 * error + 2e-11 * width)
+    at_limit = [s.at(problem, limits[0], sizes) for s in saddles]
+    return _connection(problem, origin, profile, at_limit, limits[0], 3.0 * error + 2e-11 * width)
 
 
 def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
     """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
-    from contin.problems.equilibrium import EquilibriumProblem
-
-    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
-    metric = np.append(sizes, 1.0)
     extent = _extent(profile, sizes)
     found: list[Saddle] = []
     for u in _slowest_points(profile, sizes):
-        z = rest.at_parameter(np.append(u, profile.parameter), profile.parameter, metric)
-        if z is None or float(np.max(np.abs(z[:-1] - u) / sizes)) > NEAR_SADDLE * extent:
+        near = _equilibrium(problem, u, profile.parameter, sizes)
+        if near is None or float(np.max(np.abs(near[0] - u) / sizes)) > NEAR_SADDLE * extent:
             return []
-        values = np.linalg.eigvals(rest.linear_part(z))
+        state, values = near
         if not (np.any(values.real > 0) and np.any(values.real < 0)):
             return []
         if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
             return []
         for k, known in enumerate(found):
-            if float(np.max(np.abs(known.u - z[:-1]) / sizes)) < 1e-6:
+            if float(np.max(np.abs(known.u - state) / sizes)) < 1e-6:
                 found[k] = replace(known, visits=known.visits + 1)
                 break
         else:
-            found.append(Saddle(z[:-1], values[np.argsort(-values.real)].astype(complex), 1))
+            found.append(Saddle(state, values, 1))
     return found
+
+
+def _equilibrium(
+    problem: Any, u: Array, parameter: float, sizes: Array
+) -> tuple[Array, NDArray[np.complex128]] | None:
+    """The equilibrium near u and its eigenvalues by falling real part."""
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    z = rest.at_parameter(np.append(u, parameter), parameter, np.append(sizes, 1.0))
+    if z is None:
+        return None
+    values = np.linalg.eigvals(rest.linear_part(z))
+    return z[:-1], values[np.argsort(-values.real)].astype(complex)
 
 
 def _slowest_points(profile: Profile, sizes: Array) -> list[Array]:
@@ -227,7 +243,8 @@ def _connection(
             for state, s in zip(states, saddles, strict=True)
         ]
     text = (
-        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} +- {error:.1e}, "  # noqa: E501
+        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} "
+        f"+- {error:.1e}, "
         f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
     )
     point = Verified(

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbit_layout import make_scale
-from contin.problems.orbit_linear import OrbitLinear
+from contin.problems.orbits.layout import make_scale
+from contin.problems.orbits.linear import OrbitLinear
 
 NEWTON_BUDGET = 12
 SETTLED = 1e-13

@@ -1,0 +1,1 @@
+"""Periodic orbits: collocation, special points, ends, starts."""
