@@ -53,11 +53,13 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
 def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
     """sum |p_i| |v_j| |w_k| |B_i(e_j, e_k)|: the scale of the rounding error of <p, B(v, w)>.
 
+    Components of v and w that vanish are themselves known to rounding only: they count with the vector's length.
     Up to n = 12 every entry of B enters; beyond, sums over one index (n evaluations) stand for them.
     """
     n = jet.n
     eye = np.eye(n)
     weights = np.abs(p)
+    v, w = _filled(jet, v), _filled(jet, w)
     if n > 12:
         rows = [np.abs(jet.form(state(jet, eye[j]), state(jet, w))) * abs(v[j]) for j in range(n) if v[j] != 0]
         return float(sum(weights @ row for row in rows))
@@ -68,3 +70,10 @@ def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
             if size > 0.0:
                 total += size * float(weights @ np.abs(jet.form(state(jet, eye[j]), state(jet, eye[k]))))
     return total
+
+
+def _filled(jet: Jet, v: Vector) -> Real:
+    """|v|, no component below the vector's length in units of the states' typical sizes, where these are known."""
+    if jet.scale is None:
+        return np.abs(v)
+    return np.asarray(np.maximum(np.abs(v), jet.scale * np.max(np.abs(v) / jet.scale)))

@@ -17,6 +17,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.problems import defining
+from contin.problems.codim2 import degenerate
 from contin.problems.codim2.forms import described
 from contin.problems.codim2.functions import critical_indices, function_of
 
@@ -90,7 +91,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     function = function_of(problem, type_, near)
     if isinstance(function, str):
         return f"{type_} not verified: {function}"
-    solved = _solve(problem, function, near, frame.scale)
+    solved = solve(problem, function, near, frame.scale)
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
     if not solved.residual <= RESIDUAL_LIMIT:
@@ -108,10 +109,14 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     point = Verified(type_, z, solved.residual, error, values, unstable)
+    if type_ == "CP":
+        touching = degenerate.at_fold(problem, point, near, frame)
+        if touching is not None:
+            return touching
     return described(problem, point, values[critical])
 
 
-def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
+def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
@@ -127,7 +132,7 @@ def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale
         f, jacobian = curve.linearise(y * scale, parameters)
         return np.append(f / rows, function(y * scale)), jacobian * scale / rows[:, None]
 
-    y, before = near.z / scale, np.inf
+    y, before, lacking = near.z / scale, np.inf, 0.0
     for _ in range(defining.NEWTON_BUDGET):
         g, jacobian = residual(y)
         matrix = np.vstack([jacobian, gradient])
@@ -139,6 +144,8 @@ def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale
             return None
         length = float(np.linalg.norm(step))
         if length >= 0.5 * before and length < defining.STALLED:
+            ratio = min(length / before, 0.9)
+            lacking = 2.0 * abs(float(step[-1])) * ratio / (1.0 - ratio) if length > 1e3 * defining.SETTLED else 0.0
             break
         if length > 1e3 or (length >= before and before < defining.STALLED):
             return None
@@ -159,7 +166,7 @@ def _solve(problem: Any, function: Callable[[Array], float], near: Sample, scale
         shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, size)
         estimates.append(float(shift[-1] - row @ residual(y + shift)[0]))
     scatter = 2.0 * float(np.max(np.abs(estimates)))
-    return _Solution(y, float(np.max(np.abs(g))), scatter)
+    return _Solution(y, float(np.max(np.abs(g))), scatter + lacking)
 
 
 def eigenvalues(problem: Any, z: Array) -> Any:
@@ -169,21 +176,11 @@ def eigenvalues(problem: Any, z: Array) -> Any:
     return values[np.lexsort((-values.imag, -values.real))]
 
 
-def degeneracy(problem: Any, z: Array) -> float:
-    """The coefficient of a branch point whose zero is a DP: b30 of a pitchfork, b20 of a transcritical point.
-
-    The sign of b20 goes with that of the null vector, which follows the curve's own.
-    """
-    from contin.problems.codim2.forms import branching_coefficient
-
-    return branching_coefficient(problem, z)
-
-
 def with_degeneracy(problem: Any, chunk: Chunk) -> Chunk:
     """A chunk along a curve of branch points with the test of DP filled in, cut after its first sign change."""
     previous = 0.0
     for row in range(len(chunk)):
-        value = degeneracy(problem, chunk.z[row])
+        value = degenerate.test(problem, chunk.z[row])
         chunk.tests[row, DEGENERACY] = value
         if value * previous < 0.0:
             end = row + 1

@@ -46,16 +46,3 @@ def branching_form(problem: Any, z: Array) -> Any:
 
     forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
     return max(forms, key=lambda form: abs(form.coefficients["b11"]))
-
-
-def branching_coefficient(problem: Any, z: Array) -> float:
-    """b30 (pitchfork) or b20 (transcritical; signed with the curve's null vector): zero at a DP.
-
-    Which of the two belongs to the curve is decided where it is first asked, since b20 vanishes at a transcritical DP.
-    """
-    from contin.normalforms.branching import branch_point
-
-    form = branch_point(jet_at(problem, z, (problem.curve.first,)))
-    if problem.memory.setdefault("kind", form.coefficients["kind"]) == "pitchfork":
-        return float(form.coefficients["b30"])
-    return float(form.coefficients["b20"]) * float(np.sign(form.vectors["p"] @ problem.curve.left_vector(z)))

@@ -32,9 +32,9 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
     if type_ == "CP":
         return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
     if type_ == "DP":
-        from contin.problems.codim2.forms import branching_coefficient
+        from contin.problems.codim2 import degenerate
 
-        return lambda z: branching_coefficient(problem, z)
+        return _border_function(problem, near.z, lambda z, right, left: degenerate.coefficient(problem, z, right, left))
     if type_ == "GPD":
         from contin.problems.codim2.monitors import flip_coefficient
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.codim2 import degenerate
 from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
 
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
@@ -39,22 +40,16 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
         sign = lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
         size = float(np.linalg.norm(matrix)) ** 2
         return np.array([kappa / size, product, pairs, sign]), unstable, values
-    v, psi = null_pair(matrix, problem.curve)
+    v, psi = null_pair(matrix, problem.curve.reference())
     if problem.locus == "BP":
-        from contin.problems.codim2.forms import branching_coefficient
-
-        return np.array([branching_coefficient(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
+        return np.array([degenerate.test(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
 
 
-def null_pair(matrix: Array, curve: Any) -> tuple[Array, Array]:
-    """Unit null vectors of a singular matrix: v along the curve's border, psi such that adj(matrix) = c v psi^T.
-
-    C > 0.
-    """
+def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
+    """Unit null vectors of a singular matrix: v along `reference`, psi such that adj(matrix) = c v psi^T with c > 0."""
     left, _, right = np.linalg.svd(matrix)
     v, psi = right[-1], left[:, -1]
-    reference = curve.reference()
     if float(v @ reference) < 0.0:
         v = -v
     bordered = np.block([[matrix, psi[:, None]], [v[None, :], np.zeros((1, 1))]])
@@ -100,15 +95,13 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
             cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5, cosine,  # noqa: E501
         ])  # fmt: skip
     shift = -1.0 if problem.locus == "PD" else 1.0
-    v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve)
+    v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve.reference())
     if problem.locus == "LP":
         leading = quadratic(problem, z, v, psi)
     elif problem.locus == "PD":
         leading = flip_coefficient(problem, z) * np.sign(float(psi @ v))
     else:
-        from contin.problems.codim2.forms import branching_coefficient
-
-        leading = branching_coefficient(problem, z)
+        leading = degenerate.test(problem, z)
     return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])
 
 

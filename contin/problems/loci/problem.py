@@ -16,7 +16,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.problems import newton_fixed
-from contin.problems.codim2 import events
+from contin.problems.codim2 import degenerate, events
 
 CHUNK = 250
 _NONE = np.empty(0)
@@ -168,7 +168,7 @@ class LocusProblem:
             tests, re, im,
         )  # fmt: skip
         if count >= 0 and self.locus == "BP":
-            tests[events.DEGENERACY] = events.degeneracy(self, z)
+            tests[events.DEGENERACY] = degenerate.test(self, z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:

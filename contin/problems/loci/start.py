@@ -16,7 +16,7 @@ from contin.problems.loci.extended import ExtendedCurve
 from contin.problems.loci.problem import LocusProblem
 
 CURVES: Final = {  # the curves that pass through a point
-    "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("BP",),
+    "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("LP", "BP"),
     "R1": ("LP", "NS"), "R2": ("PD", "NS"), "LPPD": ("LP", "PD"), "LPNS": ("LP", "NS"), "PDNS": ("PD", "NS"),
     "GPD": ("PD",), "CH": ("NS",), "NSNS": ("NS", "NS"),
 }  # fmt: skip
@@ -47,13 +47,13 @@ def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         scalar = float(np.cos(point.vectors["omega"]))
     parent = Parent(point.branch, point.label)
     return [
-        _seed(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
+        seed_of(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
     ]
 
 
-def _seed(
+def seed_of(
     system: Any, type_: str, parameters: Sequence[str], u: Array, p: Array, sizes: Array, periods: Array, scalar: float,
-    parent: Parent,
+    parent: Parent | None,
 ) -> Seed:  # fmt: skip
     first, second = indices(system, parameters)
     extended = system.kind != "map" and system.n <= LARGE and system.jacobian_address != NO_FUNCTION
@@ -89,7 +89,7 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     others = [f for f in found if f[0] != own or abs(f[1] - tangential) > 1e-6 * max(abs(f[1]), abs(tangential))]
     chosen = others or [(own, tangential)]
     return [
-        _seed(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
+        seed_of(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
         for type_, scalar in chosen
     ]
 
