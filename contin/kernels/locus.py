@@ -34,7 +34,7 @@ from contin.kernels.algebraic import (
 from contin.kernels.compile import call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
-from contin.kernels.lyapunov import lyapunov_sign
+from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.tests_of_stability import flow_tests
 
 FOLD, HOPF, BRANCH = range(3)
@@ -187,7 +187,9 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
             for i in range(n):
                 v[i] = z[n + i] / scale[i]
                 w[i] = z[2 * n + i] / scale[i]
-            tests[5] = lyapunov_sign(form2, form3, u, original, scale, matrix, math.sqrt(kappa), v, w)
+            lyapunov_terms(form2, form3, u, original, scale, matrix, math.sqrt(kappa), v, w, pairs)
+            if pairs[1] > 0.0:
+                tests[5] = pairs[0] / pairs[1]
             if tests[3] < 0.0:
                 tests[5] = -tests[5]
         return unstable

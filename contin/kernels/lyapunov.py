@@ -1,4 +1,4 @@
-"""The sign of the first Lyapunov coefficient along a curve of Hopf points, from exact second and third derivatives."""
+"""The first Lyapunov coefficient along a curve of Hopf points, from exact second and third derivatives."""
 
 import math
 
@@ -65,14 +65,15 @@ def dot(p_re, p_im, x_re, x_im):
 
 
 @kernel
-def lyapunov_sign(form2, form3, u, p, scale, matrix, omega, v, w):
-    """Re G21 / (sum of the moduli of its three terms): in [-1, 1], zero where the first Lyapunov coefficient is.
+def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
+    """terms[0] = Re G21 and terms[1] = the sum of the moduli of its three terms, in scaled states with |q| = 1.
 
     matrix : f_u in scaled states, eigenvector v - i w/omega to i omega.  form2, form3 : addresses of the second and
     third derivatives of f.  Kuznetsov, Elements, 3rd ed., (5.62):
     G21 = <p, C(q,q,q*) + B(q*,h20) + 2 B(q,h11)>, h20 = (2 i omega - A)^-1 B(q,q), h11 = -A^-1 B(q,q*).
-    Returns 0 where one of the systems is singular.
+    False where one of the systems is singular; both are 0 then.
     """
+    terms[:] = 0.0
     n = v.size
     width = n + p.size
     a = np.empty(n)
@@ -97,7 +98,7 @@ def lyapunov_sign(form2, form3, u, p, scale, matrix, omega, v, w):
         bordered[n, i] = q.conjugate()
     left[n] = 1.0
     if not complex_solve(bordered, left):
-        return 0.0
+        return False
     p_re = np.empty(n)
     p_im = np.empty(n)
     for i in range(n):
@@ -119,14 +120,14 @@ def lyapunov_sign(form2, form3, u, p, scale, matrix, omega, v, w):
         system[i, i] += complex(0.0, 2.0 * omega)
         h20[i] = complex(aa[i] - bb[i], 2.0 * ab[i])
     if not complex_solve(system, h20):
-        return 0.0
+        return False
     h11 = np.empty(n, np.complex128)
     for i in range(n):
         for j in range(n):
             system[i, j] = -matrix[i, j]
         h11[i] = aa[i] + bb[i]
     if not complex_solve(system, h11):
-        return 0.0
+        return False
     h_re = np.empty(n)
     h_im = np.empty(n)
     for i in range(n):
@@ -157,5 +158,6 @@ def lyapunov_sign(form2, form3, u, p, scale, matrix, omega, v, w):
         t_re[i] = (t_re[i] + aa[i]) / scale[i]
         t_im[i] = (t_im[i] + bb[i]) / scale[i]
     cubic = dot(p_re, p_im, t_re, t_im)
-    size = abs(cubic) + abs(through_20) + abs(through_11)
-    return (cubic + through_20 + through_11) / size if size > 0.0 else 0.0
+    terms[0] = cubic + through_20 + through_11
+    terms[1] = abs(cubic) + abs(through_20) + abs(through_11)
+    return True

@@ -124,13 +124,17 @@ def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale:
     """
     curve = problem.curve
     parameters = curve.parameters(near.z)
-    rows, size = scale[:-1], len(near.z)
+    rows, count = scale[:-1], len(near.z)
     steps = DIFFERENCE * np.diag(scale)
     gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
+    size = float(np.linalg.norm(gradient))
+    if not 0.0 < size < np.inf:
+        return None
+    gradient /= size
 
     def residual(y: Array) -> tuple[Array, Array]:
         f, jacobian = curve.linearise(y * scale, parameters)
-        return np.append(f / rows, function(y * scale)), jacobian * scale / rows[:, None]
+        return np.append(f / rows, function(y * scale) / size), jacobian * scale / rows[:, None]
 
     y, before, lacking = near.z / scale, np.inf, 0.0
     for _ in range(defining.NEWTON_BUDGET):
@@ -157,13 +161,13 @@ def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale:
         return None
     g, jacobian = residual(y)
     try:
-        row = np.linalg.solve(np.vstack([jacobian, gradient]).T, np.append(np.zeros(size - 1), 1.0))
+        row = np.linalg.solve(np.vstack([jacobian, gradient]).T, np.append(np.zeros(count - 1), 1.0))
     except np.linalg.LinAlgError:
         return None
     generator = np.random.default_rng(12345)
     estimates = []
     for _ in range(defining.SAMPLES):
-        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, size)
+        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
         estimates.append(float(shift[-1] - row @ residual(y + shift)[0]))
     scatter = 2.0 * float(np.max(np.abs(estimates)))
     return _Solution(y, float(np.max(np.abs(g))), scatter + lacking)

@@ -94,7 +94,7 @@ def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
 
 
 def lyapunov(problem: Any, z: Array) -> float:
-    """The first Lyapunov coefficient by its sign and relative size (`kernels.lyapunov`), times the sign of det f_u."""
+    """Re G21 of the first Lyapunov coefficient (`kernels.lyapunov`); l1 itself for user functions."""
     curve, n = problem.curve, problem.n
     kappa = curve.scalar(z)
     if problem.system.kind == "map":
@@ -106,24 +106,17 @@ def lyapunov(problem: Any, z: Array) -> float:
         from contin.problems.codim2.forms import jet_at
 
         return float(hopf(jet_at(problem, z), float(np.sqrt(kappa))).coefficients["l1"])
-    from contin.kernels.lyapunov import lyapunov_sign
+    from contin.kernels.lyapunov import lyapunov_terms
 
     system, d = curve.system, curve.sizes
     matrix = np.ascontiguousarray(scaled_matrix(problem, z))
     v = np.ascontiguousarray(curve.vector(z) / d)
-    return float(
-        lyapunov_sign(
-            system.form(2),
-            system.form(3),
-            np.ascontiguousarray(z[:n]),
-            curve.full_parameters(z),
-            d,
-            matrix,
-            float(np.sqrt(kappa)),
-            v,
-            matrix @ v,
-        )  # fmt: skip  # noqa: RUF028
-    )
+    terms = np.empty(4)
+    lyapunov_terms(
+        system.form(2), system.form(3), np.ascontiguousarray(z[:n]), curve.full_parameters(z), d, matrix,
+        float(np.sqrt(kappa)), v, matrix @ v, terms,
+    )  # fmt: skip
+    return float(terms[0])
 
 
 def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:

@@ -85,7 +85,7 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     for type_ in dict.fromkeys(types):
         for scalar in _scalars(point, type_):
             found.append((type_, scalar))
-    tangential = curve.scalar(point.z) if curve.has_scalar else 0.0
+    tangential = curve.scalar(point.z) if own in ("HB", "NS") else 0.0
     others = [f for f in found if f[0] != own or abs(f[1] - tangential) > 1e-6 * max(abs(f[1]), abs(tangential))]
     chosen = others or [(own, tangential)]
     return [
