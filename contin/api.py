@@ -17,7 +17,7 @@ from contin.continuation.journal import Journal
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
-from contin.continuation.trace import Watcher, trace
+from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
@@ -181,12 +181,12 @@ def walk(
     if isinstance(ready, End):
         return
     arm, pieces = ready
-    for piece in chain(pieces, arm.pieces()):
+    for piece in chain(pieces, followed(arm, seed.z)):
         rows = Rows()
         rows.add_piece(piece)
         if not len(rows):
             continue
-        z, _, unstable, _ = rows.joined()
+        (z, _, unstable, _), _ = rows.joined(0)
         columns = problem.columns(z)
         labels = {row: point.type for row, point, _ in rows.labelled}
         for k in np.arange(len(z)):

@@ -14,6 +14,7 @@ from typing import Annotated, Optional  # noqa: E402
 import typer  # noqa: E402
 
 from contin._version import __version__  # noqa: E402
+from contin.cli.interrupt import listen  # noqa: E402
 from contin.errors import ContinError  # noqa: E402
 
 BAD_INPUT = 2
@@ -187,6 +188,7 @@ def schema(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input ends with one message and exit code 2, never with a traceback."""
+    listen()
     try:
         app(arguments, prog_name="contin")
     except ContinError as error:

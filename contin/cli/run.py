@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from contin._version import __version__
+from contin.cli.interrupt import check
 from contin.errors import InputError
 
 if TYPE_CHECKING:
@@ -230,7 +231,8 @@ class Status:
         self._update(what)
 
     def watch(self, progress: Mapping[str, Any]) -> None:
-        """After every chunk of a branch."""
+        """After every chunk of a branch; raises KeyboardInterrupt after Ctrl-C."""
+        check()
         labels = ", ".join(progress["labels"]) or "none"
         position = f"{progress['parameter']} = {progress['value']:.6g} ({progress['fraction']:.0%} of its range)"
         self._update(f"{self.run}: {position}, {progress['rows']} points, labels: {labels}")

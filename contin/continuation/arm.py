@@ -46,6 +46,14 @@ class Piece:
     notes: tuple[str, ...] = ()
     evaluations: int = 0
 
+    def cut(self, rows: int, found: Sequence[Row] | None = None) -> Piece:
+        """The first rows, with these labelled points (by default those among them)."""
+        kept = tuple(mark for mark in self.found if mark.before <= rows) if found is None else tuple(found)
+        return replace(
+            self, z=self.z[:rows], tangents=self.tangents[:rows], unstable=self.unstable[:rows],
+            eigenvalues=self.eigenvalues[:rows], found=kept,
+        )  # fmt: skip
+
 
 @dataclass(eq=False)
 class Arm:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -35,14 +34,7 @@ def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Arr
         end = found[-1].point.z if found and found[-1].before == row + 1 else piece.z[row]
         text = f"at {problem.parameters[0]} = {end[-1]:.10g}, {floor.text}"
         arm.end = End("bound", text, {"value": floor.lowest})
-        yield replace(
-            piece,
-            z=piece.z[:row],
-            tangents=piece.tangents[:row],
-            unstable=piece.unstable[:row],
-            eigenvalues=piece.eigenvalues[:row],
-            found=found,
-        )
+        yield piece.cut(row, found)
         return
 
 

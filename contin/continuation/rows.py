@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from contin.continuation.problem import Verified
 
 if TYPE_CHECKING:
     from contin.continuation.arm import Piece
+
+REPEATED: Final = 1e-13  # scaled: a row this close to a labelled point beside it is that point
 
 Block = tuple[Array, Array, NDArray[np.int64], NDArray[np.complex128]]
 
@@ -56,11 +58,30 @@ class Rows:
         self._blocks = [(z[::-1], -t[::-1], u[::-1], e[::-1]) for z, t, u, e in reversed(self._blocks)]
         self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
 
-    def joined(self) -> Block:
-        """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end.
+    def joined(self, start_row: int) -> tuple[Block, int]:
+        """All rows as four arrays, each point once, and the row of the start among them."""
+        block = self._stacked_blocks()
+        stands_for = self._repeats(block[0])
+        kept = np.flatnonzero(stands_for == np.arange(len(stands_for)))
+        if len(kept) == len(stands_for):
+            return block, start_row
+        moved = np.searchsorted(kept, stands_for)
+        self.labelled = [(int(moved[row]), point, scale) for row, point, scale in self.labelled]
+        z, tangents, unstable, eigenvalues = block
+        return (z[kept], tangents[kept], unstable[kept], eigenvalues[kept]), int(moved[start_row])
 
-        Unknowns at the front.
-        """
+    def _repeats(self, z: Array) -> NDArray[np.int64]:
+        """The row that each row is the same as: a bound, a start or another label may lie on a labelled point."""
+        stands_for = np.arange(len(z))
+        labelled = {row for row, _, _ in self.labelled}
+        for row, _, scale in self.labelled:
+            for beside in (row - 1, row + 1):
+                if 0 <= beside < len(z) and np.all(np.abs(z[beside] - z[row])[-len(scale) :] <= REPEATED * scale):
+                    stands_for[beside] = min(beside, row) if beside in labelled else row
+        return stands_for[stands_for]
+
+    def _stacked_blocks(self) -> Block:
+        """All rows as four arrays, padded with NaN where blocks differ: eigenvalues at the end, unknowns in front."""
         width = max(block[3].shape[1] for block in self._blocks)
         padded = []
         for block in self._blocks:

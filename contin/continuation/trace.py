@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Piece
+from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
+from contin.continuation.lost import until_lost
 from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
@@ -63,7 +64,7 @@ def trace(
             continue
         arm, pieces = ready
         try:
-            for piece in above_floors(seed.problem, arm.pieces(), arm, seed.z):
+            for piece in followed(arm, seed.z):
                 pieces.append(piece)
                 notes.extend(piece.notes)
                 if watch is not None:
@@ -76,6 +77,11 @@ def trace(
         if arm.end.reason == "stopped":
             break
     return _assemble(departure, records, name, targets, notes, started)
+
+
+def followed(arm: Arm, start: Array) -> Iterator[Piece]:
+    """The pieces of an arm from `start` to its end: a bound, a floor, infinity."""
+    return until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start)
 
 
 def _progress(
@@ -115,7 +121,7 @@ def _assemble(
     if 1 in records:
         for piece in records[1].pieces:
             rows.add_piece(piece)
-    z, raw_tangents, unstable, eigenvalues = rows.joined()
+    (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: dict[str, Any] = dict(problem.columns(z))
     if isinstance(problem, Planar):
         notes = [*notes, *problem.remarks(z)]

@@ -219,7 +219,8 @@ def _branch_point(
         target = 1.0 if problem.is_map else 0.0
         return list(np.argsort(np.abs(values - target))[:corank])
 
-    if solved is not None and _singular_throughout(local, solved.y, tangent, corank):
+    converged = solved is not None and solved.residual <= RESIDUAL_LIMIT
+    if solved is not None and converged and _singular_throughout(local, solved.y, tangent, corank):
         return (
             "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
         )
@@ -257,6 +258,8 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
     crowded = bool(np.any(np.abs(beyond) < COINCIDENT * size))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     error = solved.error * float(frame.scale[-1]) + rounding
+    if abs(z[-1]) <= min(error, np.finfo(float).eps * float(frame.scale[-1])):
+        z[-1] = 0.0  # and not 1e-42 or -0.0
     return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
 
 

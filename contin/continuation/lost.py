@@ -1,0 +1,118 @@
+"""Where following a branch further tells nothing: it goes to infinity, stands still, or keeps one parameter value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.arm import Arm, Piece
+from contin.continuation.branch import End
+from contin.continuation.problem import is_adaptive, is_planar
+
+DECADES: Final = 6  # a state has grown by so many powers of ten beyond its scale
+CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
+SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in the decade before (a pole: 1/10)
+PATIENCE: Final = 400  # rows
+VERTICAL: Final = 1e-9  # of the range: a parameter that moves less than this in so many rows does not move
+STILL: Final = 1e-7  # scaled arclength of as many rows
+
+
+def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
+    """The pieces of an arm up to the row where it is lost; then `arm.end` says how.
+
+    Periodic orbits have ends of their own, and a locus may well run along a line of constant parameter.
+    """
+    if is_adaptive(arm.problem) or is_planar(arm.problem):
+        yield from pieces
+        return
+    record = _Record(arm, start.copy(), arm.scale[:-1].copy())
+    for piece in pieces:
+        stop = record.lost(piece)
+        if stop is None:
+            yield piece
+            continue
+        arm.end = stop.end
+        yield piece.cut(stop.row + 1)
+        return
+
+
+@dataclass(frozen=True)
+class _Stop:
+    """The row of a piece at which the arm is to end, and why."""
+
+    row: int
+    end: End
+
+
+@dataclass(eq=False)
+class _Record:
+    """What the rows so far were like; it costs a few operations a chunk."""
+
+    arm: Arm
+    anchor: Array  # a row, from which nothing may have moved since
+    scale: Array  # of the states, at the first row
+    decades: list[float] = field(default_factory=list)  # parameter values where a state passed 10, 100, .. times it
+    vertical: int = 0  # rows without a move of the parameter, and of anything
+    standing: int = 0
+
+    def lost(self, piece: Piece) -> _Stop | None:
+        """Take the rows of one more piece."""
+        if not len(piece.z):
+            return None
+        return self._infinite(piece) or self._unmoved(piece)
+
+    def _infinite(self, piece: Piece) -> _Stop | None:
+        free = self.arm.problem.angle_periods == 0.0
+        sizes = np.max(np.abs(piece.z[:, :-1][:, free]) / self.scale[free], axis=1, initial=0.0)
+        if not sizes.max() >= self._next:
+            return None
+        for row in np.flatnonzero(sizes >= self._next):
+            while sizes[row] >= self._next:
+                self.decades.append(float(piece.z[row, -1]))
+            if self._converges():
+                name = self._fastest(piece.z[row])
+                text = f"{name} grows without bound: {sizes[row]:.0e} times its scale"
+                return self._stop(int(row), piece, "bound", text)
+        return None
+
+    @property
+    def _next(self) -> float:
+        return float(10.0 ** (len(self.decades) + 1))
+
+    @property
+    def _width(self) -> float:
+        return self.arm.bounds[1] - self.arm.bounds[0]
+
+    def _converges(self) -> bool:
+        if len(self.decades) < DECADES:
+            return False
+        a, b, c = self.decades[-3:]
+        return abs(c - b) <= min(CONVERGED * self._width, SHRINKING * abs(b - a))
+
+    def _fastest(self, z: Array) -> str:
+        names = list(self.arm.problem.columns(z[None]))[1:]
+        return names[int(np.argmax(np.abs(z[:-1]) / self.scale))] if len(names) >= len(z) - 1 else "the state"
+
+    def _unmoved(self, piece: Piece) -> _Stop | None:
+        moved = np.abs(piece.z - self.anchor)
+        rows, last = len(piece.z), len(piece.z) - 1
+        same = bool(moved[:, -1].max() <= VERTICAL * self._width)
+        self.vertical = self.vertical + rows if same else 0
+        self.standing = self.standing + rows if same and bool(np.all(moved / piece.scale <= STILL)) else 0
+        if not same:
+            self.anchor = piece.z[-1].copy()
+        if self.standing >= PATIENCE:
+            advice = self.arm.problem.describe_failure(piece.z[-1])
+            return self._stop(last, piece, "corrector", f"the branch stands still, {self.standing} rows long. {advice}")
+        if self.vertical >= PATIENCE and self.standing == 0:
+            return self._stop(last, piece, "bound", f"the parameter has not moved in {self.vertical} rows")
+        return None
+
+    def _stop(self, row: int, piece: Piece, reason: str, text: str) -> _Stop:
+        value = float(piece.z[row, -1])
+        where = f"at {self.arm.problem.parameters[0]} = {value:.10g}"
+        return _Stop(row, End(reason, f"{where}, {text}", {"value": value}))
