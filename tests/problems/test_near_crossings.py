@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tests.problems.follow import assert_labels, follow, reasons
 
@@ -62,3 +63,27 @@ def test_parallel_branches_are_not_mixed_up():
     for max_step in (0.05, 0.3, 1.0):
         branch = follow({"x": "sin(20*(x - p))"}, {"x": 0.0}, {"p": 0.0}, (-3.0, 3.0), settings={"max_step": max_step})
         assert on_curve(branch, lambda x, p: x - p) < 1e-8
+
+
+@pytest.mark.parametrize(("eps", "q"), [(0.01, 8e-4), (1e-4, 2e-4)])
+def test_stiff_oscillator_between_two_hopf_points(eps, q):
+    """Two-variable Oregonator (Tyson and Fife 1980): x = z, f = (1 - x)(x + q)/(x - q), HB where the trace vanishes.
+
+    The branch turns a sharp corner at x ~ q, where two branches nearly meet.
+    """
+
+    def f(x):
+        return (1.0 - x) * (x + q) / (x - q)
+
+    def trace(log_x):
+        x = np.exp(log_x)
+        return (1.0 - 2.0 * x - f(x) * 2.0 * q * x / (x + q) ** 2) / eps - 1.0
+
+    grid = np.linspace(np.log(1.01 * q), np.log(0.999), 2001)
+    values = trace(grid)
+    roots = [brentq(trace, grid[k], grid[k + 1], xtol=1e-15) for k in np.flatnonzero(values[:-1] * values[1:] < 0.0)]
+    branch = follow(
+        {"x": "(x*(1 - x) - f*z*(x - q)/(x + q))/eps", "z": "x - z"}, {"x": 0.8, "z": 0.8},
+        {"f": 0.2, "eps": eps, "q": q}, (0.05, 5.0),
+    )  # fmt: skip
+    assert_labels(branch, [("HB", f(np.exp(r))) for r in sorted(roots, reverse=True)])
