@@ -17,7 +17,7 @@ DECADES: Final = 6  # a state has grown by so many powers of ten beyond its scal
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
 SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in the decade before (a pole: 1/10)
 PATIENCE: Final = 400  # rows
-VERTICAL: Final = 1e-9  # of the range: a parameter that moves less than this in so many rows does not move
+VERTICAL: Final = 1e-12  # of the range: a parameter that moves less than this in so many rows does not move
 STILL: Final = 1e-7  # scaled arclength of as many rows
 
 
