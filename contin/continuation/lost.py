@@ -13,7 +13,7 @@ from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import End
 from contin.continuation.problem import is_adaptive, is_planar
 
-DECADES: Final = 6  # a state has grown by so many powers of ten beyond its scale
+DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
 SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in the decade before (a pole: 1/10)
 PATIENCE: Final = 400  # rows
