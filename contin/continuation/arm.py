@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.asymptotes import Approach
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
@@ -79,6 +80,8 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         origin, before, length = self.origin, None, 0.0
         step = self.settings.first_step
+        unbounded = (-np.inf, np.inf)  # of two parameters, none is the last unknown alone
+        approach = Approach(unbounded if is_planar(self.problem) else self.bounds, self.problem.parameters[0])
         while not self.is_over():
             limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
             if limit <= 0:
@@ -88,6 +91,7 @@ class Arm:
             chunk = (self.march or self.problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
             )
+            chunk, asymptotic = approach.watch(chunk)
             if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
                 chunk = _without_last(chunk)
             else:
@@ -98,6 +102,7 @@ class Arm:
                 piece = self._resolve(chunk, before)
                 assert piece is not None
             self.accepted += len(piece.z)
+            self.end = self.end or asymptotic
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
             if self.is_over() and not (failed is not None and is_adaptive(self.problem)):

@@ -167,7 +167,7 @@ def march(
                 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
             )
             found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.newton_tolerance)
-            if not isinstance(found, str) and np.linalg.norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
+            if not isinstance(found, str) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
                 found = "not the curve that the step set out on"
             if isinstance(found, str):
                 evaluations += 1

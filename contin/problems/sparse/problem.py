@@ -253,7 +253,13 @@ class LargeProblem:
         return {"LP": 0, "BP": None, "HB": 2}[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return special.verify(self, type_, near, frame)
+        try:
+            found = special.verify(self, type_, near, frame)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            return f"{type_} not verified: {error}"
+        if not isinstance(found, str) and not np.isfinite(found.error):
+            return f"{type_} not verified: its place is not determined to any accuracy"
+        return found
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         return special.verify_compound(self, a, b, frame)
@@ -276,7 +282,7 @@ class LargeProblem:
         columns.update({name: z[:, k].copy() for k, name in enumerate(names)})
         if not names:
             u = z[:, :-1]
-            columns["norm"] = np.array([float(np.linalg.norm(row)) for row in u]) / np.sqrt(self.n)
+            columns["norm"] = np.array([norm(row) for row in u]) / np.sqrt(self.n)
             columns["min"], columns["max"] = u.min(axis=1), u.max(axis=1)
         if self.system.observable_names:
             p = np.tile(self.base, (len(z), 1))

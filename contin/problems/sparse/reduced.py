@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.vectors import norm
+from contin.errors import NotFiniteError
 from contin.problems.sparse.linear import Solution
 
 STEPS = 12
@@ -32,8 +34,10 @@ class Reduced:
     column: Array
 
     def solver(self, z: Array) -> Solution:
-        """K at z, its unknowns in the order (state, mu, parameter)."""
-        linear = self.problem.linear(z)
+        """K at z, its unknowns in the order (state, mu, parameter); NotFiniteError where F_u is not finite."""
+        linear = self.problem.linear(z) if np.all(np.isfinite(z)) else None
+        if linear is None:
+            raise NotFiniteError("the Jacobian is not finite near this point")
         columns = np.column_stack([self.column, self.problem.parameter_slope(z)])
         corner = np.column_stack([np.zeros(2), self.rows[-1]])
         solution: Solution = linear.bordered(columns, self.rows[:-1], corner)
@@ -50,8 +54,8 @@ class Reduced:
         for _ in range(STEPS):
             f = self.problem.residual(z) + mu * self.column
             dz, dmu = self.solve(self.solver(z), -f, target - self.rows.T @ (z - origin))
-            size = float(np.linalg.norm(dz))
-            if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * float(np.linalg.norm(z) + 1.0)):
+            size = norm(dz)
+            if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
                 break
             z, mu = z + dz, mu + dmu
             before = size
@@ -75,13 +79,22 @@ class Reduced:
 
     def branch_point(self, z: Array) -> tuple[Array, float, Array] | None:
         """Newton on mu_1 = mu_2 = 0 from z on the curve: the point, mu there, and the gradient that is left."""
+        try:
+            return self._newton(z)
+        except NotFiniteError:
+            return None
+
+    def _newton(self, z: Array) -> tuple[Array, float, Array] | None:
         origin, a, mu = z, np.zeros(2), 0.0
         before = np.inf
         gradient = np.full(2, np.nan)
         for _ in range(STEPS):
             z, mu = self.onto(z, mu, a, origin)
             solver, along, gradient = self.first(z)
-            step = np.linalg.solve(self.second(z, solver, along), -gradient)
+            hessian = self.second(z, solver, along)
+            if not np.all(np.isfinite(hessian)):
+                return None
+            step = np.linalg.lstsq(hessian, -gradient)[0]
             size = float(np.linalg.norm(step))
             if not np.isfinite(size):
                 return None

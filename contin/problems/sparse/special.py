@@ -198,7 +198,7 @@ def _floor(problem: Any, z: Array, frame: Frame) -> float:
 
 def refine(linear: Linear, value: complex, q: NDArray[Any]) -> tuple[complex, NDArray[Any]]:
     """Newton on A q = l q, c^H q = 1 (c = the start, normalised): one factorisation of A - l an iteration."""
-    q = q / np.linalg.norm(q)
+    q = q / norm(q)
     c = q.conj()
     last = np.inf
     for _ in range(6):
@@ -254,13 +254,13 @@ def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Red
     spectrum = problem.spectrum(z)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])
     null = np.append(q, 0.0) / scale
-    null /= np.linalg.norm(null)
+    null /= norm(null)
     other = tangent - (tangent @ null) * null
-    if np.linalg.norm(other) < 1e-6:  # the branch leaves along the eigenvector itself
+    if norm(other) < 1e-6:  # the branch leaves along the eigenvector itself
         other = np.append(np.zeros(problem.n), 1.0)
-    other /= np.linalg.norm(other)
+    other /= norm(other)
     rows = np.column_stack([null, other]) / scale[:, None]
-    size = scale[:-1] / np.linalg.norm(null[:-1])
+    size = scale[:-1] / norm(null[:-1])
     return Reduced(problem, rows, null[:-1] * size), q
 
 
@@ -290,38 +290,38 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
 def tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled) of the branches through z."""
     row = np.random.default_rng(5).normal(size=len(z))
-    here = problem.linearisation(z, row / np.linalg.norm(row), scale)
+    here = problem.linearisation(z, row / norm(row), scale)
     if here is None:
         raise InputError(problem.describe_failure(z))
     t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
-    size = float(np.linalg.norm(t))
+    size = norm(t)
     if np.isfinite(size) and size < 1e8:
         return [t / size]
     reduced, _ = reduction(problem, z, np.append(np.zeros(problem.n), 1.0), scale)
     crossing = [d / scale for d, _ in reduced.crossing(z)]
-    return [t / np.linalg.norm(t) for t in crossing] or [t / size]
+    return [t / norm(t) for t in crossing] or [t / size]
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own there."""
     own = point.tangent / point.scale
-    own = own / np.linalg.norm(own)
+    own = own / norm(own)
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     reduced, _ = reduction(problem, point.z, own, point.scale)
     curves = reduced.crossing(point.z)
     if not curves:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
-    cosines = [abs(float((d / point.scale) @ own)) / float(np.linalg.norm(d / point.scale)) for d, _ in curves]
+    cosines = [abs(float((d / point.scale) @ own)) / norm(d / point.scale) for d, _ in curves]
     direction, bend = curves[int(np.argmin(cosines))]
     scaled = direction / point.scale
-    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * float(np.linalg.norm(scaled)) else 0.0
+    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
     if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
         direction = -direction
     scale = _metric(point.z, direction, bend, point.scale)
     d, c = direction / scale, bend / scale
-    norm = float(np.linalg.norm(d))
-    d, c = d / norm, c / norm**2
+    length = norm(d)
+    d, c = d / length, c / length**2
     symmetries = reversing_symmetries(problem, point.z, d * scale)
     seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
     return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]
