@@ -17,7 +17,7 @@ LONG: Final = 1e-3  # steps; near a fold on the bound only much shorter ones sta
 
 @dataclass
 class Approach:
-    """Watches one arm chunk by chunk: how many rows in turn came nearer to a bound, in long steps, and did not reach it."""
+    """Watches an arm chunk by chunk: how many rows in turn came nearer to a bound, in long steps, but not onto it."""
 
     bounds: tuple[float, float]
     parameter: str
