@@ -232,12 +232,19 @@ class Arm:
         return Piece(z, tangents, unstable, eigenvalues, self.scale, tuple(marked), tuple(notes), chunk.evaluations)
 
     def _halt(self, found: list[Found]) -> Found | None:
-        """The first point of a type at which the run is asked to stop (`settings.stop_at`); ends the arm."""
+        """The first point of a type at which the run is asked to stop (`settings.stop_at`); ends the arm.
+
+        So does a DP from which on a curve of folds is its own mirror image.
+        """
         if self.end is not None:
             return None
         for f in found:
+            where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
+            if f.point.type == "DP" and self.problem.reverses(f.point.z, f.sample.tangent * self.scale, ()):
+                text = f"met its own mirror image on the curve of branch points at {where}"
+                self.end = End("joined", text, {"at": float(f.point.z[-1])})
+                return f
             if f.point.type in self.settings.stop_at:
-                where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
                 self.end = End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
                 return f
         return None

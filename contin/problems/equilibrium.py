@@ -265,7 +265,7 @@ class EquilibriumProblem:
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         from contin.problems.symmetry import reversing_symmetries
 
-        return any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+        return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent))
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Everything that is born at a labelled point, for the explorer."""

@@ -8,7 +8,7 @@ division by <w, v> both are smooth through Bogdanov-Takens points, where that pr
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,11 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
-APART = 1e-4  # scaled distance of that end from the "cusp" that was found for it
+NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
+APART = 1e-4  # scaled distance of that end from the cusp that was found for it
+BESIDE = 0.1  # the same where that was not solved to full accuracy
+ASIDE = 0.02  # scaled distance along the branch points at which their kind is decided
+UNFORCED = 1e-8  # an unfolding parameter above this is not zero
 
 
 def coefficient(problem: Any, z: Array, v: Array, w: Array) -> float:
@@ -68,49 +72,99 @@ def test(problem: Any, z: Array) -> float:
     return coefficient(problem, z, v, w)
 
 
-def at_fold(problem: Any, cusp: Verified, near: Sample, frame: Frame) -> Verified | None:
-    """The DP that a supposed cusp on a curve of folds is where neither parameter unfolds it: F_p = 0 along w.
+def at_fold(problem: Any, z: Array, exact: bool, frame: Frame) -> Verified | None:
+    """The DP that a supposed cusp z on a curve of folds is where neither parameter unfolds it: F_p = 0 along w.
 
-    Folds of the branches that cross at branch points end there: the two curves meet, and the defining system of a cusp
-    is singular. The point is solved for on the curve of branch points instead; None where it is a cusp.
+    Folds of the branches that cross at branch points end there: the two curves meet, and the defining system of folds
+    is singular. The point is solved for on the curve of branch points instead; None where it is a cusp. `exact`: the
+    defining system of a cusp was solved to its full accuracy, which near a DP it cannot be.
     """
-    from contin.problems.codim2 import events
-    from contin.problems.codim2.functions import function_of
-    from contin.problems.loci.start import seed_of
+    curve, n, d = problem.curve, problem.n, problem.curve.sizes
+    u, p = z[:n], curve.full_parameters(z)
+    if _slope(problem, u, p, frame) > (ACROSS if exact else NEARLY):
+        return None
+    branching = _branch_points(problem, u, p)
+    scale = branching.initial_scale(branching.start, problem.first_bounds)
+    solved = _solved(branching, scale)
+    if solved is None:
+        return None
+    found, residual, error = solved
+    moved = np.concatenate([(found[:n] - u) / d, (found[-2:] - z[-2:]) / frame.scale[-2:]])
+    if abs(found[-3]) > UNFORCED or np.linalg.norm(moved) > (APART if exact else BESIDE):
+        return None
+    return _verified(problem, branching, found, residual, error * float(scale[-1]))
 
-    curve, n = problem.curve, problem.n
-    u, p, d = cusp.z[:n], curve.full_parameters(cusp.z), curve.sizes
+
+def _slope(problem: Any, u: Array, p: Array, frame: Frame) -> float:
+    """The larger of the slopes <w, F_p> in both parameters, relative to the size of F_u."""
+    curve, n, d = problem.curve, problem.n, problem.curve.sizes
     full = curve.system.jacobian(u, p)[1]
     matrix = full[:, :n] * d / d[:, None]
     if curve.system.kind == "map":
         matrix = matrix - np.eye(n)
     w = np.linalg.svd(matrix)[0][:, -1]
-    widths = frame.scale[[-1, -2]]
-    slopes = full[:, [n + curve.first, n + curve.second]] * widths / d[:, None]
-    if np.abs(w @ slopes).max() > ACROSS * max(float(np.linalg.norm(slopes)), float(np.linalg.norm(matrix))):
-        return None
+    slopes = full[:, [n + curve.first, n + curve.second]] * frame.scale[[-1, -2]] / d[:, None]
+    return float(np.abs(w @ slopes).max() / max(float(np.linalg.norm(slopes)), float(np.linalg.norm(matrix))))
+
+
+@dataclass(frozen=True, eq=False)
+class _BranchPoints:
+    """The curve of branch points next to (u, p): its problem and a point of it, from which Newton starts."""
+
+    problem: Any
+    start: Array
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        return np.asarray(self.problem.initial_scale(z, bounds))
+
+
+def _branch_points(problem: Any, u: Array, p: Array) -> _BranchPoints:
+    from contin.problems.loci.start import seed_of
+
+    curve = problem.curve
     names = list(problem.system.parameter_names)
     pair = (names[curve.first], names[curve.second])
-    seed = seed_of(problem.system, "BP", pair, u, p, d, problem.state_periods, 0.0, None)
-    branching: Any = seed.problem
-    branching.curve.settle(seed.z)
-    sample = Sample(seed.z, np.zeros(len(seed.z)), np.zeros(1), 0, near.eigenvalues)
-    function = function_of(branching, "DP", sample)
-    if isinstance(function, str):
-        return None
-    solved = events.solve(branching, function, sample, branching.initial_scale(seed.z, problem.first_bounds))
+    seed = seed_of(problem.system, "BP", pair, u, p, curve.sizes, problem.state_periods, 0.0, None)
+    other: Any = seed.problem
+    other = other.within(problem.first_bounds, problem.second_bounds)
+    other.curve.settle(seed.z)
+    return _BranchPoints(other, seed.z)
+
+
+def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float] | None:
+    """(z, residual, error) of the DP on the curve of branch points; its kind is that of points further along."""
+    from contin.problems.codim2 import events
+    from contin.problems.codim2.functions import function_of
+
+    other = branching.problem
+    for index, side in ((-2, 1.0), (-2, -1.0), (-1, 1.0), (-1, -1.0)):
+        z = other.at_unknown(index, branching.start, branching.start[index] + side * ASIDE * scale[index], scale)
+        if z is not None and abs(z[-3]) < UNFORCED:
+            kind(other, z)
+            break
+    near = Sample(branching.start, np.zeros(len(scale)), np.zeros(1), 0, np.zeros(1, complex))
+    function = function_of(other, "DP", near)
+    solved = None if isinstance(function, str) else events.solve(other, function, near, scale)
     if solved is None or solved.residual > events.RESIDUAL_LIMIT or solved.error > events.ILL_CONDITIONED:
         return None
-    scale = branching.initial_scale(seed.z, problem.first_bounds)
-    found = solved.y * scale
-    moved = np.concatenate([(found[:n] - u) / d, (found[-2:] - cusp.z[-2:]) / frame.scale[-2:]])
-    if abs(found[-3]) > events.FORCED or np.linalg.norm(moved) > APART:
-        return None
+    return solved.y * scale, solved.residual, solved.error
+
+
+def _verified(problem: Any, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
+    from contin.problems.codim2 import events
     from contin.problems.codim2.forms import branching_form
 
-    z = curve.place(found[:n], curve.full_parameters(found))
-    form = branching_form(branching, found)
-    return replace(
-        cusp, type="DP", z=z, residual=solved.residual, error=solved.error * float(scale[-1]),
-        normal_form=dict(form.coefficients), vectors={**cusp.vectors, **form.vectors},
-    )  # fmt: skip
+    z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
+    if kind(branching.problem, found) == "pitchfork":
+        problem.memory.setdefault("mirrors", []).append(z)
+    values = events.eigenvalues(problem, z)
+    others = np.delete(values, events.critical_indices(problem, "DP", z, values))
+    unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
+    form = branching_form(branching.problem, found)
+    return Verified("DP", z, residual, error, values, unstable, dict(form.coefficients), dict(form.vectors))
+
+
+def is_mirror(problem: Any, z: Array, scale: Array) -> bool:
+    """True at a DP of pitchforks on a curve of folds: from there on the curve is its own mirror image."""
+    seen = problem.identifying
+    return any(float(np.linalg.norm(((z - m) / scale)[seen])) < APART for m in problem.memory.get("mirrors", ()))

@@ -52,6 +52,7 @@ MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
+ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
@@ -92,6 +93,12 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if isinstance(function, str):
         return f"{type_} not verified: {function}"
     solved = solve(problem, function, near, frame.scale)
+    if type_ == "CP":
+        exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
+        z = near.z if solved is None or not exact else solved.y * frame.scale
+        touching = degenerate.at_fold(problem, z, exact, frame)
+        if touching is not None:
+            return touching
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
     if not solved.residual <= RESIDUAL_LIMIT:
@@ -109,10 +116,6 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     point = Verified(type_, z, solved.residual, error, values, unstable)
-    if type_ == "CP":
-        touching = degenerate.at_fold(problem, point, near, frame)
-        if touching is not None:
-            return touching
     return described(problem, point, values[critical])
 
 

@@ -197,7 +197,7 @@ class LocusProblem:
         return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
+        return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
 
     def columns(self, z: Array) -> dict[str, Array]:
         first, second = self.parameters

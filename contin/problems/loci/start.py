@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -11,6 +12,7 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.problems import newton_fixed
 from contin.problems.loci.bordered import BorderedCurve
 from contin.problems.loci.extended import ExtendedCurve
 from contin.problems.loci.problem import LocusProblem
@@ -20,6 +22,8 @@ CURVES: Final = {  # the curves that pass through a point
     "R1": ("LP", "NS"), "R2": ("PD", "NS"), "LPPD": ("LP", "PD"), "LPNS": ("LP", "NS"), "PDNS": ("PD", "NS"),
     "GPD": ("PD",), "CH": ("NS",), "NSNS": ("NS", "NS"),
 }  # fmt: skip
+SAME = 1e-6  # (of its typical size) values of kappa nearer than this belong to one curve
+BESIDE = (1e-3, 1e-4, 1e-2)  # scaled distances from a DP at which the curve of folds is solved for
 LARGE = 50  # states beyond which minimally augmented systems take the place of extended ones
 
 
@@ -86,12 +90,38 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
         for scalar in _scalars(point, type_):
             found.append((type_, scalar))
     tangential = curve.scalar(point.z) if own in ("HB", "NS") else 0.0
-    others = [f for f in found if f[0] != own or abs(f[1] - tangential) > 1e-6 * max(abs(f[1]), abs(tangential))]
+    same = SAME * (float(point.scale[-3]) if own in ("HB", "NS") and point.scale.size else 1.0)
+    others = [f for f in found if f[0] != own or abs(f[1] - tangential) > same]
     chosen = others or [(own, tangential)]
-    return [
+    seeds = [
         seed_of(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
         for type_, scalar in chosen
     ]
+    if point.type == "DP":
+        kind = str(problem.memory.get("kind", ""))
+        return [_beside_branch_points(seed, point, kind) if seed.problem.locus == "LP" else seed for seed in seeds]
+    return seeds
+
+
+def _beside_branch_points(seed: Seed, point: SpecialPoint, kind: str) -> Seed:
+    """The curve of folds at a DP, where it crosses that of branch points (which are solutions of its system, too).
+
+    A point of it has a state that left the branch: the equations are solved with the state that moves most held beside.
+    """
+    curve = seed.problem.curve  # type: ignore[attr-defined]
+    widths = (float(point.scale[-1]), float(point.scale[-2]))
+    scale = curve.scales(seed.z, widths)
+    v = curve.vector(seed.z) / curve.sizes
+    index = int(np.argmax(np.abs(v)))
+    for step in BESIDE:
+        guess = seed.z.copy()
+        guess[: curve.n] += step * curve.sizes * v
+        z = newton_fixed.solve(curve.linearise, index, guess, float(guess[index]), scale)
+        if z is not None:
+            direction = (z - seed.z) / scale
+            arms = (1,) if kind == "pitchfork" else (-1, 1)  # the other half of the folds is its mirror image
+            return replace(seed, direction=direction / np.linalg.norm(direction), scale=scale, arms=arms)
+    raise InputError(f"{point.branch}.{point.label}: the curve of folds that ends here could not be found")
 
 
 def _scalars(point: SpecialPoint, type_: str) -> list[float]:
@@ -116,4 +146,9 @@ def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: st
     p = problem.curve.full_parameters(point.z)
     active = names.index(parameter)
     branch = EquilibriumProblem(problem.system, p, active, problem.state_periods)
-    return [Seed(branch, np.append(point.z[: problem.n], p[active]), parent=Parent(point.branch, point.label))]
+    scale = None
+    if point.scale.size:  # at a singular point the branch itself does not tell typical sizes
+        widths = dict(zip(problem.parameters, point.scale[[-1, -2]], strict=True))
+        scale = np.append(point.scale[: problem.n], widths.get(parameter, max(1.0, abs(float(p[active])))))
+    z = np.append(point.z[: problem.n], p[active])
+    return [Seed(branch, z, scale=scale, parent=Parent(point.branch, point.label))]

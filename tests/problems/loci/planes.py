@@ -115,7 +115,7 @@ def zero_hopf(s: int, theta: float) -> Plane:
     """w0' = p + w0^2 + s |z|^2, z' = (q + theta w0 + w0^2 + i) z."""
     return Plane(
         (f"p + w0^2 + ({s})*(w1^2 + w2^2)", *amplitude("w1", "w2", f"q + ({theta})*w0 + w0^2", "1.4")),
-        (-0.9, 0.0, 0.0), {"p": -0.81, "q": 0.5},
+        (-0.95, 0.0, 0.0), {"p": -0.9025, "q": -0.05},
     )  # fmt: skip
 
 

@@ -132,7 +132,7 @@ def test_folds_that_end_on_branch_points_end_in_dp_not_in_a_cusp():
     # x (p + q x - x^2): folds off x = 0 where x = q/2, p = -q^2/4
     other = Plane(TRANSCRITICAL.field, (0.8, 0.64), {"p": 0.08, "q": 0.7})
     curve = other.curve("LP1")
-    np.testing.assert_allclose(curve.columns["p"], -curve.columns["q"] ** 2 / 4, atol=1e-9)
+    np.testing.assert_allclose(curve.columns["p"], -(curve.columns["q"] ** 2) / 4, atol=1e-9)
     assert_points(curve, [("DP", 0.0, 0.0)], atol=1e-8)
 
 
