@@ -244,6 +244,9 @@ class Arm:
                 text = f"met its own mirror image on the curve of branch points at {where}"
                 self.end = End("joined", text, {"at": float(f.point.z[-1])})
                 return f
+            if f.point.type == "TZ" and self.problem.locus == "BP":
+                self.end = End("degenerate", f"three eigenvalues vanish at {where}: curves of several types meet there")
+                return f
             if f.point.type in self.settings.stop_at:
                 self.end = End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
                 return f

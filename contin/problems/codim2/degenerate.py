@@ -153,12 +153,13 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
 def _verified(problem: Any, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
     from contin.problems.codim2 import events
     from contin.problems.codim2.forms import branching_form
+    from contin.problems.codim2.functions import own_critical
 
     z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
     if kind(branching.problem, found) == "pitchfork":
         problem.memory.setdefault("mirrors", []).append(z)
     values = events.eigenvalues(problem, z)
-    others = np.delete(values, events.critical_indices(problem, "DP", z, values))
+    others = np.delete(values, own_critical(problem, z, values))
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     form = branching_form(branching.problem, found)
     return Verified("DP", z, residual, error, values, unstable, dict(form.coefficients), dict(form.vectors))

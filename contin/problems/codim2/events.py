@@ -20,6 +20,7 @@ from contin.problems import defining
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.forms import described
 from contin.problems.codim2.functions import critical_indices, function_of
+from contin.problems.codim2.triple_zero import triple_zero
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
     "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
@@ -89,6 +90,13 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     """Solve the defining system of a type from a nearby point of the curve; '' where there is nothing to report."""
     if type_ == "neutral":
         return ""
+    verified = _verified(problem, type_, near, frame)
+    if isinstance(verified, Verified) and type_ not in ("BT", "ZH"):
+        return verified
+    return triple_zero(problem, near, frame) or verified
+
+
+def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     function = function_of(problem, type_, near)
     if isinstance(function, str):
         return f"{type_} not verified: {function}"

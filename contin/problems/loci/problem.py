@@ -19,6 +19,7 @@ from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
 
 CHUNK = 250
+IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
 _NONE = np.empty(0)
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
@@ -231,7 +232,28 @@ class LocusProblem:
                 "with two parameters they are isolated, and the curve is that of the unfolded equations f + unfolding w "  # noqa: E501
                 "= 0, w the left null vector (column `unfolding`)"
             ]
+        if self._carries_pair(z):
+            return [
+                "two more eigenvalues are imaginary all along these folds: the equations are degenerate (a first-order "
+                "average, or a symmetry), and every point where they are would be a ZH; none is labelled"
+            ]
         return []
+
+    def _carries_pair(self, z: Array) -> bool:
+        """True on a curve of folds along which a pair is on the imaginary axis too, wherever it is complex."""
+        if self.locus != "LP" or self.n < 3 or self.system.kind == "map":
+            return False
+        seen = False
+        for row in z[:: max(1, len(z) // 12)]:
+            values = np.linalg.eigvals(self.curve.matrix(row))
+            others = np.delete(values, int(np.argmin(np.abs(values))))
+            size = float(np.abs(others).max())
+            pairs = others[others.imag > IMAGINARY * size]
+            if len(pairs):
+                seen = True
+                if float(np.abs(pairs.real).min()) > IMAGINARY**2 * size:
+                    return False
+        return seen
 
     def describe_failure(self, z: Array) -> str:
         text = self.system.explain(z[: self.n], self.curve.full_parameters(z))

@@ -1,0 +1,54 @@
+"""TZ: a point of a curve where two more eigenvalues vanish, more than a point of codimension two can explain.
+
+Symmetry makes it appear in two parameters: where a fold of the symmetric states meets a branch point that breaks the
+symmetry, and a further eigenvalue goes along. Curves of several types end or cross there, and their own defining
+systems are singular, so it is located by symmetric functions of the two other eigenvalues a, b: a b or a + b.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+
+VANISHING = 1e-4  # relative size of eigenvalues that vanish together: the root (or cube root) of rounding
+APART = 1e-3  # scaled distance from where it was suspected
+
+
+def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
+    """The point near a sample of a curve of folds or branch points of a flow; None where there is none."""
+    if problem.locus not in ("LP", "BP") or problem.system.kind == "map" or problem.n < 3:
+        return None
+    if not _vanish(problem, near.z, 100.0 * VANISHING):
+        return None
+    from contin.problems.codim2 import events
+
+    for function in (lambda z: _others(problem, z).prod().real, lambda z: _others(problem, z).sum().real):
+        solved = events.solve(problem, function, near, frame.scale)
+        if solved is None or not solved.residual <= events.RESIDUAL_LIMIT:
+            continue
+        z = solved.y * frame.scale
+        moved = np.linalg.norm(((z - near.z) / frame.scale)[problem.identifying])
+        if moved <= APART and _vanish(problem, z, VANISHING):
+            values = events.eigenvalues(problem, z)
+            unstable = int(np.sum(values[np.argsort(np.abs(values))[3:]].real > 0.0))
+            error = solved.error + float(np.abs(_others(problem, z)).max())
+            return Verified("TZ", z, solved.residual, error * float(frame.scale[-1]), values, unstable)
+    return None
+
+
+def _others(problem: Any, z: Array) -> Any:
+    """The two smallest eigenvalues without the curve's own, relative to the size of f_u (which is not zero there)."""
+    from contin.problems.codim2.functions import own_critical, scaled_matrix
+
+    matrix = scaled_matrix(problem, z)
+    values = np.linalg.eigvals(matrix).astype(complex)
+    others = np.delete(values, own_critical(problem, z, values))
+    return others[np.argsort(np.abs(others))[:2]] / max(float(np.linalg.norm(matrix)), 1e-300)
+
+
+def _vanish(problem: Any, z: Array, limit: float) -> bool:
+    return bool(np.abs(_others(problem, z)).max() <= limit)
