@@ -81,7 +81,8 @@ class Arm:
         origin, before, length = self.origin, None, 0.0
         step = self.settings.first_step
         unbounded = (-np.inf, np.inf)  # of two parameters, none is the last unknown alone
-        approach = Approach(unbounded if is_planar(self.problem) else self.bounds, self.problem.parameters[0])
+        bounds = unbounded if is_planar(self.problem) else self.bounds
+        approach = Approach(bounds, self.problem.parameters[0], self.scale[:-1].copy())
         while not self.is_over():
             limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
             if limit <= 0:

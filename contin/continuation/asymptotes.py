@@ -7,11 +7,13 @@ from typing import Final
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Stop
 
 NEAR: Final = 1e-10  # of the range: the parameter is on its bound to what matters
 ROWS: Final = 4
+GROWN: Final = 1e4
 LONG: Final = 1e-3  # steps; near a fold on the bound only much shorter ones stay as near
 
 
@@ -21,6 +23,7 @@ class Approach:
 
     bounds: tuple[float, float]
     parameter: str
+    scale: Array  # of the states, at the start: one that outgrows it is left to `contin.continuation.lost`
     rows: int = 0
 
     def watch(self, chunk: Chunk) -> tuple[Chunk, End | None]:
@@ -30,7 +33,8 @@ class Approach:
             return chunk, None
         distance = np.abs(chunk.z[:, -1, None] - np.array(self.bounds)).min(axis=1)
         for row in range(1, len(chunk)):
-            nearer = 0.0 < distance[row] <= distance[row - 1] < NEAR * width and chunk.lengths[row] > LONG
+            small = np.all(np.abs(chunk.z[row, :-1]) < GROWN * self.scale)
+            nearer = small and 0.0 < distance[row] <= distance[row - 1] < NEAR * width and chunk.lengths[row] > LONG
             self.rows = self.rows + 1 if nearer else 0
             if self.rows == ROWS:
                 bound = min(self.bounds, key=lambda b: abs(b - chunk.z[row, -1]))

@@ -6,7 +6,7 @@ is the problem's own linear algebra, which it offers as a `Linearisation` at a p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -20,6 +20,8 @@ from contin.continuation.vectors import dot, norm
 
 NEWTON_LIMIT = 7
 STAGNATION = 1e-6
+CLOSE = 1e-4  # a matrix serves for points this near
+FAR = 0.05  # a first correction beyond this is found with a new matrix
 DIP_FRACTION = 0.5
 GUARD = 0.6
 GUARD_FLOOR = 2e-3
@@ -72,32 +74,55 @@ class Corrected:
     iterations: int
 
 
+Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matrix with the residual at another point
+
+
 def correct(
-    problem: Marchable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float
-) -> Corrected | str:
-    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; a string says why it failed."""
-    before, first = np.inf, 0.0
+    problem: Marchable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
+    again: Again | None = None, before: Linearisation | None = None,
+) -> Corrected | str:  # fmt: skip
+    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; a string says why it failed.
+
+    With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
+    for what is left to correct after it. The result's own matrix is from within `CLOSE` of the point.
+    """
+    size_before, first = np.inf, 0.0
+    here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
     for iteration in range(1, NEWTON_LIMIT + 1):
-        here = problem.linearisation(z0 + scale * y, tangent, scale)
-        if here is None:
+        z = z0 + scale * y
+        now = None
+        if again is not None and here is not None and (not fresh or size_before < CLOSE) and (fresh or iteration == 1):
+            now = again(here, z)
+        chord = now is not None
+        if now is None:
+            now, fresh = problem.linearisation(z, tangent, scale), True
+        if now is None:
             return "not finite"
-        if here.sign == 0:
+        if now.sign == 0:
             return "singular"
-        step = here.solve(np.append(-here.residual, length - dot(tangent, y)))
+        step = now.solve(np.append(-now.residual, length - dot(tangent, y)))
         size = norm(step)
+        if not fresh and not size < FAR:  # too far for the old matrix
+            here = None
+            continue
         if not size < 1e3:
             return "diverged"
+        here = here if chord else now
         y = y + step
-        first = size if iteration == 1 else first
-        ratio = size / before
-        done = size <= tolerance or (iteration > 1 and size < 1e-4 and size * ratio * ratio < 0.01 * tolerance)
-        if not done and iteration > 1 and ratio > 0.5:
+        first = size if first == 0.0 else first
+        ratio = size / size_before
+        left = size * ratio if chord else size * ratio * ratio
+        done = size <= tolerance or (size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
+        if not done and compare and ratio > 0.5:
             if not (size < STAGNATION and first > size):
                 return "no contraction"
             done = True
         if done:
-            return Corrected(z0 + scale * y, y, here, first, iteration)
-        before = size
+            last = here if fresh and here is not None else problem.linearisation(z0 + scale * y, tangent, scale)
+            if last is None:
+                return "not finite"
+            return Corrected(z0 + scale * y, y, last, first, iteration - int(before is not None))
+        size_before, compare = size, fresh
     return "too many iterations"
 
 
@@ -124,9 +149,9 @@ def probe(
 
 def march(
     problem: Marchable, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
-    bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    bounds: tuple[float, float], settings: Settings, loop: Sample | None, again: Again | None = None,
 ) -> Chunk:  # fmt: skip
-    """`Problem.march` in terms of linearisations."""
+    """`Problem.march` in terms of linearisations; `again` where a matrix is dear, see `correct`."""
     scale = frame.scale
     n = len(scale) - 1
     cos_max = np.cos(np.radians(settings.max_angle))
@@ -158,7 +183,7 @@ def march(
         first.tests[1] = np.sign(first.tests[1])
     rows[0] = first
     h, h_previous = step, length if before is not None else 0.0
-    old = before
+    old, nearest = before, here
     while len(rows) <= limit:
         last = rows[-1]
         blocks = 0
@@ -166,7 +191,10 @@ def march(
             bend = (
                 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
             )
-            found = correct(problem, last.z, last.tangent, h, h * last.tangent + bend, scale, settings.newton_tolerance)
+            guess = h * last.tangent + bend
+            found = correct(
+                problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest
+            )  # fmt: skip
             if not isinstance(found, str) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
                 found = "not the curve that the step set out on"
             if isinstance(found, str):
@@ -210,7 +238,7 @@ def march(
         stop, dipped = _what_happened(problem, old, last, sample, h_previous, h_used, bounds, loop, scale, corner)
         if stop is not None:
             return chunk(stop, h, dipped)
-        old, h_previous = last, h_used
+        old, h_previous, nearest = last, h_used, found.last
     return chunk(Stop.LIMIT, h)
 
 

@@ -17,7 +17,8 @@ class Settings:
     """How a branch is followed. Lengths are arclengths in the problem's metric, in which the parameter's range is 1.
 
     step, min_step, max_step : first, smallest and largest step. A straight branch across the range takes 1/max_step
-    steps. steps : most accepted points in each direction.
+    steps, half as many of a large system.
+    steps : most accepted points in each direction.
     max_angle : degrees; a step whose tangent turns by more is repeated with half the length.
     tolerance : length of the last Newton correction of a point (labelled points do not depend on it: they are
         verified to full precision).

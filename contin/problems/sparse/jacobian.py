@@ -17,7 +17,7 @@ from contin.problems.sparse.factor import Factoriser
 from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
 
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
-OUT_OF_DATE = 9  # GMRES iterations from which old factors are renewed
+OUT_OF_DATE = 7  # GMRES iterations from which old factors are renewed
 
 
 class JacobianSource:
@@ -37,6 +37,10 @@ class JacobianSource:
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
             return DirectLinear(matrix, self.factoriser) if cheap else self._lagged(matrix)
         return KrylovLinear(self._product(u, p), self._preconditioner(u, p))
+
+    def forget(self) -> None:
+        """The next operator is factored, whatever the last one was."""
+        self._last = None
 
     def _lagged(self, matrix: Any) -> KrylovLinear:
         """Solved by GMRES with the factors of an earlier point, which are renewed when that takes long."""

@@ -14,6 +14,7 @@ from contin.problems.sparse.factor import Factor, Factoriser
 from contin.problems.sparse.krylov import COARSE, TOLERANCE, gmres
 
 Vector = NDArray[Any]
+ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 
 
@@ -115,7 +116,8 @@ class KrylovLinear:
     ) -> None:
         self._apply, self._precondition, self._shift = apply, precondition, shift
         self.precise, self.exact, self.matrix = precise, exact, matrix
-        self.borders: dict[int, Any] = {}  # bordered factors by the number of borders, shared with later points
+        # Borders and bordered factors by the number of borders, shared with later points.
+        self.borders: dict[int, tuple[Vector, Any]] = {}
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
 
     def apply(self, x: Vector) -> Vector:
@@ -135,12 +137,14 @@ class KrylovLinear:
             return self._precondition(right.real) + 1j * self._precondition(right.imag)
         return self._precondition(right)
 
-    def _finish(self, found: tuple[Vector, int, float]) -> Vector:
+    def _finish(self, found: tuple[Vector, int, float], wanted: float = TOLERANCE) -> Vector:
         x, used, residual = found
         self.iterations = max(self.iterations, used)
-        return x if residual <= ACCURATE else np.full_like(x, np.nan)
+        return x if residual <= max(ACCURATE, wanted) else np.full_like(x, np.nan)
 
     def solve(self, right: Vector) -> Vector:
+        if self.exact and self.precise is not None:
+            return self.precise.solve(right)
         return self._finish(gmres(self.apply, self.precondition, right))
 
     def bordered(self, columns: Vector, rows: Vector, corner: Vector, coarse: bool = False) -> Solution:
@@ -169,9 +173,11 @@ class KrylovBordered:
         linear, k = self.linear, self.columns.shape[1]
         if linear.precise is None or self.complex_:
             return ApproximateBordered(Approximate(linear.precondition), self.columns, self.rows, self.corner)
-        if k not in linear.borders:
-            linear.borders[k] = bordered(linear.precise, self.columns, self.rows, self.corner)
-        return linear.borders[k]
+        key = np.concatenate([self.columns, self.rows, self.corner])
+        known = linear.borders.get(k)
+        if linear.exact or known is None or not _alike(known[0], key, len(self.columns)):
+            known = linear.borders[k] = key, bordered(linear.precise, self.columns, self.rows, self.corner)
+        return known[1]
 
     def _apply(self, x: Vector) -> Vector:
         n = len(self.columns)
@@ -179,7 +185,21 @@ class KrylovBordered:
         upper = self.linear.apply(state) + self.columns @ rest
         return np.concatenate([upper, self.rows.T @ state + self.corner @ rest])
 
-    def solve(self, right: Vector) -> Vector:
+    def solve(self, right: Vector, tolerance: float | None = None) -> Vector:
         if self.complex_ and not np.iscomplexobj(right):
             right = right.astype(complex)
-        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, self.tolerance))
+        if self.linear.exact and not self.complex_:
+            return np.asarray(self.preconditioner.solve(right))
+        wanted = tolerance or self.tolerance
+        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, wanted), wanted)
+
+
+def _alike(old: Vector, new: Vector, n: int) -> bool:
+    """True where old borders [columns; rows; corner] still precondition new ones."""
+    parts = ((old[:n], new[:n]), (old[n : 2 * n], new[n : 2 * n]))
+    for a, b in parts:
+        inner = np.abs(np.einsum("ij,ij->j", a, b))
+        sizes = np.einsum("ij,ij->j", a, a), np.einsum("ij,ij->j", b, b)
+        if np.any(inner < ALIKE * np.maximum(*sizes)):
+            return False
+    return True

@@ -30,6 +30,8 @@ from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
 
 POLISH_BUDGET = 12
+ROUGH = 1e-2  # relative residual of solves with an old matrix
+STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
@@ -42,6 +44,7 @@ class LargeLinearisation:
     sign: float  # of det M, where factors give it
     scale: Array
     _solution: Solution
+    rough: bool = False  # solves only as well as a correction with an old matrix needs
 
     @cached_property
     def log_determinant(self) -> float:
@@ -58,7 +61,10 @@ class LargeLinearisation:
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
         d = self.scale[:-1]
-        x = self._solution.solve(np.append(d * right[:-1], right[-1]))
+        both = np.append(d * right[:-1], right[-1])
+        if self.rough and isinstance(self._solution, KrylovBordered):
+            return np.asarray(self._solution.solve(both, ROUGH) / self.scale)
+        x = self._solution.solve(both)
         return np.asarray(x / self.scale)
 
 
@@ -134,6 +140,15 @@ class LargeProblem:
             work.z, work.linear = z.copy(), self.source.at(z[:-1], self.full_parameters(z))
         return work.linear
 
+    def precisely(self, z: Array) -> Linear | None:
+        """`linear`, with factors of its own where it has some: for what is computed at one place, many times."""
+        linear = self.linear(z)
+        if isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact:
+            self.source.forget()
+            self.work.z = None
+            linear = self.linear(z)
+        return linear
+
     def parameter_slope(self, z: Array) -> Array:
         """F_p (n,)."""
         with np.errstate(all="ignore"):
@@ -161,6 +176,12 @@ class LargeProblem:
         solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None], coarse=True)
         sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
         return LargeLinearisation(f / scale[:-1], sign, scale, solution)
+
+    def again(self, here: python_march.Linearisation, z: Array) -> LargeLinearisation | None:
+        """A linearisation of this problem with the residual at another point, for one more correction."""
+        assert isinstance(here, LargeLinearisation)
+        f = self.residual(z)
+        return replace(here, residual=f / here.scale[:-1], rough=True) if np.all(np.isfinite(f)) else None
 
     def spectrum(self, z: Array) -> Spectrum:
         """Leading eigenvalues of F_u at z, from the factors of the last point if that is near."""
@@ -197,7 +218,10 @@ class LargeProblem:
     # the engine's contract --------------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        """The same size for all states (in proportion to `typical`, if given): the norm is that of a function."""
+        """The same size for all states (in proportion to `typical`, if given): the norm is that of a function.
+
+        Lengths are divided by `STRIDE`: steps are dear here, and go further.
+        """
         width = bounds[1] - bounds[0] if np.isfinite(bounds[1] - bounds[0]) else max(1.0, abs(float(z[-1])))
         typical = self.system.model.typical
         unit = typical / float(np.abs(typical).max())
@@ -211,16 +235,17 @@ class LargeProblem:
             size = max(size, min(motion, 10.0 * size))
         else:
             size = motion if motion > 1e-14 else float(np.abs(typical).max())
-        return np.append(np.sqrt(self.n) * size * unit, width)
+        return STRIDE * np.append(np.sqrt(self.n) * size * unit, width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        self.precisely(z)
         return special.tangents(self, z, scale)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, self.again)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)
@@ -253,6 +278,7 @@ class LargeProblem:
         return {"LP": 0, "BP": None, "HB": 2}[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        self.precisely(near.z)
         try:
             found = special.verify(self, type_, near, frame)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
