@@ -80,8 +80,8 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         origin, before, length = self.origin, None, 0.0
         step = self.settings.first_step
-        unbounded = (-np.inf, np.inf)  # of two parameters, none is the last unknown alone
-        bounds = unbounded if is_planar(self.problem) else self.bounds
+        other = is_planar(self.problem) or is_adaptive(self.problem)  # they have ends of their own
+        bounds = (-np.inf, np.inf) if other else self.bounds
         approach = Approach(bounds, self.problem.parameters[0], self.scale[:-1].copy())
         while not self.is_over():
             limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
