@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.asymptotes import Approach
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
@@ -80,9 +79,6 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         origin, before, length = self.origin, None, 0.0
         step = self.settings.first_step
-        other = is_planar(self.problem) or is_adaptive(self.problem)  # they have ends of their own
-        bounds = (-np.inf, np.inf) if other else self.bounds
-        approach = Approach(bounds, self.problem.parameters[0], self.scale[:-1].copy())
         while not self.is_over():
             limit = min(self.settings.steps - self.accepted, self.problem.maximum_chunk)
             if limit <= 0:
@@ -92,7 +88,6 @@ class Arm:
             chunk = (self.march or self.problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, self.settings, self.loop
             )
-            chunk, asymptotic = approach.watch(chunk)
             if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
                 chunk = _without_last(chunk)
             else:
@@ -103,7 +98,6 @@ class Arm:
                 piece = self._resolve(chunk, before)
                 assert piece is not None
             self.accepted += len(piece.z)
-            self.end = self.end or asymptotic
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
             if self.is_over() and not (failed is not None and is_adaptive(self.problem)):
@@ -246,7 +240,7 @@ class Arm:
                 self.end = End("joined", text, {"at": float(f.point.z[-1])})
                 return f
             if f.point.type == "TZ" and self.problem.locus == "BP":
-                self.end = End("degenerate", f"three eigenvalues vanish at {where}: curves of several types meet there")
+                self.end = End("joined", f"three eigenvalues vanish at {where}: curves of several types meet there")
                 return f
             if f.point.type in self.settings.stop_at:
                 self.end = End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")

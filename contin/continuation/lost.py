@@ -19,6 +19,9 @@ SHRINKING: Final = 1.0 / 3.0  # ... and by less than this part of its move in th
 PATIENCE: Final = 400  # rows
 VERTICAL: Final = 1e-12  # of the range: a parameter that moves less than this in so many rows does not move
 STILL: Final = 1e-7  # scaled arclength of as many rows
+NEAR: Final = 1e-10  # of the range: the parameter is on its bound to what matters
+APPROACHING: Final = 4  # rows in turn that come nearer to a bound
+LONG: Final = 1e-3  # ... in such steps; near a fold on the bound only much shorter ones stay as near
 
 
 def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
@@ -29,7 +32,7 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
     if is_adaptive(arm.problem) or is_planar(arm.problem):
         yield from pieces
         return
-    record = _Record(arm, start.copy(), arm.scale[:-1].copy())
+    record = _Record(arm, start.copy(), arm.scale[:-1].copy(), last=start)
     for piece in pieces:
         stop = record.lost(piece)
         if stop is None:
@@ -58,12 +61,14 @@ class _Record:
     decades: list[float] = field(default_factory=list)  # parameter values where a state passed 10, 100, .. times it
     vertical: int = 0  # rows without a move of the parameter, and of anything
     standing: int = 0
+    approaching: int = 0  # rows in turn that came nearer to a bound
+    last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next piece
 
     def lost(self, piece: Piece) -> _Stop | None:
         """Take the rows of one more piece."""
         if not len(piece.z):
             return None
-        return self._infinite(piece) or self._unmoved(piece)
+        return self._infinite(piece) or self._approaching(piece) or self._unmoved(piece)
 
     def _infinite(self, piece: Piece) -> _Stop | None:
         free = self.arm.problem.angle_periods == 0.0
@@ -96,6 +101,24 @@ class _Record:
     def _fastest(self, z: Array) -> str:
         names = list(self.arm.problem.columns(z[None]))[1:]
         return names[int(np.argmax(np.abs(z[:-1]) / self.scale))] if len(names) >= len(z) - 1 else "the state"
+
+    def _approaching(self, piece: Piece) -> _Stop | None:
+        """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows."""
+        bounds = np.array(self.arm.bounds)
+        rows = np.vstack([self.last[None], piece.z])
+        self.last = piece.z[-1].copy()
+        distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
+        if not distance[1:].min() < NEAR * self._width:
+            self.approaching = 0
+            return None
+        steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
+        nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < NEAR * self._width)
+        for row, counts in enumerate(nearer & (steps > LONG)):
+            self.approaching = self.approaching + 1 if counts else 0
+            if self.approaching == APPROACHING:
+                bound = bounds[np.argmin(np.abs(bounds - piece.z[row, -1]))]
+                return self._stop(row, piece, "bound", f"the branch approaches {bound:g} ever more closely")
+        return None
 
     def _unmoved(self, piece: Piece) -> _Stop | None:
         moved = np.abs(piece.z - self.anchor)

@@ -1,4 +1,4 @@
-"""Inner products and norms of long vectors without BLAS.
+"""Inner products and norms, of long vectors without BLAS.
 
 BLAS splits a dot product of more than 10,000 numbers over threads, which on a busy machine wait milliseconds for
 each other.
@@ -12,12 +12,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+LONG = 1000  # numbers; up to here BLAS stays on one thread
+
 
 def dot(a: NDArray[Any], b: NDArray[Any]) -> float:
     """sum a_i b_i of real vectors."""
+    if a.size <= LONG:
+        return float(a.dot(b))
     return float(np.einsum("i,i->", a, b))
 
 
 def norm(a: NDArray[Any]) -> float:
     """Euclidean norm of a real or complex vector."""
+    if a.size <= LONG:
+        return math.sqrt(np.vdot(a, a).real)
     return math.sqrt(float(np.einsum("i,i->", a, a.conj()).real))

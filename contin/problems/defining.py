@@ -1,11 +1,10 @@
 """Defining systems of special points, solved by Newton to full precision (minimally augmented, bordered).
 
 A point z = (u, p) on F(z) = 0, J = [F_u F_p] (n, n + 1), is a fold, branch, Hopf, ... point where some matrix B(z)
-loses
-rank. B is bordered to a regular matrix, [B b; c^* 0] [V; g] = [0; I]; then g(z) = 0 says that B is singular, V spans
-its
-null space, and with the left solution w the derivative is dg = -w^* (dB) V (Griewank and Reddien 1984; Govaerts 2000).
-Every function here takes a `Local` system in scaled unknowns, so that borders, tolerances and norms have a meaning.
+loses rank. B is bordered to a regular matrix, [B b; c^* 0] [V; g] = [0; I]; then g(z) = 0 says that B is singular, V
+spans its null space, and with the left solution w the derivative is dg = -w^* (dB) V (Griewank and Reddien 1984;
+Govaerts 2000). Every function here takes a `Local` system in scaled unknowns, so that borders, tolerances and norms
+have a meaning.
 """
 
 from __future__ import annotations
@@ -50,7 +49,14 @@ class Solved:
     noise: float  # of the residual: what it can be at a true solution
 
 
-System = Callable[[Array], tuple[Array, Array]]
+class System(Protocol):
+    """Equations G(x) = 0."""
+
+    def __call__(self, x: Array, slopes: bool = True) -> tuple[Array, Array]:
+        """G(x), and its Jacobian where `slopes` are asked for (else an empty matrix)."""
+
+
+NO_SLOPES = np.empty((0, 0))
 
 
 def newton(system: System, x: Array, position: int) -> Solved | None:
@@ -91,7 +97,7 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     estimates, noise = [], 1e-14 * float(np.max(np.abs(matrix)))
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
-        value, _ = system(x + shift)
+        value, _ = system(x + shift, slopes=False)
         estimates.append(shift[position] - float(row @ value))
         noise = max(noise, float(np.max(np.abs(value - g - matrix @ shift))))
     scatter = float(np.max(np.abs(estimates)))
@@ -126,11 +132,10 @@ def fold(local: Local, y: Array) -> Solved | None:
     n = local.n
     b, c = singular_basis(local.linearise(y)[1][:, :n], 1)
 
-    def system(x: Array) -> tuple[Array, Array]:
+    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = _bordered(jacobian[:, :n], b, c)
-        gradient = -(w.T @ local.hessian(x, np.append(v[:, 0], 0.0)))
-        return np.append(f, g[0, 0]), np.vstack([jacobian, gradient])
+        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w) if slopes else NO_SLOPES
 
     return newton(system, y, n)
 
@@ -140,9 +145,11 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
     n = local.n
     b, c = singular_basis(local.linearise(y)[1], corank)
 
-    def system(x: Array) -> tuple[Array, Array]:
+    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = _bordered(jacobian, b, c)
+        if not slopes:
+            return np.concatenate([f, g.T.ravel()]), NO_SLOPES
         rows = [jacobian]
         for k in range(corank + 1):
             rows.append(-(w.T @ local.hessian(x, v[:, k])))
@@ -164,19 +171,19 @@ def critical_pair(
     identity = np.eye(n)
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
 
-    def system(x: Array) -> tuple[Array, Array]:
+    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
         v, w, g = _bordered(jacobian[:, :n] - shift(x[-1]) * identity, b, c)
+        residual = np.concatenate([f, *(part for column in g.T for part in (column.real, column.imag))])
+        if not slopes:
+            return residual, NO_SLOPES
         adjoint = w.conj().T
         blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
         for k in range(corank):
             gradient = -(adjoint @ local.hessian(x[: n + 1], np.append(v[:, k], 0.0)))
             complete = np.hstack([gradient, rate(x[-1]) * (adjoint @ v[:, [k]])])
             blocks += [complete.real, complete.imag]
-        residuals = [f]
-        for k in range(corank):
-            residuals += [g[:, k].real, g[:, k].imag]
-        return np.concatenate(residuals), np.vstack(blocks)
+        return residual, np.vstack(blocks)
 
     return newton(system, np.append(y, angle), n)
 
@@ -187,11 +194,10 @@ def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
     identity = np.eye(n)
     b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, 1)
 
-    def system(x: Array) -> tuple[Array, Array]:
+    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = _bordered(jacobian[:, :n] - value * identity, b, c)
-        gradient = -(w.T @ local.hessian(x, np.append(v[:, 0], 0.0)))
-        return np.append(f, g[0, 0]), np.vstack([jacobian, gradient])
+        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w) if slopes else NO_SLOPES
 
     return newton(system, y, n)
 
@@ -201,16 +207,18 @@ def _bordered(
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Solve [B b; c^* 0] [V; g] = [0; I] and [B b; c^* 0]^* [w; .] = [0; I]; returns V, w, g."""
     rows, columns = matrix.shape
-    kernel, corank = c.shape[1], b.shape[1]
-    bordered = np.block([[matrix, b], [c.conj().T, np.zeros((kernel, corank))]])
-    right = np.zeros((rows + kernel, kernel))
-    right[rows:] = np.eye(kernel)
-    left = np.zeros((columns + corank, corank))
-    left[columns:] = np.eye(corank)
+    kernel = c.shape[1]
+    bordered = np.zeros((rows + kernel, rows + kernel), np.result_type(matrix, b, c))
+    bordered[:rows, :columns] = matrix
+    bordered[:rows, columns:] = b
+    bordered[rows:, :columns] = c.conj().T
     try:
-        solution = np.linalg.solve(bordered, right)
-        adjoint = np.linalg.solve(bordered.conj().T, left)
+        inverse = np.linalg.inv(bordered)
     except np.linalg.LinAlgError:
-        shape = np.full((columns, kernel), np.nan), np.full((rows, corank), np.nan), np.full((corank, kernel), np.nan)
-        return shape
-    return solution[:columns], adjoint[:rows], solution[columns:]
+        inverse = np.full_like(bordered, np.nan)
+    return inverse[:columns, rows:], inverse[columns:, :rows].conj().T, inverse[columns:, rows:]
+
+
+def _with_gradient(local: Local, x: Array, jacobian: Array, v: Array, w: Array) -> Array:
+    """[J; dg] for a real matrix F_u - value I of corank 1."""
+    return np.vstack([jacobian, -(w.T @ local.hessian(x, np.append(v[:, 0], 0.0)))])

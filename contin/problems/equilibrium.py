@@ -119,7 +119,7 @@ class EquilibriumProblem:
     def linearise(self, z: Array) -> tuple[Array, Array]:
         """F (n,) and [F_u F_p] (n, n + 1), unscaled."""
         f, jacobian = self.system.jacobian(z[:-1], self.full_parameters(z))
-        matrix = np.column_stack([jacobian[:, : self.n], jacobian[:, self.n + self.active]])
+        matrix = self._active_columns(jacobian)
         if self.is_map:
             f = f - z[:-1]
             matrix[:, : self.n] -= np.eye(self.n)
@@ -145,7 +145,14 @@ class EquilibriumProblem:
         wide[: self.n] = v[: self.n]
         wide[self.n + self.active] = v[self.n]
         matrix = self.system.gradient(z[: self.n], self.full_parameters(z), wide)
-        return np.column_stack([matrix[:, : self.n], matrix[:, self.n + self.active]])
+        return self._active_columns(matrix)
+
+    def _active_columns(self, matrix: NDArray[Any]) -> NDArray[Any]:
+        """Derivatives in the states and the active parameter, of those in the states and all parameters."""
+        chosen = np.empty((self.n, self.n + 1), matrix.dtype)
+        chosen[:, : self.n] = matrix[:, : self.n]
+        chosen[:, self.n] = matrix[:, self.n + self.active]
+        return chosen
 
     def linear_part(self, z: Array) -> Array:
         """The matrix whose eigenvalues decide stability: f_u."""

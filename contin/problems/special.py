@@ -23,7 +23,7 @@ CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a c
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
 CENTRE = 1e-11  # a pair this close to the boundary on both sides of a point stays there
-MUTUAL = 1e-8  # two states act on each other: product of their couplings beside the square of the largest eigenvalue
+MUTUAL = 1e-8  # two states act on each other: product of their couplings beside the largest such product
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
 
 
@@ -170,14 +170,14 @@ def _balancing_units(*jacobians: Array) -> Array:
     """Units of the states (1 for the parameter), (n + 1,), in which rows and columns of all F_u together are alike.
 
     Only pairs of states that act on each other are balanced: where one of the two couplings is a rounding error, the
-    ratio of the two says nothing. The product of the two, beside the eigenvalues, does not depend on units.
+    ratio of the two says nothing. The product of the two does not depend on units.
     """
     from scipy.linalg import matrix_balance
 
     n = len(jacobians[0])
     total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
-    largest = max(float(np.max(np.abs(np.linalg.eigvals(m[:, :n])))) for m in jacobians)
-    mutual = total * total.T >= MUTUAL * largest**2
+    products = total * total.T
+    mutual = products >= MUTUAL * products.max()
     with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
         units = matrix_balance(np.where(mutual, total, 0.0), permute=False, separate=True)[1][0]
     return np.append(units, 1.0)
@@ -264,16 +264,9 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
 
 
 def eigenvalues_of(problem: Any, z: Array) -> Any:
-    """Eigenvalues of f_u at z (balanced), by falling real part."""
-    values = np.linalg.eigvals(_balanced(problem.linear_part(z)))
+    """Eigenvalues of f_u at z, by falling real part."""
+    values = np.linalg.eigvals(problem.linear_part(z))  # LAPACK balances
     return values[np.lexsort((-values.imag, -values.real))].astype(complex)
-
-
-def _balanced(matrix: Array) -> Array:
-    from scipy.linalg import matrix_balance
-
-    with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
-        return np.asarray(matrix_balance(matrix, permute=False)[0])
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:

@@ -34,7 +34,7 @@ def test_pitchforks_of_the_averaged_pair_lie_on_its_published_curve():
         pytest.approx(1.125, abs=1e-6),
         pytest.approx(3 / np.pi),
     )
-    assert sorted(end.reason for end in curve.ends) == ["bound", "degenerate"]
+    assert sorted(end.reason for end in curve.ends) == ["bound", "joined"]
 
 
 @pytest.mark.parametrize("start", ["in-phase", "anti-phase"])
