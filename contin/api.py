@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -19,6 +19,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.model.model import Model
 from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
@@ -130,8 +131,8 @@ def continuation(
 ) -> Branch:
     """Follow the branch through `start` while `parameter` varies in `range`, and label its special points.
 
-    start : an `Equilibrium`, a `FunctionProblem` (solved from its u0), or a seed from `point.switch()`; of a list of
-        seeds the first is followed.
+    start : an `Equilibrium`, a model (solved from the states' values, or u0 of a `FunctionProblem`), or a seed from
+        `point.switch()`; of a list of seeds the first is followed.
         A curve of special points in two parameters starts from `point.locus()`, with the pair of names for `parameter`.
     range : (lo, hi), for two parameters {name: (lo, hi)}; default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
@@ -217,7 +218,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
     """What can start a continuation, as a seed with `parameter` free."""
     if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
         return as_seed(start[0], parameter)
-    if isinstance(start, FunctionProblem):
+    if isinstance(start, FunctionProblem | Model):
         start = equilibrium(start)
     if isinstance(start, FoundEquilibrium):
         start = start.equilibrium
@@ -275,6 +276,7 @@ def diagram(
     budget: Any = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
+    ahead: Callable[[Seed], None] | None = None,
 ) -> Any:
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
@@ -283,6 +285,7 @@ def diagram(
         and at some others in the range, so that disconnected branches are found.
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
+    ahead : called with the seed of every branch before it is followed.
     """
     from contin.diagram.explore import Budget, Explorer
 
@@ -306,8 +309,9 @@ def diagram(
         raise failure or NoSolutionError("no equilibrium found in the box; give a larger box")
     problem = (seeds[0][1] if seeds else reserve[0]).problem
     bounds = bounds_of(problem, parameter, range)
+    targets = targets_of(problem, values)
     explorer = Explorer(
-        parameter, bounds, Settings.of(settings), Budget.of(budget), targets_of(problem, values), orbits, watch, journal
+        parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal, ahead
     )
     result = explorer.explore(seeds, reserve)
     result.notes[:0] = notes

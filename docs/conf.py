@@ -24,7 +24,7 @@ html_title = f"contin {__version__}"
 nitpicky = False
 
 nb_execution_mode = "force"
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # the first cell on a machine compiles
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True  # what the cells write does not stay in the sources
 nb_merge_streams = True

@@ -140,7 +140,7 @@ def compute(
     from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
-    engine = ContinEngine(status.watch, journal)
+    engine = ContinEngine(status.watch, journal, status.warm_for)
     status.say_if_first_use(plan.follows_orbits)
     engine.load()
     imported = time.perf_counter()
@@ -217,13 +217,24 @@ class Status:
         self.console = console
         self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
         self.run = ""
+        self.warm = False  # kernels of orbits
 
     def say_if_first_use(self, orbits: bool) -> None:
         """On a machine's first run, the one line that explains the wait."""
         from contin.runs.warm import is_compiled
 
         if not is_compiled(orbits):
-            self.console.print("Compiling the numerical kernels for this machine, once; this takes about a minute ...")
+            what, time_ = ("of periodic orbits ", "about a minute") if orbits else ("", "about 15 seconds")
+            self.console.print(f"Compiling the numerical kernels {what}for this machine, once; this takes {time_} ...")
+
+    def warm_for(self, seed: Any) -> None:
+        """Before the first family of orbits in a diagram: their kernels, which are no part of the branch's time."""
+        from contin.runs.warm import warm_up
+
+        if seed.problem.kind == "orbit" and not self.warm:
+            self.say_if_first_use(True)
+            warm_up(True)
+            self.warm = True
 
     def say(self, what: str) -> None:
         """The name of the run that begins."""

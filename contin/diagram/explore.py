@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -53,6 +53,7 @@ class Explorer:
     orbits: bool = True
     watch: Watcher | None = None
     journal: Journal | None = None
+    ahead: Callable[[Seed], None] | None = None  # called with a seed before its branch is followed
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -107,6 +108,8 @@ class Explorer:
             elif known.parent is not None:
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
+        if self.ahead is not None:
+            self.ahead(seed)
         try:
             branch = trace(
                 seed,

@@ -44,11 +44,12 @@ class Engine(Protocol):
 
 
 class ContinEngine:
-    """The engine of this package; `watch` is called after every chunk of a branch."""
+    """The engine of this package; `watch` is called after every chunk, `ahead` before every branch of a diagram."""
 
-    def __init__(self, watch: Watcher | None = None, journal: Any = None) -> None:
-        self.watch = watch
-        self.journal = journal
+    def __init__(
+        self, watch: Watcher | None = None, journal: Any = None, ahead: Callable[[Any], None] | None = None
+    ) -> None:
+        self.watch, self.journal, self.ahead = watch, journal, ahead
 
     def load(self) -> None:
         """Import the numerical part; otherwise the first run does."""
@@ -106,6 +107,7 @@ class ContinEngine:
             budget=diagram.budget,
             watch=self.watch,
             journal=self.journal,
+            ahead=self.ahead,
         )
         return found
 

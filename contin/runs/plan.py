@@ -73,10 +73,8 @@ class Plan:
 
     @property
     def follows_orbits(self) -> bool:
-        """True where a run computes periodic orbits of a flow."""
-        return self.model.kind == "flow" and (
-            (self.diagram is not None and self.diagram.orbits) or any(run.follows_orbits for run in self.runs)
-        )
+        """True where a run asks for periodic orbits of a flow; whether a diagram has some is seen when it is made."""
+        return self.model.kind == "flow" and any(run.follows_orbits for run in self.runs)
 
 
 def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:
