@@ -24,17 +24,17 @@ def switching_functions(expressions: Iterable[Expression], names: Iterable[str])
     """Switching functions in order of occurrence, once each (equal up to a numeric factor), that depend on `names`."""
     mask = mask_of(names)
     found: dict[object, Expression] = {}
-    for node in _values_and_conditions(expressions):
+    for node in piecewise_nodes(expressions):
         if node.op in COMPARISONS or node.op in ("min", "max"):
             function = sub(*node.args)
         else:
             function = node.args[0]
         if function.mask & mask:
-            found.setdefault(_up_to_scale(function), function)
+            found.setdefault(up_to_scale(function)[0], function)
     return list(found.values())
 
 
-def _values_and_conditions(expressions: Iterable[Expression]) -> list[Expression]:
+def piecewise_nodes(expressions: Iterable[Expression]) -> list[Expression]:
     """The piecewise nodes: comparisons, and functions with a kink or jump that contribute to a value.
 
     The inside of a comparison is not searched: the kink of |x| in `|x| < 1` changes no formula.
@@ -58,10 +58,11 @@ def _values_and_conditions(expressions: Iterable[Expression]) -> list[Expression
     return piecewise
 
 
-def _up_to_scale(function: Expression) -> object:
-    """A key that a x - a y, y - x and x - y share."""
+def up_to_scale(function: Expression) -> tuple[object, bool]:
+    """A key that a x - a y, y - x and x - y share, and whether the leading coefficient is positive."""
     if function.op != "add":
-        return split_coefficient(function)[1]
+        coefficient, rest = split_coefficient(function)
+        return rest, coefficient > 0
     parts: dict[Expression | None, Number] = {}
     for term in function.args:
         if term.is_number:
@@ -70,4 +71,4 @@ def _up_to_scale(function: Expression) -> object:
             coefficient, rest = split_coefficient(term)
             parts[rest] = coefficient
     leading = parts[min((p for p in parts if p is not None), key=id)]
-    return frozenset((rest, coefficient / leading) for rest, coefficient in parts.items())
+    return frozenset((rest, coefficient / leading) for rest, coefficient in parts.items()), leading > 0

@@ -14,6 +14,7 @@ from contin.abi import NO_FUNCTION, Address, Array
 from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.llvm_text import Routine
 from contin.lowering.machine import MachineCode, compile_routines
+from contin.lowering.pieces import Pieces, compile_pieces
 from contin.lowering.routines import Layout, form_routine, gradient_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
 from contin.model.expression import Expression, postorder, symbol
@@ -85,6 +86,7 @@ class CompiledSystem:
         self._functions: dict[str, Call] = {}
         self._is_small = len(postorder(formulas)) < COMPILED_AT_ONCE
         self._pattern: tuple[NDArray[np.intp], NDArray[np.intp]] | None = None
+        self._pieces: Pieces | None = None
         self._calls = Calls(self.n, self.p_size)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -204,6 +206,14 @@ class CompiledSystem:
         if vector.shape != (size,):
             raise ValueError(f"a direction must have shape ({size},) for (u, p); got {vector.shape}")
         return vector
+
+    @property
+    def pieces(self) -> Pieces:
+        """The flow taken apart at its switching surfaces, for trajectories (smooth equations: no surfaces)."""
+        with self._lock:
+            if self._pieces is None:
+                self._pieces = compile_pieces(self._equations, self.layout, TIME if self.is_forced else None)
+            return self._pieces
 
     @property
     def jacobian_pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

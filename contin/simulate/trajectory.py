@@ -9,18 +9,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.simulate.flight import fly
+from contin.simulate.section import Section
+
+__all__ = ["Section", "Trajectory", "integrate"]
 
 RTOL, ATOL = 1e-10, 1e-12
 CHUNK = 20_000  # steps between two looks at Ctrl-C
-
-
-@dataclass(frozen=True, eq=False)
-class Section:
-    """The plane normal . u = offset; crossings upwards (direction 1), downwards (-1) or both (0)."""
-
-    normal: Array
-    offset: float
-    direction: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +46,8 @@ def integrate(
     variations : (n, k) initial vectors of v' = f_u v. Smooth non-stiff flows; about 1 us a step for small models.
 
     Raises InputError for a map or a bad duration, NotFiniteError where the solution leaves the equations' domain or
-    the budget of steps is used up (a stiff model: see `stiff`).
+    the budget of steps is used up (a stiff model: see
+    `contin.simulate.stiff`). A piecewise-smooth flow is integrated piece by piece (`contin.simulate.flight`).
     """
     from contin.kernels import runge_kutta as kernel
 
@@ -59,6 +55,11 @@ def integrate(
         raise InputError("a map has no trajectories in continuous time; iterate it")
     if not duration > 0.0:
         raise InputError(f"duration must be positive; got {duration!r}")
+    if system.n_switches:
+        return _in_pieces(
+            system, u, p, duration, start=start, times=times, section=section, events=events, variations=variations,
+            rtol=rtol, atol=float(np.min(atol)), max_step=max_step, budget=budget,
+        )  # fmt: skip
     n = system.n
     y = np.array(u, dtype=float)
     if variations is not None:
@@ -93,4 +94,17 @@ def integrate(
     return Trajectory(
         wanted[:taken], samples[:taken, :n], crossings[:, 0], crossings[:, 1 : 1 + n], float(controls[0]), y[:n].copy(),
         int(counts[2]), carried,
+    )  # fmt: skip
+
+
+def _in_pieces(system: Any, u: Array, p: Array, duration: float, **options: Any) -> Trajectory:
+    flight = fly(system, u, p, duration, **options).finished()
+    n, taken = system.n, len(flight.t)
+    carried = None
+    if options["variations"] is not None:
+        carried = np.moveaxis(flight.samples[:, n:].reshape(taken, -1, n), 1, 2)
+    events = flight.events
+    return Trajectory(
+        flight.t, flight.u, events[:, 0], events[:, 1 : 1 + n], flight.end_time, flight.end[:n].copy(), flight.steps,
+        carried,
     )  # fmt: skip

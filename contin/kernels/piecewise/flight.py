@@ -1,0 +1,134 @@
+"""The trajectory of a piecewise-smooth flow: DOP853 piece by piece, landing on every surface and on a section.
+
+Step control as in `contin.kernels.runge_kutta`. Memory does not grow with the time.
+"""
+
+import math
+
+from contin.kernels.compile import kernel
+from contin.kernels.dop853 import STAGES
+from contin.kernels.piecewise.flow import rates, settle, slope_at
+from contin.kernels.piecewise.landing import cross, earliest, land
+from contin.kernels.piecewise.step import attempt, prepare_dense
+from contin.kernels.runge_kutta import GROW, SAFETY, SHRINK, interpolate
+
+DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED = range(7)
+SHORT_PIECES = 200  # consecutive pieces much shorter than a step: crossings accumulate
+
+
+@kernel
+def initial_step(flow, m, y, rtol, atol):
+    """0.01 |y| / |y'|, weighted as errors are."""
+    top, bottom = 0.0, 0.0
+    for k in range(y.size):
+        scale = atol + rtol * abs(y[k])
+        top += (y[k] / scale) ** 2
+        bottom += (m.slopes[0, k] / scale) ** 2
+    return 0.01 * math.sqrt(top / bottom) if top > 1e-10 and bottom > 1e-10 else 1e-6
+
+
+@kernel
+def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
+    """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED.
+
+    controls : [t, t_end, h, h_max, rtol, atol, box]; t and h are updated. box: largest modulus of a state (ESCAPED).
+    max_steps : of this call; call again (started = True) to go on: m keeps the modes.
+    times, samples (len(times), size) : y wanted at increasing times.  events (K, 1 + size) : crossings of the section.
+    crossings (K, 2) : time and surface of the last K crossings, used as a ring.
+    counts : [samples, events, steps, rejected, crossings, touched, surface (where SLIDING)].
+    """  # noqa: E501
+    t, t_end, h, h_max, rtol, atol, box = controls[0], controls[1], controls[2], controls[3], controls[4], controls[5], controls[6]
+    landing = controls[7:]
+    n = flow.n
+    if not started:
+        blocked = settle(flow, m, t, y)
+        if blocked >= 0:
+            counts[6] = blocked
+            return SLIDING
+    slope_at(flow, m, t, y, 0)
+    rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
+    if h <= 0.0:
+        h = initial_step(flow, m, y, rtol, atol)
+    rejected, short = False, 0
+    for _ in range(max_steps):
+        if t >= t_end:
+            break
+        h = min(h, h_max)
+        used = min(h, t_end - t)
+        if used < 1e-14 * max(abs(t), 1e-300) and t_end - t > used:
+            return SMALL
+        m.begin[:] = y
+        error = attempt(flow, m, t, used, rtol, atol)
+        counts[2] += 1
+        if not math.isfinite(error):
+            counts[3] += 1
+            if h < 1e-12:
+                return NOT_FINITE
+            h, rejected = 0.1 * used, True
+            continue
+        factor = SAFETY * error ** (-0.125) if error > 0.0 else GROW
+        if error > 1.0:
+            counts[3] += 1
+            h, rejected = used * max(factor, SHRINK), True
+            continue
+        slope_at(flow, m, t + used, m.trial, STAGES)
+        rates(flow, m, t + used, m.trial, m.slopes[STAGES], m.g1, m.d1)
+        met, place = earliest(flow, m, used)
+        length, touched, dense = used, False, False
+        wanted_at = times[counts[0]] if counts[0] < times.size else math.inf
+        if met >= 0:
+            met, length = land(flow, m, t, used, met, place, rtol, atol, wanted_at, landing)
+            touched, dense = landing[2] > 0.0, met >= 0
+        if wanted_at <= t + length:
+            span = landing[0] if dense else length
+            if not dense:
+                prepare_dense(flow, m, t, length)
+            while counts[0] < times.size and times[counts[0]] <= t + length:
+                interpolate(m.dense, m.begin, (times[counts[0]] - t) / span, m.point)
+                samples[counts[0], :] = m.point
+                counts[0] += 1
+        t = t_end if length == used and t + used >= t_end else t + length
+        if met >= 0:
+            short = short + 1 if length < 1e-6 * used else 0
+            if met == flow.count:
+                if counts[1] < events.shape[0]:
+                    events[counts[1], 0] = t
+                    events[counts[1], 1:] = m.trial
+                    counts[1] += 1
+            else:
+                if crossings.shape[0] > 0:
+                    crossings[counts[4] % crossings.shape[0], 0] = t
+                    crossings[counts[4] % crossings.shape[0], 1] = met
+                counts[4] += 1
+                counts[5] += 1 if touched else 0
+            blocked = cross(flow, m, used, met, touched)
+            if blocked != -1 or short > SHORT_PIECES:
+                counts[6] = blocked if blocked >= 0 else met
+                y[:] = m.trial
+                controls[0] = t
+                return SLIDING
+            y[:] = m.trial
+            slope_at(flow, m, t, y, 0)
+            rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
+            for j in range(flow.count + 1):
+                if m.g0[j] < 0.0 or j == met:  # on it, to rounding
+                    m.g0[j] = max(m.g0[j], 0.0)
+        else:
+            y[:] = m.trial
+            m.slopes[0, :] = m.slopes[STAGES]
+            for j in range(flow.count + 1):
+                if m.g1[j] < 0.0 and j == flow.count:  # the section, against its direction
+                    m.sigma[j] = -m.sigma[j]
+                    m.g1[j], m.d1[j] = -m.g1[j], -m.d1[j]
+                m.g0[j], m.d0[j] = m.g1[j], m.d1[j]
+        controls[0] = t
+        grown = used * min(max(factor, SHRINK), 1.0 if rejected else GROW)
+        h = grown if used == h or grown > h else h
+        controls[2] = h
+        rejected = False
+        if counts[1] >= events.shape[0] > 0:
+            return EVENTS
+        for k in range(n):
+            if not abs(y[k]) <= box:
+                return ESCAPED
+    return DONE if t >= t_end else STEPS
