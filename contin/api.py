@@ -25,6 +25,8 @@ from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit, configured
+from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen, shooting_seed, wanted
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -92,17 +94,21 @@ def periodic_orbit(
     transient: float = 0.0,
     intervals: int | None = None,
     points: int = 4,
-) -> PeriodicOrbit:
-    """A periodic orbit at fixed parameters, by collocation: the start of a continuation.
+    method: str | None = None,
+) -> PeriodicOrbit | ShotOrbit:
+    """A periodic orbit at fixed parameters: the start of a continuation.
+
+    method : 'collocation' or 'shooting'; by default collocation, shooting where the flow is piecewise smooth.
 
     start : a named start or mapping of states, from which the trajectory is integrated until it returns (after
     `transient`);
         or an array (K, n) of states over one period, with `period`, at equal times (the last row is the first again).
-    intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each.
+    intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
+        shooting: intervals is the number of segments.
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    from contin.problems.orbits.simulation import orbit_by_simulation, orbit_from_array
+    from contin.problems.orbits.simulation import find_return, orbit_by_simulation, orbit_from_array
 
     if isinstance(start, np.ndarray):
         if period is None:
@@ -114,6 +120,9 @@ def periodic_orbit(
         return orbit_from_array(compiled(model), np.linspace(0.0, period, len(start)), start, p, periods, points)
     u, p = model.start_point(start, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)
+    if shooting_chosen(compiled(model), method):
+        at, time, multiple = find_return(compiled(model), u, p, periods, transient)
+        return orbit_from_return(compiled(model), at, p, periods, time, multiple, intervals)
     return orbit_by_simulation(compiled(model), u, p, periods, transient=transient, intervals=intervals, points=points)
 
 
@@ -143,7 +152,7 @@ def continuation(
     seed, bounds = placed(start, parameter, range)
     chosen = Settings.of(settings)
     if isinstance(seed.problem, OrbitProblem):
-        seed = configured(seed, chosen)
+        seed = shooting_seed(seed, chosen) if wanted(seed.problem, chosen) else configured(seed, chosen)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
@@ -228,7 +237,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
                 f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
             )
         return start
-    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit):
+    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit):
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
@@ -250,7 +259,7 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
 
 def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
-    if isinstance(problem, OrbitProblem):
+    if isinstance(problem, OrbitProblem | ShootingProblem):
         known = set(problem.column_names())
     else:
         known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}

@@ -61,7 +61,7 @@ class ContinEngine:
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         api = _verbs()
         if run.as_ == "orbit":
-            mesh = {key: run.settings[key] for key in ("intervals", "points") if key in run.settings}
+            mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
             return api.periodic_orbit(model, run.start, parameters, **mesh)
         return api.equilibrium(model, run.start, parameters)
 

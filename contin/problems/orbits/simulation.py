@@ -39,13 +39,21 @@ def orbit_by_simulation(
     Raises NoSolutionError where the trajectory comes to rest, does not return within the time, or where Newton on the
     closed trajectory fails; NotFiniteError where it escapes.
     """
+    at, period, multiple = find_return(system, u, p, periods, transient)
+    return _polished(system, at, p, periods, period, multiple, intervals, points)
+
+
+def find_return(
+    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0
+) -> tuple[Array, float, int]:
+    """(state, period, forcing periods) where the trajectory from u, settled, nearly closes; errors as above."""
     from contin.simulate.trajectory import integrate
 
     start = np.array(u, dtype=float)
     if transient > 0.0:
         start = integrate(system, start, p, transient).end
     if system.is_forced:
-        return _forced(system, start, p, periods, intervals, points)
+        return _forced(system, start, p)
     scale = _time_scale(system, start, p)
     largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 1.0)
@@ -75,7 +83,7 @@ def orbit_by_simulation(
             f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of "
             "its extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
         )
-    return _polished(system, at, p, periods, period, 1, intervals, points)
+    return at, period, 1
 
 
 def _turns(extent: Array, periods: Array) -> bool:
@@ -118,7 +126,7 @@ def _return(
     return best
 
 
-def _forced(system: Any, u: Array, p: Array, periods: Array, intervals: int | None, points: int) -> PeriodicOrbit:
+def _forced(system: Any, u: Array, p: Array) -> tuple[Array, float, int]:
     """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
     from contin.model.evaluate import evaluate
     from contin.simulate.trajectory import integrate
@@ -139,7 +147,7 @@ def _forced(system: Any, u: Array, p: Array, periods: Array, intervals: int | No
         raise NoSolutionError(
             "no periodic response found: the stroboscopic states do not return within 16 forcing periods"
         )
-    return _polished(system, best[1], p, periods, best[2] * period, best[2], intervals, points)
+    return best[1], best[2] * period, best[2]
 
 
 def _polished(

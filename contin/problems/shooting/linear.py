@@ -1,0 +1,111 @@
+"""The bordered shooting equations at a point, dense, and the tangents of the families through it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.shooting.layout import moving
+from contin.problems.shooting.segments import Segments
+
+SINGULAR = 1e-6  # a second singular value this small (relative) makes a point a branch point
+
+
+@dataclass(frozen=True, eq=False)
+class BorderedShooting:
+    """M = [J; t^T] in scaled unknowns; the components of z that do not move get no correction."""
+
+    residual_moving: Array
+    matrix: Array
+    positions: Array
+    size: int
+
+    @classmethod
+    def of(cls, segments: Segments, tangent: Array, scale: Array) -> BorderedShooting:
+        residual, jacobian = segments.scaled(scale)
+        positions = moving(len(scale), segments.problem.n)
+        return cls(residual, np.vstack([jacobian, tangent[positions]]), positions, len(scale))
+
+    @property
+    def residual(self) -> Array:
+        """(N - 1,): the equations, then zeros for what does not move."""
+        return np.concatenate([self.residual_moving, np.zeros(self.size - 1 - len(self.residual_moving))])
+
+    @cached_property
+    def _factors(self) -> tuple[Array, Array]:
+        from scipy.linalg import lapack
+
+        lu, pivots, _ = lapack.dgetrf(self.matrix)
+        return lu, pivots
+
+    @cached_property
+    def sign(self) -> float:
+        lu, pivots = self._factors
+        diagonal = np.diag(lu)
+        if not np.all(np.isfinite(diagonal)) or np.any(diagonal == 0.0):
+            return 0.0
+        swaps = int(np.count_nonzero(pivots != np.arange(len(pivots))))
+        return float(np.prod(np.sign(diagonal))) * (-1.0 if swaps % 2 else 1.0)
+
+    @property
+    def log_determinant(self) -> float:
+        return float(np.sum(np.log(np.abs(np.diag(self._factors[0])))))
+
+    def solve(self, right: Array) -> Array:
+        from scipy.linalg import lapack
+
+        m = len(self.residual_moving)
+        lu, pivots = self._factors
+        x = lapack.dgetrs(lu, pivots, np.append(right[:m], right[-1]))[0]
+        return embedded(x, self.positions, self.size)
+
+
+def embedded(x: Array, positions: Array, size: int) -> Array:
+    """A direction of the moving unknowns as one of z."""
+    out = np.zeros(size)
+    out[positions] = x
+    return out
+
+
+def null_space(problem: Any, z: Array, scale: Array) -> tuple[Segments, Array, Array] | None:
+    """Segments at z, singular values of the scaled Jacobian (descending) and right singular vectors (rows)."""
+    segments = Segments.of(problem, z)
+    if segments is None:
+        return None
+    _, jacobian = segments.scaled(scale)
+    _, values, vectors = np.linalg.svd(jacobian)
+    return segments, values, vectors
+
+
+def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
+    """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two directions of its plane.
+
+    At a branch point the second is normal to the first; which directions really are tangents is found out by
+    `contin.problems.shooting.switch`.
+    """
+    found = null_space(problem, z, scale)
+    positions = moving(len(z), problem.n)
+    if found is None:
+        fallback = np.zeros(len(z))
+        fallback[-1] = 1.0
+        return [fallback]
+    _, values, vectors = found
+    if len(values) < 2 or values[-1] > SINGULAR * values[0]:
+        return [embedded(vectors[-1], positions, len(z))]
+    return [embedded(v, positions, len(z)) for v in _symmetric_first(problem, z, vectors[-2:], positions, scale)]
+
+
+def _symmetric_first(problem: Any, z: Array, plane: Array, positions: Array, scale: Array) -> list[Array]:
+    """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
+    rates = plane[:, -1]
+    size = float(np.hypot(*rates))
+    if size < 1e-12:
+        return [plane[0], plane[1]]
+    along = (rates @ plane) / size
+    across = (rates[1] * plane[0] - rates[0] * plane[1]) / size
+    return [along / np.linalg.norm(along), across / np.linalg.norm(across)]

@@ -1,0 +1,78 @@
+"""The phase of an orbit: a section through a point that is far from every switching surface, and moving to it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.shooting.layout import Nodes
+from contin.problems.shooting.sampling import flights, states
+from contin.simulate.flight import fly
+from contin.simulate.section import Section
+
+
+def crossing_times(problem: Any, z: Array) -> Array:
+    """Scaled times in [0, 1) at which the orbit crosses a switching surface."""
+    period = Nodes.of(z, problem.n).period
+    times = np.concatenate([f.crossings[:, 0] for f in flights(problem, z, np.empty(0))])
+    return np.sort(times / period)
+
+
+def quietest(problem: Any, z: Array) -> float:
+    """The scaled time in the middle of the longest stretch without crossings (0 where there are none)."""
+    times = crossing_times(problem, z)
+    if not times.size:
+        return 0.0
+    gaps = np.diff(np.append(times, times[0] + 1.0))
+    k = int(np.argmax(gaps))
+    return float((times[k] + 0.5 * gaps[k]) % 1.0)
+
+
+def room(problem: Any, z: Array) -> float:
+    """Scaled time between the base point and the nearest crossing, beside half the longest stretch: 1 is best."""
+    times = crossing_times(problem, z)
+    if not times.size:
+        return 1.0
+    gaps = np.diff(np.append(times, times[0] + 1.0))
+    return float(min(times[0], 1.0 - times[-1]) / (0.5 * gaps.max()))
+
+
+def section_at(problem: Any, u: Array, p: Array, sizes: Array) -> tuple[Array, float]:
+    """The plane through u that the flow crosses squarely in the metric of `sizes`; normal of unit scaled length."""
+    normal = problem.system.value(u, p) / sizes**2
+    angles = np.asarray(problem.system.model.periods(problem.constants()), dtype=float) > 0.0
+    if np.any(normal[~angles] != 0.0):
+        normal = np.where(angles, 0.0, normal)
+    normal = normal / max(float(np.linalg.norm(normal * sizes)), 1e-300)
+    return normal, float(normal @ u)
+
+
+def rebased(problem: Any, z: Array, fraction: float, sizes: Array) -> Array:
+    """The same orbit with its nodes moved by a fraction of the period, and the section through the new first node."""
+    nodes = Nodes.of(z, problem.n)
+    times = fraction + np.arange(nodes.count) / nodes.count
+    turns = np.floor(times)
+    order = np.argsort(times - turns)
+    u = np.empty((nodes.count, problem.n))
+    u[order] = states(problem, z, (times - turns)[order]) + turns[order, None] * problem.winding
+    p = problem.full_parameters(z)
+    if problem.autonomous:
+        normal, offset = section_at(problem, u[0], p, sizes)
+    else:
+        normal, offset = np.zeros(problem.n), 0.0
+    return Nodes(u, nodes.period, normal, offset, nodes.parameter).vector()
+
+
+def onto_section(problem: Any, z: Array, fraction: float, target: Nodes) -> Array:
+    """An orbit near the one of `target`, moved by about `fraction` of its period onto target's section."""
+    nodes = Nodes.of(z, problem.n)
+    p = problem.full_parameters(z)
+    ahead = fraction - 0.1 if fraction > 0.1 else fraction + 0.9
+    start = states(problem, z, np.array([ahead]))[0]
+    section = Section(target.normal, target.offset, 1)
+    flight = fly(problem.system, start, p, 0.2 * nodes.period, section=section, events=1, rtol=1e-10)
+    time = ahead + (flight.events[0, 0] / nodes.period if len(flight.events) else 0.1)
+    moved = Nodes.of(rebased(problem, z, time % 1.0, np.ones(problem.n)), problem.n)
+    return Nodes(moved.u, nodes.period, target.normal, target.offset, nodes.parameter).vector()

@@ -1,0 +1,266 @@
+"""Families of periodic orbits by shooting, as a continuation problem in one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as generic
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.problems.orbits.layout import Profile
+from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
+from contin.problems.shooting.segments import Segments
+
+ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch
+PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
+BUDGET = 200_000  # steps of one segment
+SAME_PERIOD = 1e-6  # relative
+PROBE_TOLERANCE = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class ShootingProblem:
+    """phi_T(u, p) = u + winding in M segments, with a phase; z as in `contin.problems.shooting.layout`.
+
+    system : the compiled model.  base : all parameter values; entry `active` varies.  count : segments M.
+    winding : what each state gains in one period (rotations).  multiple : forcing periods in one orbit.
+    accuracy : relative tolerance of the trajectories; `budget` : most steps of one segment.
+
+    Cost of a Newton step: M trajectories with n + 1 variations, and a dense solve of size M n + 2.
+    """
+
+    system: Any
+    base: Array
+    active: int
+    winding: Array
+    count: int = 1
+    multiple: int = 1
+    accuracy: float = ACCURACY
+    budget: int = BUDGET
+
+    kind = "orbit"
+    locus = None
+    maximum_chunk = 20
+
+    @property
+    def n(self) -> int:
+        return int(self.system.n)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.system.parameter_names[self.active],)
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        """Of the unknowns z without the last, (N - 1,)."""
+        states = np.asarray(self.system.model.periods(self.constants()), dtype=float)
+        return np.concatenate([np.tile(states, self.count), np.zeros(self.n + 2)])
+
+    @property
+    def is_map(self) -> bool:
+        """Stability is decided by multipliers."""
+        return True
+
+    @property
+    def autonomous(self) -> bool:
+        return not self.system.is_forced
+
+    def with_active(self, name: str, z: Array) -> ShootingProblem:
+        """The same orbits with another parameter free; the present one is frozen at its value in z."""
+        base = self.base.copy()
+        base[self.active] = z[-1]
+        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
+
+    def precise(self, accuracy: float) -> ShootingProblem:
+        """The same orbits with trajectories of another accuracy."""
+        return replace(self, accuracy=accuracy)
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
+        p = np.zeros(self.system.p_size)
+        p[: len(self.base)] = self.base
+        p[self.active] = z[-1]
+        return p
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found = self.system.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    def forcing_period(self, parameter: float) -> tuple[float, float]:
+        """Period of the orbit of a forced system, and its derivative by the active parameter."""
+        from contin.model.evaluate import evaluate
+        from contin.symbolic.derivatives import derivative
+
+        formula = self.system.model.forcing.period
+        values = self.constants() | {self.parameters[0]: float(parameter)}
+        slope = derivative(formula, self.parameters[0])
+        return self.multiple * float(evaluate(formula, values)), self.multiple * float(evaluate(slope, values))
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric."""
+        return sizes_of(scale, self.n)
+
+    def profile(self, z: Array) -> Profile:
+        """The orbit sampled over one period."""
+        from contin.problems.shooting.sampling import sampled
+
+        return sampled(self, z)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = bounds[1] - bounds[0]
+        if not np.isfinite(width):
+            width = max(1.0, abs(float(z[-1])))
+        nodes = Nodes.of(z, self.n)
+        return make_scale(self.state_sizes(self.profile(z)), nodes.count, PERIOD_SCALE * nodes.period, width)
+
+    def state_sizes(self, profile: Profile) -> Array:
+        """Typical size of every state on an orbit: its largest modulus, an angle's amplitude."""
+        largest = np.abs(profile.u).max(axis=0)
+        periods = np.asarray(self.system.model.periods(self.constants()), dtype=float)
+        largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
+        floor = 1e-6 * max(float(largest.max()), 1e-300)
+        return np.where(largest > floor, largest, np.where(largest > 0.0, floor, 1.0))
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Any:
+        """The bordered equations, None where a trajectory does not come to its end."""
+        from contin.problems.shooting.linear import BorderedShooting
+
+        segments = self.segments(z)
+        return None if segments is None else BorderedShooting.of(segments, tangent, scale)
+
+    def segments(self, z: Array) -> Segments | None:
+        """The trajectories of z's segments; the last ones are kept, for they are asked for twice."""
+        kept = self._kept
+        if kept and np.array_equal(kept[0][0], z):
+            return kept[0][1]
+        found = Segments.of(self, z)
+        kept[:] = [(z.copy(), found)]
+        return found
+
+    @cached_property
+    def _kept(self) -> list[tuple[Array, Segments | None]]:
+        return []
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """(pairs, flips), multipliers outside the unit circle, multipliers (the trivial one first)."""
+        from contin.kernels.tests_of_stability import map_tests
+
+        values = self.multipliers(z)
+        others = values[1:] if self.autonomous else values
+        tests = np.ones(4)
+        unstable = map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), tests)
+        return tests[2:], int(unstable), values
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
+        segments = self.segments(z)
+        if segments is None:
+            return np.full(self.n, np.nan, complex)
+        return segments.multipliers(make_scale(np.maximum(np.abs(segments.nodes.u).max(axis=0), 1e-12), 1, 1.0, 1.0))
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        from contin.problems.shooting.linear import family_tangents
+
+        return family_tangents(self, z, scale)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        return generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        tight = replace(settings, tolerance=min(settings.tolerance, PROBE_TOLERANCE))
+        return generic.probe(self, base, length, guess, frame, tight)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros(len(scale))
+        fixed[-1] = 1.0
+        z0 = guess.copy()
+        z0[-1] = value
+        found = generic.correct(self, z0, fixed, 0.0, np.zeros(len(scale)), scale, 1e-11)
+        if isinstance(found, str):
+            return None
+        z = found.z.copy()
+        z[-1] = value
+        return z
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        from contin.problems.orbits.events import explain
+
+        return explain(a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        from contin.problems.shooting.events import verify
+
+        return verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        from contin.problems.shooting.events import verify_compound
+
+        return verify_compound(self, a, b, frame)
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        return False
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+        from contin.problems.shooting.sampling import extremes
+
+        names = [*self.system.state_names, *self.system.observable_names]
+        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
+        columns["period"] = z[:, -self.n - 3].copy()
+        low, high = extremes(self, z)
+        for k, name in enumerate(names):
+            columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
+        return columns
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        functions = [*self.system.state_names, *self.system.observable_names]
+        return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        from contin.problems.shooting.switch import switch
+
+        return switch(self, point, parameter)
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        from contin.problems.shooting.renewal import renew
+
+        return renew(self, origin, before, loop, frame)
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        periods = float(a.z[-self.n - 3]), float(b.z[-self.n - 3])
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(periods[0] - periods[1]) < SAME_PERIOD * periods[0]
+
+    def describe_failure(self, z: Array) -> str:
+        from contin.problems.shooting.sampling import why_not
+
+        return why_not(self, z)

@@ -1,0 +1,122 @@
+"""After every chunk of a family found by shooting: does it end, does the metric fit, is the phase away from corners?"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.problems.orbits import ends
+from contin.problems.shooting.layout import Nodes, make_scale
+from contin.problems.shooting.phase import onto_section, quietest, rebased, room
+
+CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
+LOST_SECTION = 0.3  # cosine between flow and normal below which the section is renewed
+
+
+def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame) -> Renewal:
+    """Metric and phase for the next chunk, or the end of the branch."""
+    found = _ending(problem, origin, before, frame)
+    if found is not None:
+        return found
+    nodes = Nodes.of(origin.z, problem.n)
+    sizes = problem.sizes(origin.z, frame.scale)
+    largest = np.abs(nodes.u).max(axis=0)
+    periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
+    grown = np.where((periods == 0.0) & (largest > 1.3 * sizes), 1.3 * largest, sizes)
+    period_at = len(origin.z) - problem.n - 3
+    period = float(frame.scale[period_at])
+    if nodes.period > period:
+        period = 2.0 * nodes.period
+    misplaced = problem.autonomous and _misplaced(problem, origin.z, nodes, sizes)
+    if not misplaced and np.array_equal(grown, sizes) and period == frame.scale[period_at]:
+        return Renewal(frame.scale, origin, before, loop)
+    scale = make_scale(grown, nodes.count, period, float(frame.scale[-1]))
+    if not misplaced:
+        return Renewal(
+            scale, *(None if s is None else _remeasured(s, frame.scale, scale) for s in (origin, before, loop))
+        )  # type: ignore[arg-type]
+    fraction = quietest(problem, origin.z)
+    moved = rebased(problem, origin.z, fraction, grown)
+    target = Nodes.of(moved, problem.n)
+    return Renewal(
+        scale,
+        _moved(problem, origin, moved, frame.scale, scale, fraction, target),
+        None,
+        None if loop is None else _moved(problem, loop, None, frame.scale, scale, fraction, target),
+    )
+
+
+def _misplaced(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> bool:
+    velocity = problem.system.value(nodes.u[0], problem.full_parameters(z))
+    speed = float(np.linalg.norm(velocity / sizes))
+    cosine = float(nodes.normal @ velocity) / (speed * float(np.linalg.norm(nodes.normal * sizes)) or 1.0)
+    return cosine < LOST_SECTION or (problem.system.n_switches > 0 and room(problem, z) < CLOSE_TO_CORNER)
+
+
+def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
+    t = np.where(sample.tangent == 0.0, 0.0, sample.tangent * (old / scale))
+    return replace(sample, tangent=t / np.linalg.norm(t))
+
+
+def _moved(
+    problem: Any, sample: Sample, z: Array | None, old: Array, scale: Array, fraction: float, target: Nodes
+) -> Sample:
+    """A sample at the new phase; its tangent by solving for it there, with the sense of the old one."""
+    at = onto_section(problem, sample.z, fraction, target) if z is None else z
+    frame = Frame(scale)
+    guide = _parameter_and_period(problem, sample.tangent * np.where(sample.tangent == 0.0, 0.0, old), scale)
+    base = replace(sample, z=at, tangent=guide)
+    found = problem.probe(base, 0.0, at, frame, Settings())
+    if found is None:
+        tangents = problem.tangents(at, scale)
+        t = max(tangents, key=lambda v: abs(float(v @ guide)))
+        return replace(sample, z=at, tangent=t * (np.sign(float(t @ guide)) or 1.0))
+    t = found.tangent
+    return replace(found, tangent=t * (np.sign(float(t @ guide)) or 1.0))
+
+
+def _parameter_and_period(problem: Any, raw: Array, scale: Array) -> Array:
+    """The part of a raw direction that no change of phase touches, as a unit vector in the new metric."""
+    guide = np.zeros(len(raw))
+    for position in (-1, len(raw) - problem.n - 3):
+        guide[position] = raw[position] / scale[position]
+    size = float(np.linalg.norm(guide))
+    return guide / size if size > 0.0 else guide
+
+
+def _ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+    """The Hopf point that the family shrinks to, or a period out of all proportion."""
+    if before is None or not problem.autonomous:
+        return None
+    sizes = problem.sizes(origin.z, frame.scale)
+    profile, earlier = problem.profile(origin.z), problem.profile(before.z)
+    if not np.all(np.isfinite(profile.u)):
+        return None
+    extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
+    if extent < ends.SMALL and extent < float(np.max(np.ptp(earlier.u, axis=0) / sizes)):
+        return _at_hopf_point(problem, origin, before, frame)
+    return None
+
+
+def _at_hopf_point(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+    found = ends.shrunk(problem, origin, before, frame)
+    if found is None:
+        return None
+    last = found.last
+    assert last is not None
+    shape = problem.profile(origin.z)
+    size = shape.u.size
+    rest, period = last.z[: problem.n], float(last.z[size])
+    nodes = Nodes.of(origin.z, problem.n)
+    z = replace(
+        nodes, u=np.tile(rest, (nodes.count, 1)), period=period, offset=float(nodes.normal @ rest),
+        parameter=float(last.z[-1]),
+    ).vector()  # fmt: skip
+    end = End(found.end.reason, found.end.text, found.end.data)
+    return Renewal(frame.scale, origin, before, None, end, replace(last, z=z), found.point)
