@@ -26,7 +26,7 @@ from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit, configured
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen, shooting_seed, wanted
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen, shooting_seed, shooting_wanted
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -152,7 +152,7 @@ def continuation(
     seed, bounds = placed(start, parameter, range)
     chosen = Settings.of(settings)
     if isinstance(seed.problem, OrbitProblem):
-        seed = shooting_seed(seed, chosen) if wanted(seed.problem, chosen) else configured(seed, chosen)
+        seed = shooting_seed(seed, chosen) if shooting_wanted(seed.problem, chosen) else configured(seed, chosen)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")

@@ -37,7 +37,8 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
     crossings (K, 2) : time and surface of the last K crossings, used as a ring.
     counts : [samples, events, steps, rejected, crossings, touched, surface (where SLIDING)].
     """  # noqa: E501
-    t, t_end, h, h_max, rtol, atol, box = controls[0], controls[1], controls[2], controls[3], controls[4], controls[5], controls[6]
+    t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
+    atol, box = controls[5], controls[6]
     landing = controls[7:]
     n = flow.n
     if not started:
@@ -90,18 +91,19 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
         t = t_end if length == used and t + used >= t_end else t + length
         if met >= 0:
             short = short + 1 if length < 1e-6 * used else 0
-            if met == flow.count:
-                if counts[1] < events.shape[0]:
-                    events[counts[1], 0] = t
-                    events[counts[1], 1:] = m.trial
-                    counts[1] += 1
-            else:
+            if met == flow.surface_count and counts[1] < events.shape[0]:
+                events[counts[1], 0] = t
+                events[counts[1], 1:] = m.trial
+                counts[1] += 1
+            counts[5] += 1 if touched else 0
+            blocked = cross(flow, m, used, met, touched)
+            for j in range(flow.surface_count):
+                if m.d0[j] == 0.0:
+                    continue
                 if crossings.shape[0] > 0:
                     crossings[counts[4] % crossings.shape[0], 0] = t
-                    crossings[counts[4] % crossings.shape[0], 1] = met
+                    crossings[counts[4] % crossings.shape[0], 1] = j
                 counts[4] += 1
-                counts[5] += 1 if touched else 0
-            blocked = cross(flow, m, used, met, touched)
             if blocked != -1 or short > SHORT_PIECES:
                 counts[6] = blocked if blocked >= 0 else met
                 y[:] = m.trial
@@ -110,14 +112,14 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
             y[:] = m.trial
             slope_at(flow, m, t, y, 0)
             rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
-            for j in range(flow.count + 1):
+            for j in range(flow.surface_count + 1):
                 if m.g0[j] < 0.0 or j == met:  # on it, to rounding
                     m.g0[j] = max(m.g0[j], 0.0)
         else:
             y[:] = m.trial
             m.slopes[0, :] = m.slopes[STAGES]
-            for j in range(flow.count + 1):
-                if m.g1[j] < 0.0 and j == flow.count:  # the section, against its direction
+            for j in range(flow.surface_count + 1):
+                if m.g1[j] < 0.0 and j == flow.surface_count:  # the section, against its direction
                     m.sigma[j] = -m.sigma[j]
                     m.g1[j], m.d1[j] = -m.g1[j], -m.d1[j]
                 m.g0[j], m.d0[j] = m.g1[j], m.d1[j]

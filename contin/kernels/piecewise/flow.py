@@ -1,8 +1,8 @@
 """What the trajectory kernels know of a piecewise-smooth flow: slopes, signs of its surfaces, modes.
 
 A surface function h_j has the mode s_j = +-1, the sign it had where the present piece began; g_j = s_j h_j is positive
-inside the piece and falls through zero where it ends. The last surface (index `count`) is the user's section, which
-changes no formula.
+inside the piece and falls through zero where it ends. The last surface (index `surface_count`) is the user's section,
+which changes no formula.
 """
 
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ class Flow(NamedTuple):
     jacobian: int
     surfaces: int
     n: int
-    count: int
+    surface_count: int
     first_mode: int
     forced: bool
     columns: Any  # (k,) for every variation the column of df/dz added to f_u v: a sensitivity to a parameter; -1: none
@@ -97,16 +97,16 @@ def slope_at(flow, m, t, y, row):
 def rates(flow, m, t, y, f, g, d):
     """g_j and dg_j/dt at (t, y), where the state moves with f, for all surfaces and the section."""
     n = flow.n
-    if flow.count > 0:
+    if flow.surface_count > 0:
         for k in range(n):
             m.u[k] = y[k]
         if flow.forced:
             m.p[m.p.size - 1] = t
         call4(flow.surfaces, m.u, m.p, m.h, m.dh)
-        for j in range(flow.count):
+        for j in range(flow.surface_count):
             g[j] = m.sigma[j] * m.h[j]
             d[j] = m.sigma[j] * crossing_speed(flow, m, j, f)
-    j = flow.count
+    j = flow.surface_count
     value, speed = -flow.section[n], 0.0
     for k in range(n):
         value += flow.section[k] * y[k]
@@ -136,9 +136,9 @@ def settle(flow, m, t, y):
         m.u[k] = y[k]
     if flow.forced:
         m.p[m.p.size - 1] = t
-    if flow.count > 0:
+    if flow.surface_count > 0:
         call4(flow.surfaces, m.u, m.p, m.h, m.dh)
-    for j in range(flow.count):
+    for j in range(flow.surface_count):
         size = 0.0
         for k in range(n):
             size += abs(m.dh[j, k] * y[k])
@@ -146,10 +146,10 @@ def settle(flow, m, t, y):
         m.g0[j] = 1.0 if on else 0.0
         set_mode(flow, m, j, -1.0 if m.h[j] < 0.0 and not on else 1.0)
     unsettled = -1
-    for _ in range(4 * flow.count + 1):
+    for _ in range(4 * flow.surface_count + 1):
         unsettled = -1
         call3(flow.value, m.u, m.p, m.f)
-        for j in range(flow.count):
+        for j in range(flow.surface_count):
             if m.g0[j] > 0.0:
                 speed = crossing_speed(flow, m, j, m.f)
                 if speed * m.sigma[j] < 0.0:
@@ -164,7 +164,7 @@ def settle(flow, m, t, y):
         speed += flow.section[k] * m.f[k]
         size += abs(flow.section[k] * y[k])
     side = value if abs(value) > ON_SURFACE * size else speed
-    m.sigma[flow.count] = -1.0 if side < 0.0 else 1.0
+    m.sigma[flow.surface_count] = -1.0 if side < 0.0 else 1.0
     return unsettled
 
 
@@ -172,5 +172,5 @@ def settle(flow, m, t, y):
 def set_mode(flow, m, j, sign):
     """Give surface j a mode."""
     m.sigma[j] = sign
-    if j < flow.count:
+    if j < flow.surface_count:
         m.p[flow.first_mode + j] = sign

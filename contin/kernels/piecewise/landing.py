@@ -1,8 +1,8 @@
 """Landing on a switching surface, and what happens there: new modes, and the jump of the variations (saltation).
 
-Crossing h = 0 with speed dh/dt = h_u f- + h_t, a variation v becomes v + (f+ - f-) (h_u v + h_q) / (dh/dt): the saltation
-matrix (di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, sec. 2.5), with the
-sensitivity h_q where v is one to a parameter q. Surfaces met together are crossed one after the other.
+Crossing h = 0 with speed dh/dt = h_u f- + h_t, a variation v becomes v + (f+ - f-) (h_u v + h_q) / (dh/dt): the
+saltation matrix (di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, sec. 2.5), with
+the sensitivity h_q where v is one to a parameter q. Surfaces met together are crossed one after the other.
 """
 
 from contin.kernels.compile import call3, kernel, part
@@ -20,7 +20,7 @@ GRAZING = 1e-9  # relative speed below which the surface is touched, not crossed
 @part
 def wanted(flow, m, j):
     """True for surfaces whose zero ends a piece: all of them, and the section in its direction."""
-    if j < flow.count:
+    if j < flow.surface_count:
         return True
     direction = flow.section[flow.n + 1]
     return direction == 0.0 or direction * m.sigma[j] < 0.0
@@ -33,7 +33,7 @@ def earliest(flow, m, h):
     A negative fraction: only a low minimum.
     """
     best, place = -1, 2.0
-    for j in range(flow.count + 1):
+    for j in range(flow.surface_count + 1):
         if (m.g1[j] < 0.0 or m.d0[j] < 0.0 < m.d1[j]) and wanted(flow, m, j):
             x = first_zero(m.g0[j], h * m.d0[j], m.g1[j], h * m.d1[j])
             if abs(x) < abs(place):
@@ -103,7 +103,7 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
 def earliest_negative(flow, m, length, j):
     """Another surface than j that is already passed at the end of the step, and where (fraction); -1 for none."""
     best, place = -1, 2.0
-    for i in range(flow.count + 1):
+    for i in range(flow.surface_count + 1):
         if i != j and m.g1[i] < -TOGETHER * length * abs(m.d1[i]) and wanted(flow, m, i):
             x = first_zero(m.g0[i], length * m.d0[i], m.g1[i], length * m.d1[i])
             if x < place:
@@ -117,21 +117,22 @@ def cross(flow, m, h, met, touched):
 
     Surfaces that lie there too (the two of two equal oscillators) are crossed if the flow goes out through them in the
     modes that hold by then. Returns -1; the surface where the flow returns from the far side at once (sliding); or -2
-    where the modes do not settle. The slope in row STAGES is out of date afterwards.
+    where the modes do not settle. m.d0 is 1 for the surfaces crossed. The slope in row STAGES is then out of date.
     """
-    n, surfaces = flow.n, flow.count + 1
+    n, surfaces = flow.n, flow.surface_count + 1
     old, new = m.point[:n], m.begin[:n]  # free now
     old[:] = m.slopes[STAGES, :n]
     for i in range(surfaces):
         on = i == met or m.g1[i] <= TOGETHER * h * abs(m.d1[i])
-        m.g0[i] = 1.0 if on and (i < flow.count or i == met) else 0.0
-    section = flow.count
+        m.g0[i] = 1.0 if on and (i < flow.surface_count or i == met) else 0.0
+        m.d0[i] = 0.0
+    section = flow.surface_count
     if met == section:
         m.sigma[section] = -m.sigma[section]
     forced = touched  # the sign behind a touched surface cannot be told from the speed
     for _ in range(2 * surfaces + 2):
         changed = False
-        for i in range(flow.count):
+        for i in range(flow.surface_count):
             if m.g0[i] == 0.0:
                 continue
             speed = crossing_speed(flow, m, i, old)
@@ -157,6 +158,7 @@ def cross(flow, m, h, met, touched):
                     for k in range(n):
                         m.trial[at + k] += (new[k] - old[k]) * s / speed
             old[:] = new
+            m.d0[i] = 1.0
             changed = True
             forced = False
         if not changed:

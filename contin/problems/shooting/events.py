@@ -1,12 +1,14 @@
 """Special orbits found by shooting: located on the curve with trajectories of the highest accuracy.
 
 A return map that is only piecewise smooth has no second derivatives, so no defining system is solved by Newton in all
-unknowns: the orbit is kept on the curve (Newton with the null space left out, which also works at a branch point), and a
-scalar of one variable, the arclength, is brought to zero:
+unknowns: the orbit is kept on the curve (Newton with the null space left out, which also works at a branch point), and
+a scalar of one variable, the arclength, is brought to zero:
 
     LPC   the parameter's component of the unit tangent
-    BPC   the multiplier next to 1, minus 1        PD   the multiplier next to -1, plus 1
+    BPC   the product of all (multiplier - 1)      PD   the product of all (multiplier + 1)
     NS    the product of the critical pair, minus 1
+
+Products of all are smooth where two multipliers meet; a single one is not.
 """
 
 from __future__ import annotations
@@ -27,6 +29,8 @@ from contin.problems.special import _critical_pair
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
+APART = (1e-2, 2e-3)  # arclength between the orbits that a branch point is interpolated from
+CONVERGED = 1e-6  # (arclength) a Newton step below this that no longer shrinks is rounding
 BUDGET = 14
 SETTLED = 1e-13
 KERNEL = 1e-4  # singular values below this (relative) belong to the null space
@@ -52,12 +56,13 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return ""
         return "a pair of multipliers touches the unit circle without a change of the unstable count"
-    found = locate(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
+    find = locate_branch_point if type_ == "BPC" else locate
+    found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
     if isinstance(found, str):
         return f"{type_} not verified: {found}"
     if not found.residual <= RESIDUAL_LIMIT:
         return f"{type_} not verified: no orbit there (residual {found.residual:.1e})"
-    rough = locate(problem.precise(COARSE), type_, found.z, near.tangent, frame.scale)
+    rough = find(problem.precise(COARSE), type_, found.z, near.tangent, frame.scale)
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)
     theta = 0.0
@@ -129,8 +134,7 @@ def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:
         ]  # fmt: skip
         return float(min(products, key=abs)) if products else np.nan
     target = -1.0 if type_ == "PD" else 1.0
-    real = values[np.abs(values.imag) < 1e-9 * np.maximum(np.abs(values), 1.0)].real
-    return float(real[np.argmin(np.abs(real - target))] - target) if real.size else np.nan
+    return float(np.prod(values - target).real)
 
 
 def locate(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
@@ -163,6 +167,95 @@ def locate(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> 
             if abs(step) < SETTLED:
                 break
     return Located(best[0], best[1], best[2], slope, step)
+
+
+def locate_branch_point(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+    """As `_interpolated`, from orbits as far away as they exist: the further, the less rounding matters."""
+    found: Located | str = ""
+    for apart in APART:
+        found = _interpolated(problem, type_, z, tangent, scale, apart)
+        if not isinstance(found, str):
+            break
+    return found
+
+
+def _interpolated(
+    problem: Any, type_: str, z: Array, tangent: Array, scale: Array, apart: float
+) -> Located | str:
+    """The branch point on the family through z, by interpolation between orbits at a distance from it.
+
+    Next to the point itself Newton's method leaves the direction of the crossing family undetermined, so that nothing
+    measured there is accurate. The orbits at +-d and +-2 d along the family are; polynomials through them give the
+    arclength at which the multiplier is 1, and the orbit there, with an error of the fourth order in d.
+    """
+    t = _direction(problem, z, tangent, scale, apart)
+    if t is None:
+        return "the family cannot be followed through it"
+    base, slope, step = z, np.nan, 0.0
+    for distance in (apart, apart):
+        lengths, orbits, values = [], [], []
+        for s in distance * np.array([-2.0, -1.0, 1.0, 2.0]):
+            orbit = _beside(problem, base, t, s, scale)
+            if isinstance(orbit, str):
+                return f"an orbit beside it is lost ({orbit})"
+            lengths.append(s)
+            orbits.append(orbit)
+            values.append(scalar(type_, nontrivial(problem, problem.multipliers(orbit)), t))
+        coefficients = np.polyfit(lengths, values, 3)
+        roots = np.roots(coefficients)
+        real = roots.real[np.abs(roots.imag) < 1e-9 * distance]
+        if not real.size or float(np.abs(real).min()) > 3.0 * distance:
+            return "the multiplier does not pass 1 nearby"
+        step = float(real[np.argmin(np.abs(real))])
+        slope = float(np.polyval(np.polyder(coefficients), step))
+        weights = [
+            np.prod([(step - b) / (a - b) for b in lengths if b != a]) for a in lengths
+        ]  # fmt: skip
+        base = np.array(weights) @ np.array(orbits)
+    refined = _on_curve(problem, type_, base, t, scale)
+    return "the orbit is lost" if refined is None else Located(refined[0], refined[1], refined[2], slope, step)
+
+
+def _beside(problem: Any, base: Array, t: Array, s: float, scale: Array) -> Array | str:
+    """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small."""
+    y, size = s * t, np.inf
+    for _ in range(10):
+        here = problem.linearisation(base + scale_of(y, scale), t, scale)
+        if here is None:
+            return "not finite"
+        if here.sign == 0.0:
+            return "singular"
+        step = here.solve(np.append(-here.residual, s - float(t @ y)))
+        before, size = size, float(np.linalg.norm(step))
+        if not size < 0.1:
+            return "diverged"
+        y = y + step
+        if size < SETTLED or (size < CONVERGED and size > 0.5 * before):
+            return np.asarray(base + scale_of(y, scale))
+    return "no convergence"
+
+
+def _direction(problem: Any, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
+    """A tangent of a family through the branch point near z: `tangent`, or the direction that changes p the most."""
+    plane = null_space(problem, z, scale)
+    if plane is None:
+        return None
+    rates = plane[2][-2:, -1]
+    steepest = embedded(rates @ plane[2][-2:], moving(len(z), problem.n), len(z))
+    for guess in (tangent, steepest):
+        size = float(np.linalg.norm(guess))
+        if size == 0.0:
+            continue
+        t = guess / size
+        sides = [_beside(problem, z, t, s, scale) for s in (apart, -apart)]
+        if any(isinstance(side, str) for side in sides):
+            continue
+        ahead, behind = (np.where(t == 0.0, 0.0, (side - z) / scale) for side in sides)  # type: ignore[operator]
+        chord = ahead - behind
+        length = float(np.linalg.norm(chord))
+        if length > 1.9 * float(np.linalg.norm(ahead)) and length > 1.9 * float(np.linalg.norm(behind)):
+            return np.asarray(chord / length)
+    return None
 
 
 def scale_of(tangent: Array, scale: Array) -> Array:

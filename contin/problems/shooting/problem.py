@@ -170,7 +170,7 @@ class ShootingProblem:
         segments = self.segments(z)
         if segments is None:
             return np.full(self.n, np.nan, complex)
-        return segments.multipliers(make_scale(np.maximum(np.abs(segments.nodes.u).max(axis=0), 1e-12), 1, 1.0, 1.0))
+        return segments.multipliers()
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         from contin.problems.shooting.linear import family_tangents
@@ -201,8 +201,12 @@ class ShootingProblem:
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         from contin.problems.orbits.events import explain
+        from contin.problems.shooting.corners import signature
 
-        return explain(a, b)
+        found = explain(a, b)
+        if found and self.system.n_switches and signature(self, a.z) != signature(self, b.z):
+            return None  # a change of formulas may be all that happens: it is told from the rest up close
+        return found
 
     def watch(self, type_: str) -> int | None:
         return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
@@ -218,10 +222,14 @@ class ShootingProblem:
         return verify_compound(self, a, b, frame)
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return None
+        from contin.problems.shooting.corners import verify_corner
+
+        return verify_corner(self, a, b, frame)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
+        from contin.problems.shooting.corners import cross_corner
+
+        return cross_corner(self, last, frame, settings)
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return False

@@ -38,9 +38,8 @@ def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | No
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(grown, nodes.count, period, float(frame.scale[-1]))
     if not misplaced:
-        return Renewal(
-            scale, *(None if s is None else _remeasured(s, frame.scale, scale) for s in (origin, before, loop))
-        )  # type: ignore[arg-type]
+        kept, start = (None if s is None else _remeasured(s, frame.scale, scale) for s in (before, loop))
+        return Renewal(scale, _remeasured(origin, frame.scale, scale), kept, start)
     fraction = quietest(problem, origin.z)
     moved = rebased(problem, origin.z, fraction, grown)
     target = Nodes.of(moved, problem.n)
@@ -72,7 +71,7 @@ def _moved(
     frame = Frame(scale)
     guide = _parameter_and_period(problem, sample.tangent * np.where(sample.tangent == 0.0, 0.0, old), scale)
     base = replace(sample, z=at, tangent=guide)
-    found = problem.probe(base, 0.0, at, frame, Settings())
+    found: Sample | None = problem.probe(base, 0.0, at, frame, Settings())
     if found is None:
         tangents = problem.tangents(at, scale)
         t = max(tangents, key=lambda v: abs(float(v @ guide)))

@@ -12,7 +12,8 @@ from contin.problems.shooting.layout import Nodes
 from contin.simulate.flight import Flight, fly
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
-SAMPLES = 600  # times an extreme is looked for at
+SAMPLES = 400  # times an extreme is looked for at
+FINER = 33  # ... and times around it
 RTOL = 1e-10
 
 
@@ -54,35 +55,47 @@ def sampled(problem: Any, z: Array) -> Profile:
 def extremes(problem: Any, rows: Array) -> tuple[Array, Array]:
     """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each.
 
-    Between samples a parabola through three neighbours: an error of the fourth order in the distance of samples.
+    Looked for among equal times, then among times between the neighbours of each extreme, there by a parabola.
     """
-    system = problem.system
-    width = len(system.state_names) + len(system.observable_names)
-    low, high = np.full((len(rows), width), np.nan), np.full((len(rows), width), np.nan)
-    times = np.linspace(0.0, 1.0, SAMPLES + 1)[:-1]
-    for k, z in enumerate(rows):
-        u = states(problem, z, times)
-        values = u
-        if system.observable_names:
-            p = problem.full_parameters(z)
-            observed = system.observables(np.ascontiguousarray(u), p)
-            values = np.hstack([u, np.asarray(observed).reshape(len(u), -1)])
-        low[k], high[k] = -_top(-values), _top(values)
-    return low, high
+    found = [_extremes(problem, z) for z in rows]
+    width = len(problem.system.state_names) + len(problem.system.observable_names)
+    both = np.array(found).reshape(len(rows), 2, width)
+    return both[:, 0], both[:, 1]
+
+
+def _extremes(problem: Any, z: Array) -> tuple[Array, Array]:
+    values = _functions(problem, z, np.arange(SAMPLES) / SAMPLES)
+    if not np.all(np.isfinite(values)):
+        nothing = np.full(values.shape[1], np.nan)
+        return nothing, nothing
+    places = np.concatenate([np.argmin(values, axis=0), np.argmax(values, axis=0)]) / SAMPLES
+    around = np.linspace(-1.0, 1.0, FINER) / SAMPLES
+    times = (places[:, None] + around) % 1.0
+    wanted, back = np.unique(times, return_inverse=True)
+    fine = _functions(problem, z, wanted)[back.reshape(times.shape)]  # (2 k, FINER, k)
+    k = values.shape[1]
+    own = fine[np.arange(2 * k), :, np.tile(np.arange(k), 2)]
+    return -_top(-own[:k]), _top(own[k:])
+
+
+def _functions(problem: Any, z: Array, times: Array) -> Array:
+    """States and observables at scaled times, (T, k)."""
+    system, u = problem.system, states(problem, z, times)
+    if not system.observable_names:
+        return u
+    p = problem.full_parameters(z)
+    return np.hstack([u, np.asarray(system.observables(np.ascontiguousarray(u), p)).reshape(len(u), -1)])
 
 
 def _top(values: Array) -> Array:
-    """Largest value of every column of a closed curve's samples, between them by a parabola."""
-    if not np.all(np.isfinite(values)):
-        return np.full(values.shape[1], np.nan)
-    best = np.argmax(values, axis=0)
-    columns = np.arange(values.shape[1])
-    a, b, c = (values[(best + d) % len(values), columns] for d in (-1, 0, 1))
+    """Largest value of every row of equally spaced samples, between them by a parabola."""
+    best = np.clip(np.argmax(values, axis=1), 1, values.shape[1] - 2)
+    rows = np.arange(len(values))
+    a, b, c = (values[rows, best + d] for d in (-1, 0, 1))
     bend = a - 2.0 * b + c
-    safe = np.where(bend < 0.0, bend, -1.0)
-    shift = np.clip(0.5 * (a - c) / safe, -0.5, 0.5)
-    smooth = (bend < 0.0) & (np.abs(a - c) < 0.5 * np.abs(values).max())  # not across an angle's jump
-    return np.where(smooth, b - 0.25 * (a - c) * shift, b)
+    shift = np.clip(0.5 * (a - c) / np.where(bend < 0.0, bend, -1.0), -1.0, 1.0)
+    largest = np.maximum(np.maximum(a, b), c)
+    return np.asarray(np.where((bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
 
 
 def why_not(problem: Any, z: Array) -> str:

@@ -123,12 +123,14 @@ class Segments:
         units = self.row_units(scale)
         return self.residual / units, self.jacobian * scale[moving(len(scale), self.problem.n)] / units[:, None]
 
-    def multipliers(self, scale: Array) -> NDArray[np.complex128]:
+    def multipliers(self) -> NDArray[np.complex128]:
         """Multipliers, the trivial one of an autonomous system first; NaN where they cannot be computed."""
         from contin.kernels.floquet import deflate, multipliers
 
         n, skip = self.problem.n, 1 if self.problem.autonomous else 0
-        sizes = scale[:n]
+        turning = np.abs(self.directions) * self.nodes.period / (2.0 * np.pi)  # a state may be 0 at the only node
+        sizes = np.maximum(np.abs(self.nodes.u), turning).max(axis=0)
+        sizes = np.maximum(sizes, 1e-6 * max(float(sizes.max()), 1e-300))
         matrices = np.ascontiguousarray(self.transitions * sizes / sizes[:, None])
         values = np.full(n, np.nan, complex)
         directions = np.ascontiguousarray(self.directions / sizes)

@@ -12,7 +12,6 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError
 from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
@@ -52,7 +51,7 @@ class ShotOrbit:
         return f"periodic orbit of period {self.period:.10g} through {states}"
 
 
-def wanted(problem: Any, settings: Settings) -> bool:
+def shooting_wanted(problem: Any, settings: Settings) -> bool:
     """True where the orbits of this problem are to be found by shooting."""
     return shooting_chosen(problem.system, settings.method)
 
@@ -131,8 +130,9 @@ def shooting_seed(seed: Seed, settings: Settings) -> Seed:
     rest = seed.direction is not None and problem.is_constant(seed.z, np.ones(len(seed.z)))
     if seed.direction is None:
         orbit = orbit_from_return(
-            problem.system, profile.u[0], p[: len(problem.base)], np.asarray(problem.system.model.periods(flow.constants())),
-            profile.period, problem.multiple, settings.intervals,
+            problem.system, profile.u[0], p[: len(problem.base)],
+            np.asarray(problem.system.model.periods(flow.constants())), profile.period, problem.multiple,
+            settings.intervals,
         )  # fmt: skip
         return orbit.seed(problem.parameters[0])
     assert seed.scale is not None

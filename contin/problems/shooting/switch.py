@@ -8,7 +8,7 @@ does not have.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,8 @@ from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.sampling import flights, states
 
-DISTANCES = (1e-2, 3e-3, 1e-3)  # (arclength) at which the crossing family is looked for
+DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
+SHARP = 1.0  # change of direction within that distance above which it is too far
 OFF = 0.05  # sine of the angle to the family's own tangent below which the orbit found is one of that family
 
 
@@ -49,32 +50,56 @@ def _crossing(problem: Any, point: SpecialPoint) -> Seed:
     if found is None:
         raise InputError(f"{point.branch}.{point.label}: no second real family was found nearby")
     other = crossing(problem, point.z, own, point.scale, -1)
-    alike = other is not None and _images(problem, found[1], other[1])
-    direction = found[0]
-    halves: tuple[int, ...] = (1,) if alike or other is None else (-1, 1)
-    if direction[-1] < 0.0 and len(halves) == 2:
-        direction = -direction
+    alike = other is None or _images(problem, found.orbit, other.orbit) is not None
     return Seed(
-        problem, point.z, direction, None, point.scale, halves, Parent(point.branch, point.label),
+        problem, point.z, found.direction, found.curvature if alike else None, point.scale, (1,) if alike else (-1, 1),
+        Parent(point.branch, point.label),
         measured=(int(np.sum(np.abs(point.eigenvalues) > 1.0 + 1e-4)), point.eigenvalues),
     )  # fmt: skip
 
 
-def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> tuple[Array, Array] | None:
-    """(unit direction, orbit) of the family that crosses at z, on one side of the null vector normal to `own`."""
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """One half of a family at a branch point: unit direction, curvature (scaled), and one of its orbits."""
+
+    direction: Array
+    curvature: Array
+    orbit: Array
+
+
+def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Crossing | None:
+    """The family that crosses at z, on one side of the null vector normal to `own`; None where none is found.
+
+    Two of its orbits, at distances d and d/2, give the direction and the curvature.
+    """
     plane = family_tangents(problem, z, scale)
     if len(plane) < 2:
         return None
     across = _normal_part(plane, own)
-    for distance in DISTANCES:
-        guess = sense * distance * across
-        found = generic.correct(problem, z, across, sense * distance, guess, scale, 1e-10)
-        if isinstance(found, str):
+    for d in DISTANCES:
+        far = _orbit_across(problem, z, own, across, scale, sense * d)
+        near = _orbit_across(problem, z, own, across, scale, sense * d / 2.0)
+        if far is None or near is None:
             continue
-        direction = found.y / float(np.linalg.norm(found.y))
-        if np.linalg.norm(direction - (direction @ own) * own) > OFF and abs(found.y @ across) > 0.5 * distance:
-            return direction, found.z
+        along, bend = (4.0 * near - far) / d, 4.0 * (far - 2.0 * near) / d**2
+        size = float(np.linalg.norm(along))
+        if float(np.linalg.norm(bend)) * d > SHARP * size:
+            continue
+        direction = along / size
+        curvature = bend / size**2
+        curvature = curvature - float(curvature @ direction) * direction
+        return Crossing(direction, curvature, z + np.where(far == 0.0, 0.0, far * scale))
     return None
+
+
+def _orbit_across(problem: Any, z: Array, own: Array, across: Array, scale: Array, length: float) -> Array | None:
+    """Scaled offset of the orbit at this length along `across`, which is not one of the family along `own`."""
+    found = generic.correct(problem, z, across, length, length * across, scale, 1e-10)
+    if isinstance(found, str):
+        return None
+    size = float(np.linalg.norm(found.y))
+    off = float(np.linalg.norm(found.y - (found.y @ own) * own))
+    return found.y if off > OFF * size and abs(length) > OFF * size else None
 
 
 def _normal_part(plane: Any, own: Array) -> Array:
@@ -96,7 +121,7 @@ def side_of_branch(problem: Any, z: Array, scale: Array) -> Mapping[str, Any]:
     for sense in (1, -1):
         found = crossing(problem, z, own, scale, sense)
         if found is not None:
-            moved.append((float(found[1][-1] - z[-1]), found[1]))
+            moved.append((float(found.orbit[-1] - z[-1]), found.orbit))
     if not moved:
         return {}
     nonsmooth = any(f.crossed for f in flights(problem, z, np.empty(0)))

@@ -1,0 +1,133 @@
+"""Corners of a family: orbits that just touch a switching surface, where the sequence of crossings changes.
+
+On both sides the return map is smooth, with derivatives that differ; so the family has two tangents there, and may turn
+(a nonsmooth fold, as where the amplitude of a metronome passes the end of its escapement's reach).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.problems.shooting.layout import moving
+from contin.problems.shooting.linear import embedded, null_space
+from contin.problems.shooting.sampling import flights
+
+AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequence of crossings is looked for
+BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
+BACK = 1e-3  # (arclength) how far before it the search for a corner begins
+TOGETHER = 1e-6  # of the period: crossings this close have no order
+JUMP = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
+
+
+def signature(problem: Any, z: Array) -> tuple[int, ...] | None:
+    """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails."""
+    found = flights(problem, z, np.empty(0))
+    if any(f.outcome != "done" for f in found):
+        return None
+    crossings = np.vstack([f.crossings for f in found])
+    period = float(z[-problem.n - 3])
+    surfaces: list[int] = []
+    group: list[int] = []
+    before = -np.inf
+    for time, surface in crossings:
+        if time - before > TOGETHER * period:
+            surfaces += sorted(group)
+            group = []
+        group.append(int(surface))
+        before = float(time)
+    return tuple(surfaces + sorted(group))
+
+
+def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    """A fold at a corner between a and b, which are very close; None where they cross the same surfaces."""
+    if not problem.system.n_switches:
+        return None
+    before, after = signature(problem, a.z), signature(problem, b.z)
+    if before is None or after is None or before == after:
+        return None
+    if a.tests[0] * b.tests[0] < 0.0:
+        corner, width = _locate(problem, a, before, frame, b)
+        return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
+    return JUMP if a.unstable != b.unstable else ""
+
+
+def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+    """Past a corner at which the family turns so sharply that no step along its tangent meets it again.
+
+    The sequence of crossings changes along the tangent; the linearisation on the far side gives the other tangent, its
+    sense such that the sequence stays changed.
+    """
+    if not problem.system.n_switches:
+        return None
+    scale = frame.scale
+    raw = np.where(last.tangent == 0.0, 0.0, last.tangent * scale)
+    here = signature(problem, last.z)
+    reach = next((s for s in AHEAD if signature(problem, last.z + s * raw) not in (here, None)), None)
+    if here is None or reach is None:
+        return None
+    beyond_corner = last.z + 2.0 * reach * raw
+    corner, width = _locate(problem, last, here, frame, None)
+    found = null_space(problem, beyond_corner, scale)
+    if found is None:
+        return None
+    tangent = embedded(found[2][-1], moving(len(last.z), problem.n), len(last.z))
+    for length in BEHIND:
+        for t in (tangent, -tangent):
+            ahead = np.where(t == 0.0, 0.0, t * scale)
+            base = Sample(corner, t, np.full(4, np.nan), 0, last.eigenvalues)
+            beyond = problem.probe(base, length, corner + length * ahead, frame, settings)
+            if beyond is None or signature(problem, beyond.z) == here:
+                continue
+            if np.linalg.norm((beyond.z - corner) / scale) > 10.0 * length:
+                continue
+            sense = np.sign(float(beyond.tangent @ t)) or 1.0
+            beyond = Sample(beyond.z, sense * beyond.tangent, beyond.tests * [sense, sense, 1.0, 1.0], beyond.unstable,
+                            beyond.eigenvalues)  # fmt: skip
+            if beyond.tangent[-1] * last.tangent[-1] > 0.0:
+                return beyond, None
+            stable = min(last.unstable, beyond.unstable)
+            return beyond, _fold(problem, corner, last, stable, width, frame)
+    return None
+
+
+def _locate(
+    problem: Any, side: Sample, here: tuple[int, ...], frame: Frame, other: Sample | None
+) -> tuple[Array, float]:
+    """The last orbit with the crossings `here`, and how closely it is known (arclength).
+
+    Bisection on the curve, from an orbit a little before `side`: at the corner itself Newton has no one Jacobian.
+    """
+    scale, settings = frame.scale, Settings()
+    back = np.where(side.tangent == 0.0, 0.0, side.tangent * scale)
+    base = problem.probe(side, -BACK, side.z - BACK * back, frame, settings)
+    if base is None or signature(problem, base.z) != here:
+        base = side
+    t = base.tangent * (np.sign(float(base.tangent @ side.tangent)) or 1.0)
+    base = Sample(base.z, t, base.tests, base.unstable, base.eigenvalues)
+    low, high = 0.0, 2.0 * BACK
+    if other is not None:
+        high = max(high, 2.0 * float(np.linalg.norm((other.z - base.z) / scale)))
+    at = base.z
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        guess = at + np.where(t == 0.0, 0.0, t * scale) * (middle - low)
+        found = problem.probe(base, middle, guess, frame, settings)
+        if found is not None and signature(problem, found.z) == here:
+            low, at = middle, found.z
+        else:
+            high = middle
+        if high - low < 1e-12:
+            break
+    return at, high - low
+
+
+def _fold(problem: Any, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
+    segments = problem.segments(z)
+    residual = np.inf if segments is None else float(np.linalg.norm(segments.scaled(frame.scale)[0]))
+    error = (width + residual) * float(frame.scale[-1])
+    return Verified("LPC", z, residual, error, side.eigenvalues, unstable, {"kind": "nonsmooth"})
