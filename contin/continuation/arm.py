@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
+from contin.continuation.offset import far_from_zero, travelled
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_adaptive, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -123,7 +124,11 @@ class Arm:
                 if renewal.point is not None:
                     yield _labelled(renewal.point, origin, self.scale)
             elif chunk.stop is Stop.RESCALE:
-                origin, before = self._rescale(origin, before)
+                origin, before = self._rescale(self._grown(origin), origin, before)
+            elif not is_planar(self.problem):
+                longer = travelled(chunk.z[0], chunk.z[-1], self.scale, self.problem.angle_periods)
+                if longer is not None:
+                    origin, before = self._rescale(longer, origin, before)
 
     def is_over(self) -> bool:
         """True once the arm has an end."""
@@ -132,14 +137,18 @@ class Arm:
     def _position(self, sample: Sample) -> str:
         return f"{self.problem.parameters[0]} = {sample.z[-1]:.10g}"
 
-    def _rescale(self, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
-        """Renew the metric where a state has outgrown its scale."""
+    def _grown(self, origin: Sample) -> Array:
+        """The metric after states have outgrown their scales."""
         n = len(self.scale) - 1
+        angles = self.problem.angle_periods
+        far = ~self.problem.growing[:-1] if is_planar(self.problem) else far_from_zero(origin.z, self.scale, angles)
+        fixed = far | (angles > 0.0)
         grown = self.scale.copy()
-        fixed = self.problem.angle_periods > 0
-        if is_planar(self.problem):
-            fixed = fixed | ~self.problem.growing[:-1]
         grown[:-1] = np.where(fixed, grown[:-1], np.maximum(grown[:-1], np.sqrt(n) * np.abs(origin.z[:-1])))
+        return grown
+
+    def _rescale(self, grown: Array, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
+        """Measure in another metric from here on."""
         ratio = self.scale / grown
         self.scale = grown
 

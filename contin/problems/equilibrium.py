@@ -14,6 +14,7 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.offset import far_from_zero
 from contin.continuation.problem import Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.model.evaluate import evaluate
@@ -22,9 +23,11 @@ from contin.problems import corners, special
 from contin.problems.functions.march import DenseMarch
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
-from contin.problems.scales import state_scales
+from contin.problems.scales import bending_lengths, state_scales
 
 _NO_TANGENT = np.empty(0)
+NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not matter
+BENDS_UP_TO = 50  # states; the second derivatives of more take too long
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,13 +166,22 @@ class EquilibriumProblem:
         """The same equations in unknowns z / scale."""
         return ScaledSystem(self, scale)
 
+    def _second_derivatives(self, z: Array) -> Array:
+        """d^2 F_k / d u_i^2, (n, n)."""
+        directions = np.eye(self.n, self.n + 1)
+        return np.column_stack([self.hessian(z, directions[i])[:, i] for i in range(self.n)])
+
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         width = bounds[1] - bounds[0]
         if not np.isfinite(width):
             width = max(1.0, abs(float(z[-1])))
-        states = state_scales(z[:-1], self.linearise(z)[1], width, self.angle_periods)
+        jacobian = self.linearise(z)[1]
+        lengths = None
+        if self.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
+            lengths = bending_lengths(jacobian, self._second_derivatives(z), width)
+        states = state_scales(z[:-1], jacobian, width, self.angle_periods, lengths)
         return np.append(np.sqrt(self.n) * states, width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
@@ -202,7 +214,8 @@ class EquilibriumProblem:
             origin.tangent if before is None else before.tangent,
             np.zeros(kernel.TESTS) if before is None else before.tests,
             _NO_TANGENT if loop is None else loop.z, _NO_TANGENT if loop is None else loop.tangent,
-            self.angle_periods, z, t, tests, unstable, re, im, lengths, info,
+            np.where(far_from_zero(origin.z, frame.scale, self.angle_periods), NO_GROWTH, self.angle_periods),
+            z, t, tests, unstable, re, im, lengths, info,
         )  # fmt: skip
         stop = _STOPS[reason]
         m = int(info[0]) + 1

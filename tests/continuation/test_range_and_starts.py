@@ -172,3 +172,22 @@ def test_walk_yields_the_rows_of_one_arm_after_the_start():
     branch = contin.continuation(start, "p", R, direction="down")
     assert [p["p"] for p in points] == branch.columns["p"][: branch.start_row][::-1].tolist()
     assert [p["label"] for p in points if p["label"]] == ["LP"]
+
+
+@pytest.mark.parametrize("offset", [1e2, 1e4, 1e6])
+def test_states_far_from_zero_are_measured_by_how_they_change(offset):
+    """p = (x - X)^2: the same fold wherever the origin of x lies, in about as many steps."""
+    branch = follow({"x": "p - (x - X)^2"}, {"x": offset + 1.0}, {"p": 1.0, "X": offset}, (-1.0, 2.0))
+    assert_labels(branch, [("LP", 0.0)])
+    assert abs(branch["LP1"].values["x"] - offset) < 1e-9 * offset
+    assert reasons(branch) == ("bound", "bound")
+    assert branch.steps < 100
+
+
+def test_a_state_far_from_zero_may_travel():
+    """x = 1e4 + 1e6 p, bent on the length 1: the metric grows with the way."""
+    equation = {"x": "p - 1e-6*(x - 1e4) - 1e-12*sin(x - 1e4)"}
+    branch = follow(equation, {"x": 1e4}, {"p": 0.0}, (0.0, 100.0))
+    assert branch.columns["x"][-1] == pytest.approx(1e4 + 1e8, rel=1e-6)
+    assert reasons(branch) == ("bound", "bound")
+    assert branch.steps < 20_000
