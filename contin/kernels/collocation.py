@@ -13,7 +13,9 @@ from collections import namedtuple
 
 import numpy as np
 
-from contin.kernels.compile import call3, call4, kernel
+from contin.kernels.compile import call3, call4, kernel, vector_kernel
+
+LANES = 4  # up to this many states all intervals are eliminated at once, beyond it one after another
 
 Equations = namedtuple(
     "Equations",
@@ -44,6 +46,7 @@ Points = namedtuple(
         "ft",  # (m, n, N) time derivative (forced systems)
         "phase",  # (m + 1, n, N) row of the phase condition
         "phase_right",  # (1,) its value at the reference
+        "h",  # (N,) lengths of the intervals
         "F",
         "J",
         "p",  # (m_p,) all parameters (and t), its own copy
@@ -62,6 +65,7 @@ def new_points(n, m, intervals, p):
         np.zeros((m, n, intervals)),
         np.zeros((m + 1, n, intervals)),
         np.zeros(1),
+        np.zeros(intervals),
         np.zeros(n),
         np.zeros((n, n + p.size)),
         p.copy(),
@@ -93,21 +97,24 @@ def set_phase(e, w, reference, sizes):
         for k in range(n):
             for i in range(intervals):
                 w_phase[j, k, i] = 0.0
-    total = 0.0
-    for c in range(m):
-        for k in range(n):
-            inverse = e_weights[c] / (sizes[k] * sizes[k])
-            for i in range(intervals):
-                slope = 0.0
-                here = 0.0
-                for j in range(m + 1):
-                    slope += e_slopes[c, j] * w_u[j, k, i]
-                    here += e_values[c, j] * w_u[j, k, i]
-                slope *= inverse
-                total += slope * here
-                for j in range(m + 1):
-                    w_phase[j, k, i] += slope * e_values[c, j]
-    w_phase_right[0] = total
+    _set_rows(e_weights, e_slopes, e_values, sizes, w_u, w_phase)
+    w_phase_right[0] = _product(w_phase, w_u)
+
+
+@vector_kernel
+def _set_rows(weights, slopes, values, sizes, u, phase):
+    """phase (m + 1, n, N) += sum over the Gauss points of weight * u' / size^2 * value of each node's polynomial."""
+    nodes, n, intervals = u.shape
+    lanes = np.uint64(intervals)
+    for j in range(nodes):
+        for q in range(nodes):
+            factor = 0.0
+            for c in range(nodes - 1):
+                factor += weights[c] * values[c, j] * slopes[c, q]
+            for k in range(n):
+                x = factor / (sizes[k] * sizes[k])
+                for i in range(lanes):
+                    phase[j, k, i] += x * u[q, k, i]
 
 
 @kernel
@@ -135,18 +142,13 @@ def evaluate(e, w, z, with_jacobian):
     nodes = (intervals * m + 1) * n
     period = z[nodes]
     w_p[e_active] = z[z.size - 1]
+    for i in range(intervals):
+        w.h[i] = z[nodes + 1 + i]
     for j in range(m + 1):
         for k in range(n):
             for i in range(intervals):
                 w_u[j, k, i] = z[(i * m + j) * n + k]
-    for c in range(m):
-        for k in range(n):
-            for i in range(intervals):
-                w_at[c, k, i] = e_values[c, 0] * w_u[0, k, i]
-            for j in range(1, m + 1):
-                x = e_values[c, j]
-                for i in range(intervals):
-                    w_at[c, k, i] += x * w_u[j, k, i]
+    _interpolate(e_values, w_u, w_at)
     here = np.empty(n)
     total = 0.0
     start = 0.0
@@ -178,6 +180,21 @@ def evaluate(e, w, z, with_jacobian):
                 total += w_F[k]
         start += h
     return math.isfinite(total)
+
+
+@vector_kernel
+def _interpolate(values, u, at):
+    """at (m, n, N) = values (m, m + 1) applied to u (m + 1, n, N)."""
+    nodes, n, intervals = u.shape
+    lanes = np.uint64(intervals)
+    for c in range(nodes - 1):
+        for k in range(n):
+            for i in range(lanes):
+                at[c, k, i] = values[c, 0] * u[0, k, i]
+            for j in range(1, nodes):
+                x = values[c, j]
+                for i in range(lanes):
+                    at[c, k, i] += x * u[j, k, i]
 
 
 @kernel
@@ -212,96 +229,158 @@ def residual(e, w, z, right, jump, border):
     intervals = w_u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]
-    for c in range(m):
-        for k in range(n):
-            r = c * n + k
-            for i in range(intervals):
-                right[r, i] = z[nodes + 1 + i] * period * w_f[c, k, i] - e_slopes[c, 0] * w_u[0, k, i]
-            for j in range(1, m + 1):
-                x = e_slopes[c, j]
-                for i in range(intervals):
-                    right[r, i] -= x * w_u[j, k, i]
+    _defect(e_slopes, w_u, w.h, w_f, period, right)
     for k in range(n):
         jump[k] = z[k] + e_winding[k] - z[nodes - n + k]
     if e_forcing != 0:
         wanted, _ = forcing_period(e, w, z)
         border[0] = wanted - period
     else:
-        total = w_phase_right[0]
-        for j in range(m + 1):
-            for k in range(n):
-                for i in range(intervals):
-                    total -= w_phase[j, k, i] * w_u[j, k, i]
-        border[0] = total
+        border[0] = w_phase_right[0] - _product(w_phase, w_u)
+
+
+@vector_kernel
+def _defect(slopes, u, h, f, period, right):
+    """right (m n + 2, N): h T f - u' at the Gauss points."""
+    nodes, n, intervals = u.shape
+    lanes = np.uint64(intervals)
+    for c in range(nodes - 1):
+        for k in range(n):
+            r = c * n + k
+            for i in range(lanes):
+                right[r, i] = h[i] * period * f[c, k, i] - slopes[c, 0] * u[0, k, i]
+            for j in range(1, nodes):
+                x = slopes[c, j]
+                for i in range(lanes):
+                    right[r, i] -= x * u[j, k, i]
+
+
+@vector_kernel
+def _product(a, b):
+    """Sum of a * b, both (m + 1, n, N)."""
+    nodes, n, intervals = a.shape
+    total = 0.0
+    for j in range(nodes):
+        for k in range(n):
+            for i in range(np.uint64(intervals)):
+                total += a[j, k, i] * b[j, k, i]
+    return total
 
 
 @kernel
 def fill(e, w, z, tangent, scale, local, border):
     """The matrix: `local` of `Factors`, border (2, 2) coefficients of T and p. Needs `evaluate` with the Jacobian."""
-    w_u = w.u
-    w_fu = w.fu
     w_phase = w.phase
-    w_f = w.f
-    w_fp = w.fp
-    w_ft = w.ft
-    e_n = e.n
-    e_m = e.m
-    e_values = e.values
-    e_slopes = e.slopes
-    e_forcing = e.forcing
-    e_gauss = e.gauss
-    n, m = e_n, e_m
-    intervals = w_u.shape[2]
+    n, m = e.n, e.m
+    intervals = w.u.shape[2]
     nodes = (intervals * m + 1) * n
     period = z[nodes]
-    inner = (m - 1) * n
-    left, right = inner, inner + n
     last = z.size - 1
+    autonomous = e.forcing == 0
+    dense = n > LANES
+    if dense:
+        _fill_dense(e, w, period, local)
+    else:
+        _fill_lanes(e, w, period, local)
     for j in range(m + 1):
-        column = left if j == 0 else (right if j == m else (j - 1) * n)
-        for c in range(m):
-            value = e_values[c, j] * period
-            slope = e_slopes[c, j]
-            for k in range(n):
-                for q in range(n):
-                    for i in range(intervals):
-                        local[c * n + k, column + q, i] = -value * z[nodes + 1 + i] * w_fu[c, k, q, i]
-                for i in range(intervals):
-                    local[c * n + k, column + k, i] += slope
+        first = column_of(j, n, m)
         for k in range(n):
+            column = first + k
             for i in range(intervals):
-                local[m * n, column + k, i] = w_phase[j, k, i]
-                t = 0.0
+                phase = w_phase[j, k, i] if autonomous else 0.0
+                arc = 0.0
                 if j < m or i == intervals - 1:
                     index = (i * m + j) * n + k
-                    t = tangent[index] / scale[index]
-                local[m * n + 1, column + k, i] = t
-    for c in range(m):
-        for k in range(n):
-            for i in range(intervals):
-                local[c * n + k, right + n, i] = -z[nodes + 1 + i] * w_f[c, k, i]
-                local[c * n + k, right + n + 1, i] = -z[nodes + 1 + i] * period * w_fp[c, k, i]
-    if e_forcing != 0:
-        start = 0.0
-        for i in range(intervals):
-            h = z[nodes + 1 + i]
-            for c in range(m):
-                t = period * (start + h * e_gauss[c])
-                for k in range(n):
-                    local[c * n + k, right + n, i] -= h * t * w_ft[c, k, i]
-            start += h
+                    arc = tangent[index] / scale[index]
+                if dense:
+                    local[i, m * n, column] = phase
+                    local[i, m * n + 1, column] = arc
+                else:
+                    local[m * n, column, i] = phase
+                    local[m * n + 1, column, i] = arc
     for q in range(2):
         for c in range(2):
+            column = (m + 1) * n + c
             for i in range(intervals):
-                local[m * n + q, right + n + c, i] = 0.0
+                if dense:
+                    local[i, m * n + q, column] = 0.0
+                else:
+                    local[m * n + q, column, i] = 0.0
     border[0, 0] = 0.0
     border[0, 1] = 0.0
-    if e_forcing != 0:
-        for column in range(inner + 2 * n):
-            for i in range(intervals):
-                local[m * n, column, i] = 0.0
+    if not autonomous:
         _, derivative = forcing_period(e, w, z)
         border[0, 0] = 1.0
         border[0, 1] = -derivative
     border[1, 0] = tangent[nodes] / scale[nodes]
     border[1, 1] = tangent[last] / scale[last]
+
+
+@kernel
+def column_of(j, n, m):
+    """First column in `local` of the values at node j of an interval: inner nodes first, then left and right end."""
+    if j == 0:
+        return (m - 1) * n
+    return m * n if j == m else (j - 1) * n
+
+
+@vector_kernel
+def _fill_lanes(e, w, period, local):
+    """Collocation rows of `local` (m n + 2, (m + 1) n + 2, N)."""
+    n, m = e.n, e.m
+    h, f, fu, fp, ft = w.h, w.f, w.fu, w.fp, w.ft
+    values, slopes, gauss = e.values, e.slopes, e.gauss
+    lanes = np.uint64(h.size)
+    for j in range(m + 1):
+        column = column_of(j, n, m)
+        for c in range(m):
+            value = -values[c, j] * period
+            slope = slopes[c, j]
+            for k in range(n):
+                for q in range(n):
+                    for i in range(lanes):
+                        local[c * n + k, column + q, i] = value * h[i] * fu[c, k, q, i]
+                for i in range(lanes):
+                    local[c * n + k, column + k, i] += slope
+    column = (m + 1) * n
+    for c in range(m):
+        for k in range(n):
+            for i in range(lanes):
+                local[c * n + k, column, i] = -h[i] * f[c, k, i]
+                local[c * n + k, column + 1, i] = -h[i] * period * fp[c, k, i]
+    if e.forcing != 0:
+        start = 0.0
+        for i in range(h.size):
+            for c in range(m):
+                t = period * (start + h[i] * gauss[c])
+                for k in range(n):
+                    local[c * n + k, column, i] -= h[i] * t * ft[c, k, i]
+            start += h[i]
+
+
+@vector_kernel
+def _fill_dense(e, w, period, local):
+    """Collocation rows of `local` (N, m n + 2, (m + 1) n + 2)."""
+    n, m = e.n, e.m
+    h, f, fu, fp, ft, row = w.h, w.f, w.fu, w.fp, w.ft, w.F
+    values, slopes, gauss = e.values, e.slopes, e.gauss
+    last = (m + 1) * n
+    start = 0.0
+    for i in range(h.size):
+        for c in range(m):
+            t = period * (start + h[i] * gauss[c])
+            for k in range(n):
+                r = c * n + k
+                for q in range(n):
+                    row[q] = fu[c, k, q, i]
+                for j in range(m + 1):
+                    column = column_of(j, n, m)
+                    value = -values[c, j] * period * h[i]
+                    for q in range(np.uint64(0), np.uint64(n)):
+                        local[i, r, np.uint64(column) + q] = value * row[q]
+                    local[i, r, column + k] += slopes[c, j]
+                local[i, r, last] = -h[i] * f[c, k, i]
+                local[i, r, last + 1] = -h[i] * period * fp[c, k, i]
+                if e.forcing != 0:
+                    local[i, r, last] -= h[i] * t * ft[c, k, i]
+        start += h[i]

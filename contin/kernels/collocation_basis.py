@@ -66,7 +66,9 @@ def basis(m: int) -> Basis:
 def interpolation(m: int, at: Array) -> Array:
     """(len(at), m + 1): values at points `at` of [0, 1] from the values at the nodes."""
     nodes = basis(m).nodes
-    return np.stack([_lagrange(nodes, j)(at) for j in range(m + 1)], axis=1)
+    others = ~np.eye(m + 1, dtype=bool)
+    factors = np.where(others, np.asarray(at)[:, None, None] - nodes, 1.0)
+    return np.asarray(np.prod(factors, axis=2) / np.prod(np.where(others, nodes[:, None] - nodes, 1.0), axis=1))
 
 
 def _lagrange(nodes: Array, j: int) -> np.polynomial.Polynomial:

@@ -6,12 +6,14 @@ rows are exchanged only where the natural pivot is small (threshold pivoting), w
 solution, so that the lanes stay together.
 """
 
-from contin.kernels.compile import kernel
+import numpy as np
+
+from contin.kernels.compile import vector_kernel
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
 
-@kernel
+@vector_kernel
 def eliminate(a, count, candidates, low, high, pivots, work):
     """Eliminate columns 0 .. count - 1 of lanes low .. high - 1, pivots from the first `candidates` rows.
 
@@ -21,16 +23,16 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     rows, width, _ = a.shape
     sign = 1
     for k in range(count):
-        for i in range(low, high):
+        for i in range(np.uint64(low), np.uint64(high)):
             work[i] = abs(a[k, k, i])
             pivots[k, i] = k
         for r in range(k + 1, candidates):
-            for i in range(low, high):
+            for i in range(np.uint64(low), np.uint64(high)):
                 size = abs(a[r, k, i])
                 if size > work[i]:
                     work[i] = size
                     pivots[k, i] = r
-        for i in range(low, high):
+        for i in range(np.uint64(low), np.uint64(high)):
             p = pivots[k, i]
             if p != k:
                 if abs(a[k, k, i]) >= THRESHOLD * work[i]:
@@ -41,7 +43,7 @@ def eliminate(a, count, candidates, low, high, pivots, work):
                         swap = a[k, c, i]
                         a[k, c, i] = a[p, c, i]
                         a[p, c, i] = swap
-        for i in range(low, high):
+        for i in range(np.uint64(low), np.uint64(high)):
             pivot = a[k, k, i]
             if not abs(pivot) > 0.0:
                 return 0
@@ -49,20 +51,20 @@ def eliminate(a, count, candidates, low, high, pivots, work):
                 sign = -sign
             work[i] = 1.0 / pivot
         for r in range(k + 1, rows):
-            for i in range(low, high):
+            for i in range(np.uint64(low), np.uint64(high)):
                 a[r, k, i] *= work[i]
             for c in range(k + 1, width):
-                for i in range(low, high):
+                for i in range(np.uint64(low), np.uint64(high)):
                     a[r, c, i] -= a[r, k, i] * a[k, c, i]
     return sign
 
 
-@kernel
+@vector_kernel
 def eliminate_right(a, count, low, high, pivots, right):
     """The same operations on right-hand sides (rows, lanes), with the factors of `eliminate`."""
     rows = a.shape[0]
     for k in range(count):
-        for i in range(low, high):
+        for i in range(np.uint64(low), np.uint64(high)):
             p = pivots[k, i]
             if p != k:
                 swap = right[k, i]
@@ -70,11 +72,11 @@ def eliminate_right(a, count, low, high, pivots, right):
                 right[p, i] = swap
     for k in range(count):
         for r in range(k + 1, rows):
-            for i in range(low, high):
+            for i in range(np.uint64(low), np.uint64(high)):
                 right[r, i] -= a[r, k, i] * right[k, i]
 
 
-@kernel
+@vector_kernel
 def substitute_back(a, count, low, high, known, right):
     """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns.
 
@@ -84,10 +86,10 @@ def substitute_back(a, count, low, high, known, right):
     width = a.shape[1]
     for k in range(count - 1, -1, -1):
         for c in range(count, width):
-            for i in range(low, high):
+            for i in range(np.uint64(low), np.uint64(high)):
                 right[k, i] -= a[k, c, i] * known[c - count, i]
         for c in range(k + 1, count):
-            for i in range(low, high):
+            for i in range(np.uint64(low), np.uint64(high)):
                 right[k, i] -= a[k, c, i] * right[c, i]
-        for i in range(low, high):
+        for i in range(np.uint64(low), np.uint64(high)):
             right[k, i] /= a[k, k, i]

@@ -35,20 +35,19 @@ from contin.kernels.algebraic import (
     is_dip,
 )  # fmt: skip
 from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
-from contin.kernels.collocation_elimination import eliminate
 from contin.kernels.collocation_mesh import mesh_error
-from contin.kernels.collocation_system import factorise, new_factors, solve
+from contin.kernels.collocation_system import condense_intervals, factorise, new_factors, solve
 from contin.kernels.compile import call3, kernel, part
 from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.tests_of_stability import map_tests
 
-MARCH, PROBE, STABILITY = range(3)  # what `follow` does
+MARCH, PROBE, STABILITY, CORRECT = range(4)  # what `follow` does
 
 ITERATIONS = 14
 FACTORISATIONS = 6
 SLOW = 0.15  # a chord iteration that contracts less than this is followed by a new factorisation
-STALE = 2e-3  # factors are renewed before measuring when the point has moved further than this since
-WANTED = 4e-3  # first correction that the step control aims at
+STALE = 2e-3  # factors are renewed before measuring when the point has moved further than this part of the orbit since
+WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
 
 Scratch = namedtuple(
@@ -57,6 +56,7 @@ Scratch = namedtuple(
         "z",
         "step",
         "old",  # the tangent before the last one
+        "before",  # the point before the last one
         "tests",
         "sizes",  # of a correction: [first, evaluations, moved since the last factorisation, factorisations]
         "density",
@@ -76,9 +76,9 @@ Scratch = namedtuple(
 def new_scratch(n, nontrivial, intervals, size):
     """Memory for `follow`."""
     return Scratch(
-        np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(TESTS), np.zeros(4), np.zeros(intervals),
-        np.zeros((intervals, n, n)), np.zeros((intervals, n)), np.full((nontrivial, nontrivial), np.nan),
-        np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros(n),
+        np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(TESTS), np.zeros(4),
+        np.zeros(intervals), np.zeros((intervals, n, n)), np.zeros((intervals, n)),
+        np.full((nontrivial, nontrivial), np.nan), np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros(n),
     )  # fmt: skip
 
 
@@ -152,6 +152,41 @@ def correct(e, w, s, x, z0, tangent, scale, length, tolerance):
         fresh = (iteration > 0 and ratio > SLOW) or (iteration == 0 and size > 0.1)
         before = size
     return 0
+
+
+@part
+def predict(x, here, row, tangents, scale, h, h_previous):
+    """x.z: the point at distance h along the tangent (row of `tangents`) at row of `here`.
+
+    On the cubic through the last two points with their tangents (x.before, x.old); on the tangent where there is only
+    one. Shifted along the tangent into the plane at distance h.
+    """
+    z, old, before, step = x.z, x.old, x.before, x.step
+    last = z.size - 1
+    nodes = last - 1 - x.density.size
+    chord = 0.0
+    cosine = 0.0
+    if h_previous > 0.0:
+        for j in range(z.size):
+            d = (here[row, j] - before[j]) / scale[j] if j <= nodes or j == last else 0.0
+            chord += d * d
+            cosine += old[j] * tangents[row, j]
+    angle = math.acos(max(min(cosine, 1.0), -1.0))
+    length = math.sqrt(chord) * (1.0 + angle * angle / 24.0)
+    ahead = 0.0
+    t = 0.0 if h_previous == 0.0 else h / length
+    for j in range(z.size):
+        step[j] = h * tangents[row, j]
+        if h_previous > 0.0 and (j <= nodes or j == last):
+            d = (here[row, j] - before[j]) / scale[j]
+            a = length * (2.0 * tangents[row, j] + old[j]) - 3.0 * d
+            b = length * (tangents[row, j] + old[j]) - 2.0 * d
+            step[j] += t * t * (a + t * b)
+        ahead += step[j] * tangents[row, j]
+    for j in range(z.size):
+        z[j] = here[row, j]
+        if j <= nodes or j == last:
+            z[j] += scale[j] * (step[j] + (h - ahead) * tangents[row, j])
 
 
 @part
@@ -288,21 +323,22 @@ def passes(z, out_z, row, loop_z, loop_tangent, scale, h):
 
 @kernel
 def follow(
-    mode, e, w, s, x, scale, sizes, bounds, controls, limit, top, error_constant, previous_tangent, previous_tests,
-    loop_z, loop_tangent, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, out_error, info,
+    mode, e, w, s, x, scale, sizes, bounds, controls, limit, top, error_constant, previous_z, previous_tangent,
+    previous_tests, loop_z, loop_tangent, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, out_error, info,
 ):  # fmt: skip
-    """What `mode` says. One kernel for all three: each kernel that calls others compiles them once more.
+    """What `mode` says. One kernel for all: each kernel that calls others compiles them once more.
 
     MARCH : follow the family from row 0 of out_z (guide tangent out_t[0], scaled) for up to `limit` accepted orbits.
         Returns the reason, as `contin.kernels.algebraic.march`; RESCALE also where the mesh no longer resolves the
         orbit, the period has reached its limit, or the orbit is about to shrink to a point.
     PROBE : solve on the plane <out_t[0], (z - out_z[0]) / scale> = controls[0] from the guess in row 1 of out_z and
         measure there (row 1); info[3] is the reference of test 1. Returns the unstable count, -1 or -2 (not finite).
+    CORRECT : solve as for PROBE, and nothing else. Returns 0, -1 or -2.
     STABILITY : multipliers of row 0, whatever the rank of the boundary-value problem. Returns 1 (done) or 0.
 
     e : `Equations`; w, s, x : `new_memory`.
     controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, error_limit, period_limit]
-        h_previous = 0 where `previous_tangent` and `previous_tests` (tests relative to row 0) are unknown.
+        h_previous = 0 where `previous_*` (z, tangent, tests relative to row 0) are unknown.
     info : [rows beyond row 0, next h, evaluations, log reference of test 1, test that dipped, h that failed]
     """
     n, m = e.n, e.m
@@ -311,24 +347,27 @@ def follow(
     z, old, tests, sizes_of, density = x.z, x.old, x.tests, x.sizes, x.density
     intervals = density.size
     count = intervals * m + 1
-    nodes = count * n
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
     h_previous, target_angle, error_limit, period_limit = controls[5], controls[6], controls[7], controls[8]
     reference = info[3] if mode == PROBE else 0.0
-    start = 1 if mode == PROBE else 0
+    start = 1 if mode in (PROBE, CORRECT) else 0
     for j in range(size):
         z[j] = out_z[start, j]
     if mode != STABILITY:
         set_phase(e, w, z, sizes)
-    if mode == PROBE:
+    if start == 1:
         sign = correct(e, w, s, x, out_z[0], out_t[0], scale, h, tolerance)
         if sign == 0 or sign == 2:
             return -1 if sign == 0 else -2
+    if mode == CORRECT:
+        for j in range(size):
+            out_z[1, j] = z[j]
+        return 0
     if mode == STABILITY:
         if not evaluate(e, w, z, True):
             return 0
         fill(e, w, z, out_t[0], scale, s.local, x.border)
-        if eliminate(s.local, (m - 1) * n, m * n, 0, intervals, s.local_pivots, s.work) == 0:
+        if condense_intervals(s, n, m) == 0:
             return 0
         for k in range(x.re.size):
             x.re[k] = math.nan
@@ -366,6 +405,7 @@ def follow(
         tangent = out_t[k]
         for j in range(size):
             old[j] = out_t[k - 1, j] if k > 0 else previous_tangent[j]
+            x.before[j] = out_z[k - 1, j] if k > 0 else previous_z[j]
         if k > 0:
             h_previous = out_h[k]
             for j in range(size):
@@ -374,14 +414,10 @@ def follow(
         corner = False
         cosine = 1.0
         while True:
-            bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
-            for j in range(size):
-                z[j] = out_z[k, j]
-                if j <= nodes or j == last:
-                    z[j] += scale[j] * (h * tangent[j] + bend * (tangent[j] - old[j]))
+            predict(x, out_z, k, out_t, scale, h, h_previous)
             sign = correct(e, w, s, x, out_z[k], tangent, scale, h, tolerance)
             info[2] += sizes_of[1]
-            if sign != 0 and sign != 2 and sizes_of[2] > STALE:
+            if sign != 0 and sign != 2 and sizes_of[2] > STALE * min(1.0, swing):
                 sign = renew(e, w, s, x, tangent, scale)
                 info[2] += 1.0
             if sign == 0 or sign == 2:
@@ -428,7 +464,7 @@ def follow(
         if angle > 0.0:
             factor = min(factor, target_angle / angle)
         if sizes_of[0] > 0.0:
-            factor = min(factor, (WANTED / sizes_of[0]) ** (1.0 / 3.0))
+            factor = min(factor, (WANTED * min(1.0, swing) / sizes_of[0]) ** 0.25)
         if sizes_of[1] > 5.0:
             factor = min(factor, 5.0 / sizes_of[1])
         h_used = h

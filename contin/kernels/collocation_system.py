@@ -9,13 +9,22 @@ forcing period, arclength). It is eliminated in three stages, border rows along 
     2. pairs of neighbouring blocks, the mesh point between them     -> half as many blocks, and so on (log2 N levels)
     3. the last block with periodicity and borders                   -> a dense system in (u(0), T, p)
 
-Stages 1 and 2 are `eliminate` over all intervals at once. The condensed blocks of stage 1 also give the multipliers.
+Stages 1 and 2 are `eliminate` over all intervals at once, or `collocation_dense` one by one. The
+condensed blocks of stage 1 also give the multipliers.
 """
 
 from collections import namedtuple
 
 import numpy as np
 
+from contin.kernels.collocation import LANES
+from contin.kernels.collocation_dense import (
+    condense_dense,
+    eliminate_intervals,
+    eliminate_right_dense,
+    next_level,
+    substitute_back_dense,
+)
 from contin.kernels.collocation_elimination import eliminate, eliminate_right, substitute_back
 from contin.kernels.compile import kernel
 from contin.kernels.dense import lu_factor, lu_solve
@@ -23,6 +32,7 @@ from contin.kernels.dense import lu_factor, lu_solve
 Factors = namedtuple(
     "Factors",
     [
+        # Shapes for n <= LANES; beyond, the axis of the N intervals (of pivots too) comes first, not last.
         "local",  # (m n + 2, (m + 1) n + 2, N): columns [inner | left | right | T | p], last two rows the borders
         "local_pivots",
         "levels",  # (2 n + 2, 3 n + 2, N): columns [middle | left | right | T | p]
@@ -30,11 +40,13 @@ Factors = namedtuple(
         "blocks",  # (n + 2, 2 n + 2, N): columns [left | right | T | p]
         "nodes",  # (3, N) mesh points (left, middle, right) of the lanes of `levels`
         "depth",  # (3, 70): first lane, pairs and blocks of each level; depth[0, 69] is the number of levels
+        "end",  # (n + 2, 2 n + 2): the last block
         "last",  # (n + 2, n + 2)
         "last_right_block",  # (n, n): coefficient of u(1) in the last block, for the periodicity's right-hand side
         "last_border_right",  # (2, n)
         "last_pivots",
-        "work",  # (N,)
+        "work",  # (max(N, (m + 1) n + 2),)
+        "panel",  # (4, m n + 2)
         "right_local",  # (m n + 2, N)
         "right_levels",  # (2 n + 2, N)
         "right_blocks",  # (n + 2, N)
@@ -48,19 +60,29 @@ Factors = namedtuple(
 
 def new_factors(n, m, intervals):
     """Memory for one matrix."""
+    dense = n > LANES
+
+    def matrices(rows, columns):
+        return np.zeros((intervals, rows, columns) if dense else (rows, columns, intervals))
+
+    def exchanges(count):
+        return np.zeros((intervals, count) if dense else (count, intervals), np.int64)
+
     return Factors(
-        np.zeros((m * n + 2, (m + 1) * n + 2, intervals)),
-        np.zeros(((m - 1) * n, intervals), np.int64),
-        np.zeros((2 * n + 2, 3 * n + 2, intervals)),
-        np.zeros((n, intervals), np.int64),
-        np.zeros((n + 2, 2 * n + 2, intervals)),
+        matrices(m * n + 2, (m + 1) * n + 2),
+        exchanges((m - 1) * n),
+        matrices(2 * n + 2, 3 * n + 2),
+        exchanges(n),
+        matrices(n + 2, 2 * n + 2),
         np.zeros((3, intervals), np.int64),
         np.zeros((3, 70), np.int64),
+        np.zeros((n + 2, 2 * n + 2)),
         np.zeros((n + 2, n + 2)),
         np.zeros((n, n)),
         np.zeros((2, n)),
         np.zeros(n + 2, np.int64),
-        np.zeros(intervals),
+        np.zeros(max(intervals, (m + 1) * n + 2)),
+        np.zeros((4, m * n + 2)),
         np.zeros((m * n + 2, intervals)),
         np.zeros((2 * n + 2, intervals)),
         np.zeros((n + 2, intervals)),
@@ -78,27 +100,58 @@ def factorise(s, n, m, border, sign_of_end):
     u(1) = sign_of_end * u(0) (1: periodic, -1: antiperiodic). Returns the sign of the determinant up to a factor that
     depends on the number of intervals only; 0 where the matrix is singular.
     """
+    end = s.end
+    s_last = s.last
+    s_last_right_block = s.last_right_block
+    s_last_border_right = s.last_border_right
+    sign = condense_dense(s, n, m) if n > LANES else _condense(s, n, m)
+    if sign == 0:
+        return 0
+    for r in range(n + 2):
+        for c in range(n):
+            s_last[r, c] = end[r, c] + sign_of_end * end[r, n + c]
+        for c in range(2):
+            s_last[r, n + c] = end[r, 2 * n + c]
+            if r >= n:
+                s_last[r, n + c] += border[r - n, c]
+    for c in range(n):
+        for r in range(n):
+            s_last_right_block[r, c] = end[r, n + c]
+        for q in range(2):
+            s_last_border_right[q, c] = end[n + q, n + c]
+    part = lu_factor(s_last, s.last_pivots)
+    for k in range(n + 2):
+        if s_last[k, k] < 0.0:
+            part = -part
+    return sign * part
+
+
+@kernel
+def condense_intervals(s, n, m):
+    """The first stage alone, for the multipliers. Returns the sign of the pivots, 0 where one vanishes."""
+    if n > LANES:
+        return eliminate_intervals(s, n, m)
+    return eliminate(s.local, (m - 1) * n, m * n, 0, s.local.shape[2], s.local_pivots, s.work)
+
+
+@kernel
+def _condense(s, n, m):
+    """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
     s_local = s.local
-    s_local_pivots = s.local_pivots
     s_work = s.work
     s_blocks = s.blocks
     s_nodes = s.nodes
     s_depth = s.depth
     s_levels = s.levels
-    s_level_pivots = s.level_pivots
-    s_last = s.last
-    s_last_right_block = s.last_right_block
-    s_last_border_right = s.last_border_right
-    s_last_pivots = s.last_pivots
     s_here = s.here
     intervals = s_local.shape[2]
     inner = (m - 1) * n
-    sign = eliminate(s_local, inner, m * n, 0, intervals, s_local_pivots, s_work)
+    sign = condense_intervals(s, n, m)
     if sign == 0:
         return 0
     for r in range(n + 2):
         for c in range(2 * n + 2):
-            for i in range(intervals):
+            for i in range(np.uint64(intervals)):
                 s_blocks[r, c, i] = s_local[inner + r, inner + c, i]
     for i in range(intervals + 1):
         s_here[i] = i
@@ -107,15 +160,9 @@ def factorise(s, n, m, border, sign_of_end):
     level = 0
     while count > 1:
         pairs = count // 2
-        s_depth[0, level] = first
-        s_depth[1, level] = pairs
-        s_depth[2, level] = count
-        for j in range(pairs):
-            s_nodes[0, first + j] = s_here[2 * j]
-            s_nodes[1, first + j] = s_here[2 * j + 1]
-            s_nodes[2, first + j] = s_here[2 * j + 2]
+        next_level(s_depth, s_nodes, s_here, level, first, count)
         _pair_up(s_blocks, s_levels, n, pairs, first)
-        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s_level_pivots, s_work)
+        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s.level_pivots, s_work)
         if part == 0:
             return 0
         sign *= part
@@ -123,34 +170,18 @@ def factorise(s, n, m, border, sign_of_end):
             for c in range(2 * n + 2):
                 for j in range(pairs):
                     s_blocks[r, c, j] = s_levels[n + r, n + c, first + j]
-        for j in range(pairs):
-            s_here[j + 1] = s_here[2 * j + 2]
         if count % 2 == 1:
             for r in range(n + 2):
                 for c in range(2 * n + 2):
                     s_blocks[r, c, pairs] = s_blocks[r, c, count - 1]
-            s_here[pairs + 1] = s_here[count]
         first += pairs
         count = pairs + count % 2
         level += 1
     s_depth[0, 69] = level
     for r in range(n + 2):
-        for c in range(n):
-            s_last[r, c] = s_blocks[r, c, 0] + sign_of_end * s_blocks[r, n + c, 0]
-        for c in range(2):
-            s_last[r, n + c] = s_blocks[r, 2 * n + c, 0]
-            if r >= n:
-                s_last[r, n + c] += border[r - n, c]
-    for c in range(n):
-        for r in range(n):
-            s_last_right_block[r, c] = s_blocks[r, n + c, 0]
-        for q in range(2):
-            s_last_border_right[q, c] = s_blocks[n + q, n + c, 0]
-    part = lu_factor(s_last, s_last_pivots)
-    for k in range(n + 2):
-        if s_last[k, k] < 0.0:
-            part = -part
-    return sign * part
+        for c in range(2 * n + 2):
+            s.end[r, c] = s_blocks[r, c, 0]
+    return sign
 
 
 @kernel
@@ -205,14 +236,19 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     s_points = s.points
     s_known = s.known
     s_nodes = s.nodes
-    intervals = s_local.shape[2]
+    s_work = s.work
+    dense = n > LANES
+    intervals = s_points.shape[1] - 1
     inner = (m - 1) * n
     level_count = s_depth[0, 69]
     if has_local:
         for q in range(2):
             for i in range(intervals):
                 s_right_local[m * n + q, i] = 0.0
-        eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
+        if dense:
+            eliminate_right_dense(s_local, inner, 0, intervals, s_local_pivots, s_right_local, s_work)
+        else:
+            eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
         for r in range(n + 2):
             for i in range(intervals):
                 s_right_blocks[r, i] = s_right_local[inner + r, i]
@@ -227,7 +263,10 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
                     s_right_levels[n + r, k] = s_right_blocks[r, 2 * j + 1]
                 for q in range(2):
                     s_right_levels[2 * n + q, k] = s_right_blocks[n + q, 2 * j] + s_right_blocks[n + q, 2 * j + 1]
-            eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
+            if dense:
+                eliminate_right_dense(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels, s_work)
+            else:
+                eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
             for r in range(n + 2):
                 for j in range(pairs):
                     s_right_blocks[r, j] = s_right_levels[n + r, first + j]
@@ -266,7 +305,10 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
         for j in range(first, beyond):
             s_known[2 * n, j] = period
             s_known[2 * n + 1, j] = parameter
-        substitute_back(s_levels, n, first, beyond, s_known, s_right_levels)
+        if dense:
+            substitute_back_dense(s_levels, n, first, beyond, s_known, s_right_levels, s_work)
+        else:
+            substitute_back(s_levels, n, first, beyond, s_known, s_right_levels)
         for k in range(n):
             for j in range(first, beyond):
                 s_points[k, s_nodes[1, j]] = s_right_levels[k, j]
@@ -277,7 +319,10 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     for i in range(intervals):
         s_known[2 * n, i] = period
         s_known[2 * n + 1, i] = parameter
-    substitute_back(s_local, inner, 0, intervals, s_known, s_right_local)
+    if dense:
+        substitute_back_dense(s_local, inner, 0, intervals, s_known, s_right_local, s_work)
+    else:
+        substitute_back(s_local, inner, 0, intervals, s_known, s_right_local)
     for i in range(intervals):
         for k in range(n):
             out[i * m * n + k] = s_points[k, i]

@@ -87,6 +87,21 @@ def kernel(function: Callable[..., Any]) -> Any:
         numba.config.CACHE_DIR = before
 
 
+def vector_kernel(function: Callable[..., Any]) -> Any:
+    """A kernel whose sums may be reordered and whose products be fused with them: its loops become vector instructions.
+
+    Only for plain linear algebra. Loops over unsigned ranges, `range(np.uint64(a), np.uint64(b))`: for a signed index
+    numba tests whether it counts from the end, and with that test no loop is vectorised.
+    """
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = kernel_cache_folder()
+    try:
+        fast = {"contract", "reassoc", "nsz"}
+        return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fast)(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
 def part(function: Callable[..., Any]) -> Any:
     """A part of one kernel: put in place where it is called, not compiled by itself.
 

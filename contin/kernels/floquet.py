@@ -18,33 +18,59 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import kernel
-from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.collocation import LANES
+from contin.kernels.compile import kernel, vector_kernel
 from contin.kernels.eigen import eigenvalues
 
+KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
-@kernel
+
+@vector_kernel
 def transitions(local, n, m, out):
-    """M_i (N, n, n) from the condensed blocks [left | right] of `collocation_system.factorise`.
+    """M_i (N, n, n) = -right^-1 left from the condensed blocks [left | right] of `Factors`.
 
     False where one is singular.
     """
     inner = (m - 1) * n
-    right = np.empty((n, n))
-    column = np.empty(n)
-    pivots = np.empty(n, np.int64)
-    for i in range(local.shape[2]):
+    dense = n > LANES
+    a = np.empty((n, 2 * n))  # [right | left]
+    width = np.uint64(2 * n)
+    for i in range(out.shape[0]):
         for r in range(n):
             for c in range(n):
-                right[r, c] = local[inner + r, inner + n + c, i]
-        if lu_factor(right, pivots) == 0:
-            return False
-        for c in range(n):
-            for r in range(n):
-                column[r] = -local[inner + r, inner + c, i]
-            lu_solve(right, pivots, column)
-            for r in range(n):
-                out[i, r, c] = column[r]
+                if dense:
+                    a[r, c] = local[i, inner + r, inner + n + c]
+                    a[r, n + c] = -local[i, inner + r, inner + c]
+                else:
+                    a[r, c] = local[inner + r, inner + n + c, i]
+                    a[r, n + c] = -local[inner + r, inner + c, i]
+        for k in range(n):
+            p = k
+            for r in range(k + 1, n):
+                if abs(a[r, k]) > abs(a[p, k]):
+                    p = r
+            if not abs(a[p, k]) > 0.0:
+                return False
+            if p != k:
+                for c in range(np.uint64(k), width):
+                    swap = a[k, c]
+                    a[k, c] = a[p, c]
+                    a[p, c] = swap
+            for r in range(k + 1, n):
+                factor = a[r, k] / a[k, k]
+                for c in range(np.uint64(k + 1), width):
+                    a[r, c] -= factor * a[k, c]
+        for k in range(n - 1, -1, -1):
+            for r in range(k + 1, n):
+                factor = a[k, r]
+                for c in range(np.uint64(n), width):
+                    a[k, c] -= factor * a[r, c]
+            inverse = 1.0 / a[k, k]
+            for c in range(np.uint64(n), width):
+                a[k, c] *= inverse
+        for r in range(n):
+            for c in range(n):
+                out[i, r, c] = a[r, n + c]
     return True
 
 
@@ -91,7 +117,7 @@ def deflate(m_all, directions):
     return trivial
 
 
-@kernel
+@vector_kernel
 def sweep(m_all, skip, q, r_product):
     """One turn: q (d, d) orthonormal becomes Q_N, r_product the triangular factor.
 
@@ -99,48 +125,76 @@ def sweep(m_all, skip, q, r_product):
     """
     count, n, _ = m_all.shape
     d = n - skip
+    columns = np.uint64(d)
     y = np.empty((d, d))
-    r = np.empty((d, d))
+    r = np.zeros((d, d))
+    s = np.empty(d)
     for a in range(d):
         for b in range(d):
             r_product[a, b] = 1.0 if a == b else 0.0
     for i in range(count):
         for a in range(d):
-            for b in range(d):
-                s = 0.0
-                for c in range(d):
-                    s += m_all[i, skip + a, skip + c] * q[c, b]
-                y[a, b] = s
-        for b in range(d):
-            for a in range(d):
-                r[a, b] = 0.0
-            for _ in range(2):  # Gram-Schmidt, twice
-                for c in range(b):
-                    s = 0.0
-                    for a in range(d):
-                        s += q[a, c] * y[a, b]
-                    r[c, b] += s
-                    for a in range(d):
-                        y[a, b] -= s * q[a, c]
-            s = 0.0
-            for a in range(d):
-                s += y[a, b] * y[a, b]
-            s = math.sqrt(s)
-            r[b, b] = s
-            if not s > 0.0:
+            for b in range(columns):
+                y[a, b] = 0.0
+            for c in range(d):
+                x = m_all[i, skip + a, skip + c]
+                for b in range(columns):
+                    y[a, b] += x * q[c, b]
+        for a in range(d):
+            for b in range(columns):
+                q[a, b] = y[a, b]
+        for _ in range(2):  # modified Gram-Schmidt, again where much of a column was cancelled
+            lost = _orthonormalise(q, r, s)
+            if not lost > 0.0:
                 return False
-            for a in range(d):
-                q[a, b] = y[a, b] / s
-        for b in range(d):
-            for a in range(b + 1):
-                s = 0.0
-                for c in range(a, b + 1):
-                    s += r[a, c] * r_product[c, b]
-                y[a, b] = s
-        for b in range(d):
-            for a in range(b + 1):
-                r_product[a, b] = y[a, b]
+            for a in range(d):  # r_product becomes r r_product; both are triangular, and rows below a are untouched
+                x = r[a, a]
+                for b in range(columns):
+                    r_product[a, b] *= x
+                for c in range(a + 1, d):
+                    x = r[a, c]
+                    for b in range(np.uint64(c), columns):
+                        r_product[a, b] += x * r_product[c, b]
+            if lost > KEPT:
+                break
     return True
+
+
+@vector_kernel
+def _orthonormalise(q, r, s):
+    """Columns of q (d, d) become orthonormal, old q = new q r; s (d,) is memory.
+
+    Returns the least part of its length that a column kept, 0 where they are dependent.
+    """
+    d = q.shape[0]
+    columns = np.uint64(d)
+    least = 1.0
+    for k in range(d):
+        first = np.uint64(k)
+        for b in range(first, columns):
+            s[b] = 0.0
+        for a in range(d):
+            x = q[a, k]
+            for b in range(first, columns):
+                s[b] += x * q[a, b]
+        if not s[k] > 0.0:
+            return 0.0
+        norm = math.sqrt(s[k])
+        whole = s[k]
+        for a in range(k):
+            whole += r[a, k] * r[a, k]
+        least = min(least, norm / math.sqrt(whole))
+        r[k, k] = norm
+        inverse = 1.0 / norm
+        for b in range(np.uint64(k + 1), columns):
+            s[b] *= inverse
+            r[k, b] = s[b]
+        for a in range(d):
+            x = q[a, k] * inverse
+            q[a, k] = x
+            for b in range(np.uint64(k + 1), columns):
+                q[a, b] -= x * s[b]
+    return least
 
 
 @kernel

@@ -75,7 +75,6 @@ class OrbitProblem:
 
     kind = "orbit"
     locus = None
-    maximum_chunk = 60
 
     def __post_init__(self) -> None:
         if self.system.is_forced and self.forcing is None:
@@ -84,6 +83,11 @@ class OrbitProblem:
     @property
     def n(self) -> int:
         return int(self.system.n)
+
+    @property
+    def maximum_chunk(self) -> int:
+        """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
+        return max(10, min(120, 2000 // self.n**2))
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -220,6 +224,14 @@ class OrbitProblem:
         count = self._kernel(1, out, frame.scale, controls, 0)
         return None if count < 0 else Sample(out.z[1], out.t[1], out.tests[1], int(count), out.re[1] + 1j * out.im[1])
 
+    def corrected(self, sample: Sample, frame: Frame, tolerance: float) -> Array | None:
+        """The orbit on the hyperplane through the sample, normal to its tangent; no measuring."""
+        out = _Rows.of(2, sample.z.size, self.n)
+        out.z[0], out.t[0], out.z[1] = sample.z, sample.tangent, sample.z
+        controls = np.zeros(9)
+        controls[4] = tolerance
+        return out.z[1] if self._kernel(3, out, frame.scale, controls, 0) == 0 else None
+
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
         out = _Rows.of(1, z.size, self.n)
@@ -243,7 +255,7 @@ class OrbitProblem:
         return int(kernel.follow(
             mode, self.equations, points, factors, scratch, scale, self.sizes(out.z[0], scale),
             np.array(bounds, dtype=float), controls, limit, scheme.top, scheme.error,
-            out.t[0].copy() if before is None else before.tangent,
+            out.z[0] if before is None else before.z, out.t[0].copy() if before is None else before.tangent,
             np.zeros(kernel.TESTS) if before is None else before.tests,  # type: ignore[attr-defined]
             none if loop is None else loop.z, none if loop is None else loop.tangent,
             out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, out.errors, out.info,

@@ -44,10 +44,9 @@ def renew(
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(h, m, grown, period, float(frame.scale[-1]))
     moved = _moved(problem, origin, frame.scale, scale, h)
-    corrected = problem.probe(moved, 0.0, moved.z, Frame(scale), settings)
-    if corrected is not None and float(np.linalg.norm((corrected.z - moved.z) / scale)) < 0.05:
-        sign = np.sign(float(corrected.tangent @ moved.tangent)) or 1.0
-        moved = replace(moved, z=corrected.z, tangent=sign * corrected.tangent)
+    corrected = problem.corrected(moved, Frame(scale), settings.newton_tolerance)
+    if corrected is not None and float(np.linalg.norm((corrected - moved.z) / scale)) < 0.05:
+        moved = replace(moved, z=corrected)
     return Renewal(
         scale,
         moved,

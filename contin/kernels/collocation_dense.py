@@ -1,0 +1,257 @@
+"""The same elimination as `collocation_system` for larger systems, one dense matrix after another.
+
+For more than a few states a matrix no longer fits beside the others in the fast cache, and its rows are long enough to
+be vectors themselves. So matrices are a[i, :, :] here (lane by lane contiguous), and columns are eliminated four at a
+time: the update of the rest reads and writes every row once for four pivots, two rows together.
+"""
+
+import numpy as np
+
+from contin.kernels.compile import kernel, vector_kernel
+
+THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
+
+
+@vector_kernel
+def eliminate_dense(a, i, count, candidates, pivots, panel):
+    """Eliminate columns 0 .. count - 1 of a[i] (rows, columns), pivots from the first `candidates` rows.
+
+    Multipliers are stored below the diagonal, pivots (N, count); panel (4, rows) is memory.
+    Returns the sign of the product of all pivots and row exchanges; 0 where a pivot vanishes or is NaN.
+    """
+    _, rows, width = a.shape
+    sign = 1
+    first = 0
+    while first < count:
+        end = min(first + 4, count)
+        part = _panel(a, i, first, end, candidates, pivots, panel)
+        if part == 0:
+            return 0
+        sign *= part
+        if end - first == 4:
+            r = end
+            while r + 1 < rows:
+                _update_two(a, i, r, first, end)
+                r += 2
+            if r < rows:
+                _update_one(a, i, r, first, end)
+        else:
+            for r in range(end, rows):
+                for k in range(first, end):
+                    factor = a[i, r, k]
+                    for c in range(np.uint64(end), np.uint64(width)):
+                        a[i, r, c] -= factor * a[i, k, c]
+        first = end
+    return sign
+
+
+@vector_kernel
+def _panel(a, i, first, end, candidates, pivots, panel):
+    """Factor columns first .. end - 1, and apply them to the rows that hold their pivots.
+
+    The columns are worked on side by side in panel (4, rows).
+    """
+    _, rows, width = a.shape
+    sign = 1
+    top = np.uint64(rows)
+    for r in range(first, rows):
+        for j in range(end - first):
+            panel[j, r] = a[i, r, first + j]
+    for k in range(first, end):
+        j = k - first
+        p = k
+        limit = abs(panel[j, k]) / THRESHOLD
+        exceeding = 0
+        for r in range(np.uint64(k + 1), np.uint64(candidates)):
+            exceeding += 1 if abs(panel[j, r]) > limit else 0
+        if exceeding > 0:
+            for r in range(k + 1, candidates):
+                if abs(panel[j, r]) > abs(panel[j, p]):
+                    p = r
+        pivots[i, k] = p
+        if p != k:
+            sign = -sign
+            for c in range(np.uint64(0), np.uint64(width)):
+                swap = a[i, k, c]
+                a[i, k, c] = a[i, p, c]
+                a[i, p, c] = swap
+            for c in range(end - first):
+                swap = panel[c, k]
+                panel[c, k] = panel[c, p]
+                panel[c, p] = swap
+        pivot = panel[j, k]
+        if not abs(pivot) > 0.0:
+            return 0
+        if pivot < 0.0:
+            sign = -sign
+        inverse = 1.0 / pivot
+        for r in range(np.uint64(k + 1), top):
+            panel[j, r] *= inverse
+        for c in range(j + 1, end - first):
+            factor = panel[c, k]
+            for r in range(np.uint64(k + 1), top):
+                panel[c, r] -= factor * panel[j, r]
+    for r in range(first, rows):
+        for j in range(end - first):
+            a[i, r, first + j] = panel[j, r]
+    for k in range(first, end):
+        for r in range(k + 1, end):
+            factor = a[i, r, k]
+            for c in range(np.uint64(end), np.uint64(width)):
+                a[i, r, c] -= factor * a[i, k, c]
+    return sign
+
+
+@vector_kernel
+def _update_two(a, i, r, first, end):
+    f0, f1, f2, f3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
+    g0, g1, g2, g3 = a[i, r + 1, first], a[i, r + 1, first + 1], a[i, r + 1, first + 2], a[i, r + 1, first + 3]
+    for c in range(np.uint64(end), np.uint64(a.shape[2])):
+        u0, u1, u2, u3 = a[i, first, c], a[i, first + 1, c], a[i, first + 2, c], a[i, first + 3, c]
+        x = a[i, r, c] - f0 * u0 - f1 * u1 - f2 * u2 - f3 * u3
+        y = a[i, r + 1, c] - g0 * u0 - g1 * u1 - g2 * u2 - g3 * u3
+        a[i, r, c] = x
+        a[i, r + 1, c] = y
+
+
+@vector_kernel
+def _update_one(a, i, r, first, end):
+    f0, f1, f2, f3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
+    for c in range(np.uint64(end), np.uint64(a.shape[2])):
+        x = a[i, r, c] - f0 * a[i, first, c] - f1 * a[i, first + 1, c]
+        a[i, r, c] = x - f2 * a[i, first + 2, c] - f3 * a[i, first + 3, c]
+
+
+@vector_kernel
+def eliminate_right_dense(a, count, low, high, pivots, right, v):
+    """The same operations on right-hand sides (rows, N), lanes low .. high - 1; v is memory for one of them."""
+    rows = a.shape[1]
+    for i in range(low, high):
+        for r in range(rows):
+            v[r] = right[r, i]
+        for k in range(count):
+            p = pivots[i, k]
+            if p != k:
+                swap = v[k]
+                v[k] = v[p]
+                v[p] = swap
+        for r in range(1, rows):
+            total = 0.0
+            for k in range(np.uint64(0), np.uint64(min(r, count))):
+                total += a[i, r, k] * v[k]
+            v[r] -= total
+        for r in range(rows):
+            right[r, i] = v[r]
+
+
+@vector_kernel
+def substitute_back_dense(a, count, low, high, known, right, v):
+    """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns, known (width - count, N)."""
+    width = a.shape[2]
+    for i in range(low, high):
+        for c in range(count, width):
+            v[c] = known[c - count, i]
+        for k in range(count - 1, -1, -1):
+            total = 0.0
+            for c in range(np.uint64(k + 1), np.uint64(width)):
+                total += a[i, k, c] * v[c]
+            v[k] = (right[k, i] - total) / a[i, k, k]
+            right[k, i] = v[k]
+
+
+@kernel
+def next_level(depth, nodes, here, level, first, count):
+    """Note which mesh points the pairs of neighbouring blocks join; `here` keeps those that are left."""
+    pairs = count // 2
+    depth[0, level] = first
+    depth[1, level] = pairs
+    depth[2, level] = count
+    for j in range(pairs):
+        nodes[0, first + j] = here[2 * j]
+        nodes[1, first + j] = here[2 * j + 1]
+        nodes[2, first + j] = here[2 * j + 2]
+    for j in range(pairs):
+        here[j + 1] = here[2 * j + 2]
+    if count % 2 == 1:
+        here[pairs + 1] = here[count]
+
+
+@kernel
+def eliminate_intervals(s, n, m):
+    """The inner nodes of every interval; returns the sign of the pivots, 0 where one vanishes."""
+    sign = 1
+    for i in range(s.local.shape[0]):
+        part = eliminate_dense(s.local, i, (m - 1) * n, m * n, s.local_pivots, s.panel)
+        if part == 0:
+            return 0
+        sign *= part
+    return sign
+
+
+@kernel
+def condense_dense(s, n, m):
+    """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
+    local, levels, blocks, here = s.local, s.levels, s.blocks, s.here
+    intervals = local.shape[0]
+    inner = (m - 1) * n
+    sign = eliminate_intervals(s, n, m)
+    if sign == 0:
+        return 0
+    for i in range(intervals):
+        for r in range(n + 2):
+            for c in range(2 * n + 2):
+                blocks[i, r, c] = local[i, inner + r, inner + c]
+    for i in range(intervals + 1):
+        here[i] = i
+    count = intervals
+    first = 0
+    level = 0
+    while count > 1:
+        pairs = count // 2
+        next_level(s.depth, s.nodes, here, level, first, count)
+        for j in range(pairs):
+            k = first + j
+            _join(blocks, levels, n, j, k)
+            part = eliminate_dense(levels, k, n, 2 * n, s.level_pivots, s.panel)
+            if part == 0:
+                return 0
+            sign *= part
+            for r in range(n + 2):
+                for c in range(2 * n + 2):
+                    blocks[j, r, c] = levels[k, n + r, n + c]
+        if count % 2 == 1:
+            for r in range(n + 2):
+                for c in range(2 * n + 2):
+                    blocks[pairs, r, c] = blocks[count - 1, r, c]
+        first += pairs
+        count = pairs + count % 2
+        level += 1
+    s.depth[0, 69] = level
+    for r in range(n + 2):
+        for c in range(2 * n + 2):
+            s.end[r, c] = blocks[0, r, c]
+    return sign
+
+
+@kernel
+def _join(blocks, levels, n, j, k):
+    """Rows of blocks 2 j and 2 j + 1, with the columns of the mesh point between them in front."""
+    a, b = 2 * j, 2 * j + 1
+    for r in range(n):
+        for c in range(n):
+            levels[k, r, c] = blocks[a, r, n + c]
+            levels[k, r, n + c] = blocks[a, r, c]
+            levels[k, r, 2 * n + c] = 0.0
+            levels[k, n + r, c] = blocks[b, r, c]
+            levels[k, n + r, n + c] = 0.0
+            levels[k, n + r, 2 * n + c] = blocks[b, r, n + c]
+        for c in range(2):
+            levels[k, r, 3 * n + c] = blocks[a, r, 2 * n + c]
+            levels[k, n + r, 3 * n + c] = blocks[b, r, 2 * n + c]
+    for q in range(2):
+        for c in range(n):
+            levels[k, 2 * n + q, c] = blocks[a, n + q, n + c] + blocks[b, n + q, c]
+            levels[k, 2 * n + q, n + c] = blocks[a, n + q, c]
+            levels[k, 2 * n + q, 2 * n + c] = blocks[b, n + q, n + c]
+        for c in range(2):
+            levels[k, 2 * n + q, 3 * n + c] = blocks[a, n + q, 2 * n + c] + blocks[b, n + q, 2 * n + c]
