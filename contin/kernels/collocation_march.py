@@ -78,7 +78,8 @@ def new_scratch(n, nontrivial, intervals, size):
     return Scratch(
         np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(TESTS), np.zeros(4),
         np.zeros(intervals), np.zeros((intervals, n, n)), np.zeros((intervals, n)),
-        np.full((nontrivial, nontrivial), np.nan), np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros(n),
+        np.full((nontrivial, nontrivial), np.nan), np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n),
+        np.zeros(2), np.zeros((2, 2)), np.zeros(n),
     )  # fmt: skip
 
 
