@@ -1,0 +1,102 @@
+"""From equilibria to the phase diagram of a box: search for curves, cut the box, name its regions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.settings import Settings
+from contin.continuation.trace import Watcher
+from contin.diagram.phase.diagram import PhaseDiagram, Region
+from contin.diagram.phase.lines import Box, polylines
+from contin.diagram.phase.plane import Arrangement, arrangement
+from contin.diagram.phase.search import LociSearch
+from contin.diagram.phase.states import State, states_on
+from contin.errors import InputError
+
+if TYPE_CHECKING:
+    from contin.problems.start import Equilibrium
+
+ROUNDS: Final = 3  # the box is cut anew when the regions' own branches show a curve that was missed
+DEFAULTS: Final = {"steps": 3000, "max_step": 0.03}
+
+
+def phase(
+    starts: Equilibrium | Sequence[Equilibrium],
+    parameters: Sequence[str],
+    box: Mapping[str, Sequence[float]] | Box,
+    settings: Settings | Mapping[str, Any] | None = None,
+    watch: Watcher | None = None,
+) -> PhaseDiagram:
+    """The phase diagram of the equilibria connected with `starts` in a box of two parameters.
+
+    Curves of folds, Hopf points and branch points are found on lines across the box and followed to its edges; the
+    equilibria of each region are those on all branches through its representative point that are connected with a
+    start or with one of the curves. Special points on those branches that lie on no known curve start new ones, and the
+    box is cut again. Cost: about ten branches a line, and one line a region.
+    """
+    listed = list(starts) if isinstance(starts, list | tuple) else [starts]
+    first, second = _pair(parameters)
+    bounds = _bounds(box, (first, second))
+    chosen = Settings.of(DEFAULTS | dict(settings or {}) if not isinstance(settings, Settings) else settings)
+    points = [(np.asarray(s.u), np.asarray(s.p)) for s in listed]
+    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch)
+    search.run()
+    for _ in range(ROUNDS):
+        lines, owners = polylines(search.loci, bounds)
+        plane = arrangement(lines)
+        found = [_states(search, face.point) for face in plane.faces]
+        if not any([search.absorb(branches) for _, branches in found]):
+            break
+    names = [search.loci[k].name for k in owners]
+    borders = {pair: frozenset(names[c] for c in curves) for pair, curves in plane.borders.items()}
+    return PhaseDiagram(
+        (first, second), bounds, tuple(search.loci), _regions(plane, [s for s, _ in found], search), borders,
+        tuple(search.branches), tuple(dict.fromkeys(search.notes)),
+    )  # fmt: skip
+
+
+def _pair(parameters: Sequence[str]) -> tuple[str, str]:
+    if isinstance(parameters, str) or len(parameters) != 2 or parameters[0] == parameters[1]:
+        raise InputError(f"a phase diagram has two parameters; got {parameters!r}")
+    return parameters[0], parameters[1]
+
+
+def _bounds(box: Any, names: tuple[str, str]) -> Box:
+    pairs = [box[name] for name in names] if isinstance(box, Mapping) else list(box)
+    (a, b), (c, d) = ((float(lo), float(hi)) for lo, hi in pairs)
+    if not (a < b and c < d):
+        raise InputError(f"each range needs its lower bound below the upper one; got {pairs}")
+    return (a, b), (c, d)
+
+
+def _states(search: LociSearch, point: Array) -> tuple[tuple[State, ...], list[Any]]:
+    """The equilibria at a point of the unit square, and the branches in the first parameter that they are on."""
+    low = np.array([b[0] for b in search.box])
+    width = np.array([b[1] - b[0] for b in search.box])
+    at = low + width * point
+    branches = search.line(0, float(at[1]), target=float(at[0]))
+    return states_on(branches), branches
+
+
+def _regions(plane: Arrangement, found: Sequence[tuple[State, ...]], search: LociSearch) -> tuple[Region, ...]:
+    low = np.array([b[0] for b in search.box])
+    width = np.array([b[1] - b[0] for b in search.box])
+    names: dict[tuple[tuple[int, int], ...], str] = {}
+    regions = []
+    for number, (face, states) in enumerate(zip(plane.faces, found, strict=True)):
+        kind = tuple(sorted((state.unstable, state.copies) for state in states))
+        name = names.setdefault(kind, _letter(len(names)))
+        values = dict(zip(search.parameters, (low + width * face.point).tolist(), strict=True))
+        outline, *holes = (low + width * ring for ring in (face.outline, *face.holes))
+        regions.append(Region(name, number, values, states, face.area, outline, tuple(holes)))
+    return tuple(regions)
+
+
+def _letter(k: int) -> str:
+    """A, B, ..., Z, AA, AB, ..."""
+    letter = chr(ord("A") + k % 26)
+    return letter if k < 26 else _letter(k // 26 - 1) + letter

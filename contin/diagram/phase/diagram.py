@@ -1,0 +1,109 @@
+"""`PhaseDiagram`: curves, regions and their neighbourhood; as a graph, in words, as data and as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.diagram.phase.lines import Box
+from contin.diagram.phase.plane import inside
+from contin.diagram.phase.states import State
+
+if TYPE_CHECKING:
+    from networkx import Graph
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """A part of the box in which the same equilibria exist with the same stability.
+
+    `point` maps the two parameters to a representative point, where `states` are all equilibria that were found.
+    Regions of one `name` have the same numbers of equilibria of every stability.
+    """
+
+    name: str
+    number: int
+    point: Mapping[str, float]
+    states: tuple[State, ...]
+    area: float  # as a part of the box
+    outline: Array  # (k, 2), in the parameters' units
+    holes: tuple[Array, ...] = ()
+
+    @property
+    def total(self) -> int:
+        """How many equilibria there are, images under symmetries counted."""
+        return sum(state.copies for state in self.states)
+
+    @property
+    def stable(self) -> int:
+        """How many of them are stable."""
+        return sum(state.copies for state in self.states if state.unstable == 0)
+
+    @property
+    def words(self) -> str:
+        """Such as '2 of 3 equilibria stable'."""
+        if self.total == 0:
+            return "no equilibrium found"
+        if self.total == 1:
+            return "1 equilibrium, stable" if self.stable else "1 equilibrium, unstable"
+        return f"{self.stable or 'none'} of {self.total} equilibria stable"
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseDiagram:
+    """Curves, regions and their neighbourhood; `branches` are the one-parameter branches that led to the curves."""
+
+    parameters: tuple[str, str]
+    box: Box
+    loci: tuple[Branch, ...]
+    regions: tuple[Region, ...]
+    borders: Mapping[tuple[int, int], frozenset[str]]
+    branches: tuple[Branch, ...] = ()
+    notes: tuple[str, ...] = field(default_factory=tuple)
+
+    @property
+    def graph(self) -> Graph:
+        """Regions as nodes, joined where they share a border; edges carry the names of the `curves` between them."""
+        import networkx as nx
+
+        graph = nx.Graph(parameters=self.parameters)
+        for region in self.regions:
+            graph.add_node(region.number, name=region.name, stable=region.stable, states=region.total)
+        for (i, j), curves in self.borders.items():
+            graph.add_edge(i, j, curves=sorted(curves))
+        return graph
+
+    def region_at(self, values: Mapping[str, float]) -> Region | None:
+        """The region that contains a point of the box."""
+        point = np.array([[values[name] for name in self.parameters]])
+        for region in self.regions:
+            if inside(point, [region.outline, *region.holes])[0]:
+                return region
+        return None
+
+    def __str__(self) -> str:
+        from contin.diagram.phase.report import report
+
+        return report(self)
+
+    def as_data(self) -> dict[str, Any]:
+        """Parameters, box, regions (representative point, states, outline) and borders, for JSON."""
+        from contin.diagram.phase.report import as_data
+
+        return as_data(self)
+
+    def plot(self, scan: Any = None) -> Any:
+        """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.
+
+        `scan` : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.
+        """
+        from contin.plot.phase import draw
+        from contin.store.json_format import result_document
+
+        document = result_document({"name": self.loci[0].problem.system.model.name} if self.loci else {"name": ""}, self.loci, timing={})
+        return draw(self.as_data(), document["branches"], scan=scan)

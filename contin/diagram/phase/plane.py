@@ -1,0 +1,187 @@
+"""The planar arrangement of curves in a box: where they cut it into regions, and which regions are neighbours.
+
+The faces of the planar graph of `nodes` are traced with the face on the left of every half-edge. Faces too thin to hold
+a point of their own (between curves that touch) join the neighbour with which they share the longest border.
+Coordinates are scaled: the box is [0, 1] x [0, 1].
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.diagram.phase.nodes import Edges, noded
+
+SMALLEST: Final = 2e-6  # a face with less area is a sliver
+THINNEST: Final = 2e-4  # so is one in which no point is farther than this from the border
+GRID: Final = 28  # candidates for a face's inner point, along each side of its bounding box
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A region: its outline and holes (closed polygons, (k, 2)), area, and a point well inside."""
+
+    outline: Array
+    holes: tuple[Array, ...]
+    area: float
+    point: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Arrangement:
+    """Faces, and for every pair of neighbours (i < j) the numbers of the curves between them."""
+
+    faces: tuple[Face, ...]
+    borders: Mapping[tuple[int, int], frozenset[int]]
+
+
+def arrangement(curves: Sequence[Array]) -> Arrangement:
+    """Cut the unit square by polylines (k, 2).  Cost: the square of the number of segments, a comparison each."""
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+    vertices, edges = noded([corners, *curves])
+    numbered = {edge: {owner - 1 for owner in owners if owner > 0} for edge, owners in edges.items()}
+    cycles, side = _trace(vertices, edges)
+    return _assembled(vertices, numbered, cycles, side)
+
+
+def _trace(vertices: Array, edges: Edges) -> tuple[list[list[int]], dict[tuple[int, int], int]]:
+    """Cycles of vertices with their face on the left, and the cycle of every half-edge."""
+    neighbours: dict[int, list[int]] = defaultdict(list)
+    for i, j in edges:
+        neighbours[i].append(j)
+        neighbours[j].append(i)
+    following: dict[tuple[int, int], int] = {}
+    for v, around in neighbours.items():
+        directions = vertices[around] - vertices[v]
+        ordered = [around[k] for k in np.argsort(np.arctan2(directions[:, 1], directions[:, 0]))]
+        for k, u in enumerate(ordered):
+            following[u, v] = ordered[k - 1]  # coming from u, turn to the next neighbour clockwise
+    cycles: list[list[int]] = []
+    side: dict[tuple[int, int], int] = {}
+    for start in following:
+        if start in side:
+            continue
+        cycle = []
+        u, v = start
+        while (u, v) not in side:
+            side[u, v] = len(cycles)
+            cycle.append(u)
+            u, v = v, following[u, v]
+        cycles.append(cycle)
+    return cycles, side
+
+
+def _assembled(
+    vertices: Array, edges: Edges, cycles: list[list[int]], side: dict[tuple[int, int], int]
+) -> Arrangement:
+    areas = [_area(vertices[cycle]) for cycle in cycles]
+    inner = [k for k, area in enumerate(areas) if area > 0.0]
+    home: dict[int, int] = {k: k for k in inner}
+    holes: dict[int, list[int]] = defaultdict(list)
+    for k in [k for k, area in enumerate(areas) if area <= 0.0]:
+        point, own = vertices[cycles[k][0]], set(cycles[k])
+        around = [
+            m
+            for m in inner
+            if areas[m] > -areas[k] and not own & set(cycles[m]) and inside(point[None], [vertices[cycles[m]]])[0]
+        ]
+        if around:
+            home[k] = min(around, key=lambda m: areas[m])
+            holes[home[k]].append(k)
+    rings = {k: [vertices[cycles[k]], *(vertices[cycles[h]] for h in holes[k])] for k in inner}
+    size = {k: areas[k] + sum(areas[h] for h in holes[k]) for k in inner}
+    points = {k: _inner_point(rings[k]) if size[k] > SMALLEST else None for k in inner}
+    length: dict[tuple[int, int], float] = defaultdict(float)
+    for i, j in edges:
+        pair = tuple(sorted(home.get(side[e], -1) for e in ((i, j), (j, i))))
+        if -1 not in pair and pair[0] != pair[1]:
+            length[pair[0], pair[1]] += float(np.linalg.norm(vertices[i] - vertices[j]))
+    final = _joined(points, length)
+    kept = [k for k in inner if points[k] is not None]
+    number = {k: n for n, k in enumerate(kept)}
+    borders: dict[tuple[int, int], set[int]] = defaultdict(set)
+    for (i, j), owners in edges.items():
+        left, right = (number.get(final.get(home.get(side[e], -1), -1), -1) for e in ((i, j), (j, i)))
+        if owners and left >= 0 and right >= 0 and left != right:
+            borders[min(left, right), max(left, right)] |= owners
+    faces = tuple(Face(rings[k][0], tuple(rings[k][1:]), size[k], _point(points[k])) for k in kept)
+    return Arrangement(faces, {pair: frozenset(found) for pair, found in borders.items()})
+
+
+def _point(found: Array | None) -> Array:
+    assert found is not None
+    return found
+
+
+def _joined(points: Mapping[int, Array | None], length: Mapping[tuple[int, int], float]) -> dict[int, int]:
+    """The face that each face is counted with: itself, or for slivers the neighbour with the longest common border."""
+    final = {k: k for k, point in points.items() if point is not None}
+    waiting = {k for k, point in points.items() if point is None}
+    while waiting:
+        candidates = [
+            (border, thin, final[other])
+            for (i, j), border in length.items()
+            for thin, other in ((i, j), (j, i))
+            if thin in waiting and other in final
+        ]
+        if not candidates:
+            break
+        _, thin, other = max(candidates)
+        final[thin] = other
+        waiting.discard(thin)
+    return final
+
+
+def _area(ring: Array) -> float:
+    x, y = ring[:, 0], ring[:, 1]
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def inside(points: Array, rings: Sequence[Array]) -> NDArray[np.bool_]:
+    """Which of the points (k, 2) are inside, by the even-odd rule over all rings together."""
+    odd = np.zeros(len(points), bool)
+    x, y = points[:, 0, None], points[:, 1, None]
+    for ring in rings:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        rises = (a[None, :, 1] > y) != (b[None, :, 1] > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = a[None, :, 0] + (y - a[None, :, 1]) / (b[None, :, 1] - a[None, :, 1]) * (b[None, :, 0] - a[None, :, 0])
+        odd ^= (np.sum(rises & (x < at), axis=1) % 2).astype(bool)
+    return odd
+
+
+def _inner_point(rings: Sequence[Array]) -> Array | None:
+    """The candidate inside the face that is farthest from its border; None where the face is too thin for one."""
+    low, high = rings[0].min(axis=0), rings[0].max(axis=0)
+    for grid in (GRID, 4 * GRID):
+        u = (np.arange(grid) + 0.5) / grid
+        x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))
+        candidates = np.column_stack([x.ravel(), y.ravel()])
+        candidates = candidates[inside(candidates, rings)]
+        if len(candidates):
+            distances = _distance(candidates, rings)
+            best = int(np.argmax(distances))
+            if distances[best] > THINNEST:
+                return np.asarray(candidates[best])
+    return None
+
+
+def _distance(points: Array, rings: Sequence[Array]) -> Array:
+    """Distance of each point from the nearest edge of the rings."""
+    best = np.full(len(points), np.inf)
+    for ring in rings:
+        a, d = ring, np.roll(ring, -1, axis=0) - ring
+        length = np.maximum(np.sum(d * d, axis=1), 1e-300)
+        for first in range(0, len(ring), 300):
+            part = slice(first, first + 300)
+            offset = points[:, None, :] - a[None, part, :]
+            t = np.clip(np.sum(offset * d[None, part], axis=2) / length[None, part], 0.0, 1.0)
+            gap = offset - t[..., None] * d[None, part]
+            best = np.minimum(best, np.sqrt(np.min(np.sum(gap * gap, axis=2), axis=1)))
+    return best

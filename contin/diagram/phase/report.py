@@ -1,0 +1,83 @@
+"""A phase diagram in words and numbers, and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from contin.plot.vocabulary import locus_words, style_of
+
+if TYPE_CHECKING:
+    from contin.diagram.phase.diagram import PhaseDiagram
+
+
+def report(diagram: PhaseDiagram) -> str:
+    """Curves with their points of codimension two, then regions with their states and neighbours."""
+    first, second = diagram.parameters
+    (a, b), (c, d) = diagram.box
+    lines = [
+        f"{len(diagram.loci)} curves and {len(diagram.regions)} regions in {first} from {a:g} to {b:g}, "
+        f"{second} from {c:g} to {d:g}"
+    ]
+    for branch in diagram.loci:
+        ends = "; ".join(dict.fromkeys(end.text for end in branch.ends))
+        lines += ["", f"{branch.name}: {locus_words(branch.locus)}, {len(branch)} points; {ends}"]
+        for p in branch.points:
+            where = ", ".join(f"{name} = {p.values[name]:.10g}" for name in diagram.parameters)
+            lines.append(f"  {p.label}  {style_of(p.type).words} at {where}")
+    lines.append("")
+    lines += region_lines(as_data(diagram))
+    if diagram.notes:
+        lines += ["", "notes:", *(f"  {note}" for note in diagram.notes)]
+    return "\n".join(lines)
+
+
+def region_lines(data: Mapping[str, Any]) -> list[str]:
+    """One line for each region of a diagram's data: its name, states, representative point, size and neighbours."""
+    regions = data["regions"]
+    names = [f"{region['name']}{region['number'] + 1}" for region in regions]
+    lines = []
+    for region, name in zip(regions, names, strict=True):
+        where = ", ".join(f"{key} = {value:.4g}" for key, value in region["point"].items())
+        pairs = [border["regions"] for border in data["borders"]]
+        beside = sorted({k for pair in pairs if region["number"] in pair for k in pair} - {region["number"]})
+        text = f"region {name}: {region['words']} (at {where}; {region['area']:.1%} of the box"
+        lines.append(text + (f"; beside {', '.join(names[k] for k in beside)})" if beside else ")"))
+    return lines
+
+
+def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
+    """See `PhaseDiagram.as_data`."""
+
+    def ring(points: Any) -> list[list[float]]:
+        return [[float(x), float(y)] for x, y in points]
+
+    regions: list[Mapping[str, Any]] = [
+        {
+            "name": region.name,
+            "number": region.number,
+            "words": region.words,
+            "stable": region.stable,
+            "total": region.total,
+            "point": dict(region.point),
+            "states": [
+                {
+                    "values": dict(state.values),
+                    "unstable": state.unstable,
+                    "stable": state.unstable == 0,
+                    "copies": state.copies,
+                }
+                for state in region.states
+            ],
+            "area": region.area,
+            "outline": ring(region.outline),
+            "holes": [ring(hole) for hole in region.holes],
+        }
+        for region in diagram.regions
+    ]
+    borders = [{"regions": list(pair), "curves": sorted(curves)} for pair, curves in diagram.borders.items()]
+    box = {name: list(bounds) for name, bounds in zip(diagram.parameters, diagram.box, strict=True)}
+    curves = [branch.name for branch in diagram.loci]
+    return {
+        "parameters": list(diagram.parameters), "range": box, "curves": curves, "regions": regions, "borders": borders,
+    }  # fmt: skip

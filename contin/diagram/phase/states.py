@@ -1,0 +1,63 @@
+"""Which equilibria there are at one point of a phase diagram, and how stable they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.diagram.identity import wrapped
+
+SAME: Final = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """An equilibrium: values of the states and observables, and its number of unstable eigenvalues.
+
+    `copies` counts it together with its images under the declared symmetries.
+    """
+
+    values: Mapping[str, float]
+    unstable: int
+    vector: Array
+    copies: int = 1
+
+
+def states_on(branches: Sequence[Branch]) -> tuple[State, ...]:
+    """The equilibria marked by user values on branches (images left out), each once, up to declared symmetries."""
+    states: list[State] = []
+    seen: list[Array] = []
+    for branch in branches:
+        if branch.image_of is not None:
+            continue
+        problem = branch.problem
+        names = [*problem.system.state_names, *problem.system.observable_names]
+        for p in branch.points:
+            if p.type != "UZ" or any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
+                continue
+            images = _images(problem, p.z)
+            seen.extend(images)
+            states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], len(images)))
+    return tuple(states)
+
+
+def _images(problem: Any, z: Array) -> list[Array]:
+    """The state and its distinct images under the declared symmetries."""
+    from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+    found = [np.asarray(z[:-1])]
+    for name in symmetry_names(problem):
+        image = apply_symmetry(problem, name, z)[0][:-1]
+        if not any(_equal(known, image, problem.angle_periods) for known in found):
+            found.append(image)
+    return found
+
+
+def _equal(a: Array, b: Array, periods: Array) -> bool:
+    size = np.maximum(np.maximum(np.abs(a), np.abs(b)), 1e-3 * max(float(np.abs(a).max()), 1e-9))
+    return bool(np.all(np.abs(wrapped(a - b, np.asarray(periods)[: len(a)])) <= SAME * size))
