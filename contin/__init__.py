@@ -22,6 +22,7 @@ _EXPORTS = {
     "find_equilibria": "contin.api",
     "load": "contin.model.registry",
     "periodic_orbit": "contin.api",
+    "phase": "contin.api",
     "walk": "contin.api",
 }
 

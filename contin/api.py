@@ -327,6 +327,40 @@ def diagram(
     return result
 
 
+def phase(
+    model: Any,
+    pair: Sequence[str],
+    range: Mapping[str, Sequence[float]] | None = None,
+    *,
+    start: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+    watch: Watcher | None = None,
+) -> Any:
+    """The phase diagram of a model's equilibria in two parameters: a `PhaseDiagram` of curves and regions.
+
+    pair : the two names; the first is drawn horizontally.  range : {name: (lo, hi)}, by default the model's own.
+    start : a named start, a mapping of states, or a list of them.  parameters : values of the others.
+
+    Raises NoSolutionError where no start leads to an equilibrium.
+    """
+    from contin.diagram.phase.compute import phase as compute
+
+    named, _ = _named_starts(model, start)
+    found, failure = [], None
+    for _, one in named:
+        try:
+            found.append(equilibrium(model, one, parameters))
+        except (NoSolutionError, NotFiniteError) as error:
+            failure = error
+    if not found:
+        raise failure or NoSolutionError("a phase diagram needs a start")
+    if any(not isinstance(e, Equilibrium) for e in found):
+        raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
+    box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
+    return compute(found, pair, box, settings, watch)
+
+
 def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
     """Starts with their names, and whether all equilibria are wanted too."""
     given = list(start) if isinstance(start, list | tuple) else [start]

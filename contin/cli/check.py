@@ -23,7 +23,8 @@ def check_file(file: Path, execute: bool) -> int:
 
     plan = make_plan(read_run(document.data, document.source), document.source, file)
     runs = [run.name for run in plan.runs]
-    what = ", ".join(([f"diagram in {plan.diagram.parameter}"] if plan.diagram else []) + runs)
+    phases = [f"phase diagram in {' and '.join(plan.phase.parameters)}"] if plan.phase else []
+    what = ", ".join(([f"diagram in {plan.diagram.parameter}"] if plan.diagram else []) + phases + runs)
     print(f"{file}: good. Model {plan.model.name}, {len(plan.model.states)} states; runs: {what}")
     return 0
 

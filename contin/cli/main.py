@@ -93,6 +93,30 @@ def diagram(
     raise typer.Exit(run_diagram(model, parameter, low, high, start or [], sets or [], json, plot, quiet, STARTED))
 
 
+@app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+def phase(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    first: Annotated[str, typer.Argument(metavar="P", help="Parameter of the horizontal axis.")],
+    low: Annotated[float, typer.Argument(metavar="LO")],
+    high: Annotated[float, typer.Argument(metavar="HI")],
+    second: Annotated[str, typer.Argument(metavar="Q", help="Parameter of the vertical axis.")],
+    bottom: Annotated[float, typer.Argument(metavar="LO")],
+    top: Annotated[float, typer.Argument(metavar="HI")],
+    start: Annotated[Optional[list[str]], typer.Option("--start", help="Named start. May be repeated.")] = None,  # noqa: UP045
+    sets: Sets = None,
+    json: Json = None,
+    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Cut a box of two parameters into regions by all curves of special points that can be reached."""
+    from contin.cli.run import run_phase
+
+    ranges = ((low, high), (bottom, top))
+    raise typer.Exit(
+        run_phase(model, (first, second), ranges, start or [], sets or [], json, plot, quiet, STARTED)
+    )
+
+
 @app.command()
 def check(
     file: Annotated[Path, typer.Argument(help="Run file or model file (YAML).")],

@@ -23,6 +23,8 @@ def print_report(document: Mapping[str, Any], console: Console) -> None:
     for branch in document["branches"]:
         console.print()
         _print_branch(branch, model["states"], console)
+    if document.get("phase"):
+        _print_regions(document["phase"], console)
     _print_notes(document["notes"], console)
     console.print()
     console.print(_effort(document), style="dim", highlight=False)
@@ -38,6 +40,15 @@ def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Con
         if end["reason"] != "start":
             style = "yellow" if end["reason"] in ("corrector", "steps", "stopped") else ""
             console.print(Text(f"  {which}: {end['text']}", style=style))
+
+
+def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
+    from contin.diagram.phase.report import region_lines
+
+    console.print()
+    console.print("Regions", style="bold")
+    for line in region_lines(phase):
+        console.print(Text(f"  {line}"))
 
 
 def heading(branch: Mapping[str, Any]) -> Text:

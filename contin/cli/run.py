@@ -62,6 +62,34 @@ def run_diagram(
     return carry_out(plan, json, False, quiet, began)
 
 
+def run_phase(
+    model: str,
+    parameters: tuple[str, str],
+    ranges: tuple[tuple[float, float], tuple[float, float]],
+    starts: Sequence[str],
+    sets: Sequence[str],
+    json: str | None,
+    plot: Path | None,
+    quiet: bool,
+    began: float,
+) -> int:
+    """A phase diagram from the command line: the same as a run file with `phase:`."""
+    from dataclasses import replace
+
+    from contin.model.source import CallSource
+    from contin.runs.load import read_run
+    from contin.runs.plan import make_plan
+
+    bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
+    phase = {"parameter": list(parameters), "range": bounds, **({"start": list(starts)} if starts else {})}
+    source = CallSource("contin phase")
+    entry = read_run({"model": model, "phase": phase}, source, version_required=False)
+    plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
+    if plot is not None:
+        plan = replace(plan, outputs={"plot": plot})
+    return carry_out(plan, json, False, quiet, began)
+
+
 def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
     """--set NAME=VALUE, as overrides; a value may be a formula in the parameters."""
     overrides: dict[str, Any] = {}
@@ -167,6 +195,7 @@ def compute(
         timing=timing,
         notes=notes,
         orbit=sample_orbit if orbits else None,
+        phase=result.phase,
     )
     return document, result.complete
 
@@ -205,7 +234,7 @@ def provenance(plan: Plan) -> dict[str, str]:
     packages = ("numpy", "scipy", "numba", "llvmlite")
     return {
         "model_text": plan.model.text(),
-        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram)),
+        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram, plan.phase)),
         "versions": ", ".join([f"contin {__version__}", *(f"{name} {version(name)}" for name in packages)]),
     }
 

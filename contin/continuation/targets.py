@@ -35,9 +35,7 @@ class Target:
         for z in (z_a, z_b):
             length = float(stretch.base.tangent @ ((z - stretch.base.z) / frame.scale))
             sample = problem.probe(stretch.base, length, z, frame, stretch.settings)
-            if sample is None:
-                return None
-            ends.append(replace(sample, z=z))
+            ends.append(replace(sample or stretch.base, z=z))  # at a branch point Newton fails, but z is known
         a, b = ends
         if value(b) != 0.0:
             a, b = stretch.zero(value, a, b, 1e-14)

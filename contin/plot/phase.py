@@ -96,7 +96,9 @@ def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
     for branch in curves:
         for p in branch["points"]:
             x, y = (p["values"][name] for name in names)
-            near = (abs(x - a) < 1e-6 * width[0] and abs(y - b) < 1e-6 * width[1] for t, a, b in marked if t == p["type"])
+            near = (
+                abs(x - a) < 1e-6 * width[0] and abs(y - b) < 1e-6 * width[1] for t, a, b in marked if t == p["type"]
+            )
             if p["type"] in QUIET or any(near):
                 continue
             style = style_of(p["type"])

@@ -31,6 +31,7 @@ TYPES: Final[dict[str, TypeStyle]] = {
     "ZH": TypeStyle("zero-Hopf point", "8", "octagon"),
     "HH": TypeStyle("double Hopf point", "X", "saltire"),
     "DP": TypeStyle("degenerate branch point", "d", "thin-diamond"),
+    "TZ": TypeStyle("triple zero", "H", "hexagon"),
     "CPC": TypeStyle("cusp of orbits", "v", "triangle-down"),
     "R1": TypeStyle("1:1 resonance", "<", "triangle-left"),
     "R2": TypeStyle("1:2 resonance", ">", "triangle-right"),

@@ -31,12 +31,20 @@ def picture(
         raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
     from contin.plot.figure import figure, image_names
 
+    if document.get("phase") and x is None and y is None:
+        from contin.plot.phase import draw
+
+        return _drawn(draw(document["phase"], document["branches"], title), suffix)
     drawing = figure(
         panels(sources, x=x, y=y, periods=periods, units=units),
         title=title,
         images=image_names(sources),
         periods=periods,
     )
+    return _drawn(drawing, suffix)
+
+
+def _drawn(drawing: Any, suffix: str) -> bytes:
     stream = io.BytesIO()
     drawing.savefig(stream, format=suffix[1:])
     return stream.getvalue()

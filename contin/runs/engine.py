@@ -9,7 +9,7 @@ from contin.continuation.branch import Branch
 
 if TYPE_CHECKING:
     from contin.model.model import Model
-    from contin.runs.plan import DiagramPlan, RunPlan
+    from contin.runs.plan import DiagramPlan, PhasePlan, RunPlan
 
 Watcher = Callable[[Mapping[str, Any]], None]
 
@@ -22,6 +22,18 @@ class Found(Protocol):
 
     @property
     def notes(self) -> Sequence[str]: ...
+
+
+class FoundPhase(Protocol):
+    """What a phase diagram consists of."""
+
+    @property
+    def loci(self) -> Iterable[Branch]: ...
+
+    @property
+    def notes(self) -> Sequence[str]: ...
+
+    def as_data(self) -> Mapping[str, Any]: ...
 
 
 class Engine(Protocol):
@@ -41,6 +53,9 @@ class Engine(Protocol):
 
     def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
         """Everything that is connected to the starts."""
+
+    def phase(self, model: Model, phase: PhasePlan, parameters: Mapping[str, Any]) -> FoundPhase:
+        """The curves and regions of a phase diagram."""
 
 
 class ContinEngine:
@@ -108,6 +123,18 @@ class ContinEngine:
             watch=self.watch,
             journal=self.journal,
             ahead=self.ahead,
+        )
+        return found
+
+    def phase(self, model: Model, phase: PhasePlan, parameters: Mapping[str, Any]) -> FoundPhase:
+        found: FoundPhase = _verbs().phase(
+            model,
+            phase.parameters,
+            phase.range,
+            start=list(phase.starts),
+            parameters=parameters,
+            settings=phase.settings,
+            watch=self.watch,
         )
         return found
 

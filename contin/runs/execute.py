@@ -12,7 +12,7 @@ from typing import Any
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.runs.engine import Engine
-from contin.runs.plan import DiagramPlan, Plan, RunPlan
+from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
 
 Progress = Callable[[str], None]
 """Called with what is being computed, in words."""
@@ -26,6 +26,7 @@ class RunResult:
     notes: Sequence[str]
     complete: bool
     seconds: float
+    phase: Mapping[str, Any] | None = None  # the regions of a phase diagram, as plain data
 
 
 @dataclass
@@ -33,6 +34,7 @@ class _State:
     branches: dict[str, Branch] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     complete: bool = True
+    phase: Mapping[str, Any] | None = None
     stopped: bool = False
 
     def add(self, branch: Branch) -> None:
@@ -58,13 +60,16 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
     if plan.diagram is not None:
         say(f"diagram in {plan.diagram.parameter}")
         _explore(plan, plan.diagram, engine, state)
+    if plan.phase is not None and not state.stopped:
+        say(f"phase diagram in {' and '.join(plan.phase.parameters)}")
+        _cut_into_regions(plan, plan.phase, engine, state)
     for run in plan.runs:
         if state.stopped:
             state.skip(f"{run.name} skipped: stopped by the user")
             continue
         say(run.name)
         _carry_out(plan, run, engine, state)
-    return RunResult(state.branches, state.notes, state.complete, time.perf_counter() - began)
+    return RunResult(state.branches, state.notes, state.complete, time.perf_counter() - began, state.phase)
 
 
 def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:
@@ -80,6 +85,24 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
         return
     for branch in found.branches:
         state.add(branch)
+    state.notes.extend(found.notes)
+
+
+def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _State) -> None:
+    try:
+        found = engine.phase(plan.model, phase, plan.parameters)
+    except (NoSolutionError, NotFiniteError) as error:
+        state.skip(f"phase diagram skipped: {error}")
+        return
+    except InputError:
+        raise
+    except Exception as error:  # noqa: BLE001 - as for a run
+        state.skip(f"phase diagram skipped: {_defect(error)}")
+        return
+    for branch in found.loci:  # a curve that leads into a degenerate point does not make the diagram incomplete
+        state.branches[branch.name] = branch
+        state.stopped |= any(end.reason == "stopped" for end in branch.ends)
+    state.phase = found.as_data()
     state.notes.extend(found.notes)
 
 

@@ -11,7 +11,7 @@ from contin.errors import ContinError, ExpressionError, InputError, NotFiniteErr
 from contin.model.advice import closest
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.runs.outputs import output_paths
-from contin.runs.schema import ContinuationEntry, DiagramEntry, RunEntry, StartMapping
+from contin.runs.schema import ContinuationEntry, DiagramEntry, PhaseEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
 
 if TYPE_CHECKING:
@@ -59,6 +59,16 @@ class DiagramPlan:
 
 
 @dataclass(frozen=True)
+class PhasePlan:
+    """The phase diagram that is asked for."""
+
+    parameters: tuple[str, str]
+    range: Mapping[str, tuple[float, float]]
+    starts: Sequence[StartPoint] = (None,)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Plan:
     """All that a run file asks for. `parameters` are the overrides of the file and the command line together."""
 
@@ -66,6 +76,7 @@ class Plan:
     parameters: Mapping[str, Number]
     runs: Sequence[RunPlan] = ()
     diagram: DiagramPlan | None = None
+    phase: PhasePlan | None = None
     outputs: Mapping[str, FilePath] = field(default_factory=dict)
     x: str | None = None
     y: Sequence[str] | None = None
@@ -100,10 +111,11 @@ def make_plan_for(
     planner = _Planner(model, problems, {**entry.parameters, **(overrides or {})})
     planner.check_parameters(entry.parameters, overrides or {})
     diagram = None if entry.diagram is None else planner.diagram(entry.diagram)
+    phase = None if entry.phase is None else planner.phase(entry.phase)
     runs = planner.runs(entry.continuations)
     problems.raise_if_any()
     axes = entry.outputs
-    return Plan(model, planner.overrides, runs, diagram, outputs, axes.x, axes.y, entry.title or model.title)
+    return Plan(model, planner.overrides, runs, diagram, phase, outputs, axes.x, axes.y, entry.title or model.title)
 
 
 def _written_files(entry: RunEntry) -> dict[str, str]:
@@ -172,6 +184,16 @@ class _Planner:
                 self.inside(start, entry.parameter, bounds, (*path, "range"))
         budget = entry.budget.model_dump(exclude_none=True)
         return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, entry.settings.chosen(), budget, box)
+
+    def phase(self, entry: PhaseEntry) -> PhasePlan | None:
+        path: Path = ("phase",)
+        starts: list[StartPoint] = [self.start(s, (*path, "start", k)) for k, s in enumerate(entry.start or [])]
+        first, second = entry.parameter
+        known = [self.known(name, (*path, "parameter")) for name in (first, second)]
+        bounds = self.bounds(entry.range, (first, second), path) if all(known) else {}
+        if len(bounds) < 2:
+            return None
+        return PhasePlan((first, second), bounds, starts or [None], entry.settings.chosen())
 
     def runs(self, entries: Sequence[ContinuationEntry]) -> list[RunPlan]:
         names: list[str] = []

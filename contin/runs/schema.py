@@ -184,6 +184,21 @@ class DiagramEntry(Section):
     budget: BudgetEntry = BudgetEntry()
 
 
+class PhaseEntry(Section):
+    """A phase diagram: curves of special points in two parameters, and the regions between them."""
+
+    parameter: Annotated[Texts, Field(min_length=2, max_length=2)]
+    range: Ranges | None = None
+    start: Starts | None = None
+    settings: SettingsEntry = SettingsEntry()
+
+    @model_validator(mode="after")
+    def _two_parameters(self) -> PhaseEntry:
+        if len(set(self.parameter)) < 2:
+            raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`; a phase diagram has two parameters")
+        return self
+
+
 class OutputsEntry(Section):
     """Files to write, in or below the run file's folder, and the axes of the picture."""
 
@@ -211,11 +226,12 @@ class RunEntry(Section):
     transform: Annotated[list[Pass], BeforeValidator(_listed, json_schema_input_type=Pass | list[Pass])] = []
     parameters: dict[str, Formula] = {}
     diagram: DiagramEntry | None = None
+    phase: PhaseEntry | None = None
     continuations: list[ContinuationEntry] = []
     outputs: OutputsEntry = OutputsEntry()
 
     @model_validator(mode="after")
     def _something_to_do(self) -> RunEntry:
-        if self.diagram is None and not self.continuations:
-            raise _wrong("there is nothing to run; write `diagram:` or `continuations:`")
+        if self.diagram is None and self.phase is None and not self.continuations:
+            raise _wrong("there is nothing to run; write `diagram:`, `phase:` or `continuations:`")
         return self

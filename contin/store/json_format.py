@@ -30,6 +30,7 @@ def result_document(
     timing: Mapping[str, float],
     notes: Sequence[str] = (),
     orbit: OrbitSampler | None = None,
+    phase: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """The results of a run as nested dicts, lists, numbers and strings only.
 
@@ -45,6 +46,8 @@ def result_document(
         What did not become a label or a branch, in words; the notes of the branches are appended by name.
     orbit : callable, optional
         Adds the orbit itself to every labelled point that has one.
+    phase : mapping, optional
+        The regions of a phase diagram, whose curves are among the branches.
     """
     branches = list(branches)
     every_note = [*notes, *(f"{branch.name}: {note}" for branch in branches for note in branch.notes)]
@@ -52,6 +55,7 @@ def result_document(
         "contin": FORMAT_VERSION,
         "model": plain(model),
         "branches": [_branch(branch, orbit) for branch in branches],
+        **({} if phase is None else {"phase": plain(phase)}),
         "notes": list(dict.fromkeys(every_note)),  # a diagram lists those of its branches too
         "timing": plain(timing),
     }

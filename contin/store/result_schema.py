@@ -60,6 +60,41 @@ BRANCH: Final[dict[str, Any]] = {
     },
 }  # fmt: skip
 
+PHASE: Final[dict[str, Any]] = {
+    "type": "object",
+    "required": ["parameters", "range", "curves", "regions", "borders"],
+    "properties": {
+        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2},
+        "range": {"type": "object", "additionalProperties": {"type": "array", "items": _NUMBER}},
+        "curves": {"type": "array", "items": {"type": "string"}},
+        "regions": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": [
+                    "name", "number", "words", "stable", "total", "point", "states", "area", "outline", "holes",
+                ],
+                "properties": {
+                    "name": {"type": "string"},
+                    "number": {"type": "integer", "minimum": 0},
+                    "words": {"type": "string"},
+                    "stable": {"type": "integer", "minimum": 0},
+                    "total": {"type": "integer", "minimum": 0},
+                    "point": {"type": "object", "additionalProperties": _NUMBER},
+                    "states": {
+                        "type": "array",
+                        "items": {"type": "object", "required": ["values", "unstable", "stable", "copies"]},
+                    },
+                    "area": _NUMBER,
+                    "outline": _PAIRS,
+                    "holes": {"type": "array", "items": _PAIRS},
+                },
+            },
+        },
+        "borders": {"type": "array", "items": {"type": "object", "required": ["regions", "curves"]}},
+    },
+}
+
 RESULT_SCHEMA: Final[dict[str, Any]] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "contin results, format 1",
@@ -79,6 +114,7 @@ RESULT_SCHEMA: Final[dict[str, Any]] = {
             },
         },
         "branches": {"type": "array", "items": BRANCH},
+        "phase": PHASE,
         "notes": {"type": "array", "items": {"type": "string"}},
         "timing": {"type": "object", "required": ["total"], "additionalProperties": {"type": "number"}},
     },

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.branch import Branch
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.phase.diagram import PhaseDiagram, Region
@@ -38,7 +40,7 @@ def phase(
     start or with one of the curves. Special points on those branches that lie on no known curve start new ones, and the
     box is cut again. Cost: about ten branches a line, and one line a region.
     """
-    listed = list(starts) if isinstance(starts, list | tuple) else [starts]
+    listed: list[Any] = list(starts) if isinstance(starts, list | tuple) else [starts]
     first, second = _pair(parameters)
     bounds = _bounds(box, (first, second))
     chosen = Settings.of(DEFAULTS | dict(settings or {}) if not isinstance(settings, Settings) else settings)
@@ -49,14 +51,21 @@ def phase(
         lines, owners = polylines(search.loci, bounds)
         plane = arrangement(lines)
         found = [_states(search, face.point) for face in plane.faces]
-        if not any([search.absorb(branches) for _, branches in found]):
+        more = [search.absorb(branches) for _, branches in found]
+        if not any(more):
             break
     names = [search.loci[k].name for k in owners]
     borders = {pair: frozenset(names[c] for c in curves) for pair, curves in plane.borders.items()}
-    return PhaseDiagram(
-        (first, second), bounds, tuple(search.loci), _regions(plane, [s for s, _ in found], search), borders,
-        tuple(search.branches), tuple(dict.fromkeys(search.notes)),
-    )  # fmt: skip
+    loci = tuple(_without_parent(b, search.loci) for b in search.loci)
+    regions = _regions(plane, [states for states, _ in found], search)
+    notes = tuple(dict.fromkeys(search.notes))
+    return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes)
+
+
+def _without_parent(branch: Branch, loci: Sequence[Branch]) -> Branch:
+    """A curve; where it begins at a point of a branch that is not part of the diagram, as one with no parent."""
+    named = branch.parent is not None and any(b.name == branch.parent.branch for b in loci)
+    return branch if named else replace(branch, parent=None)
 
 
 def _pair(parameters: Sequence[str]) -> tuple[str, str]:

@@ -105,5 +105,5 @@ class PhaseDiagram:
         from contin.plot.phase import draw
         from contin.store.json_format import result_document
 
-        document = result_document({"name": self.loci[0].problem.system.model.name} if self.loci else {"name": ""}, self.loci, timing={})
+        document = result_document({}, self.loci, timing={})
         return draw(self.as_data(), document["branches"], scan=scan)

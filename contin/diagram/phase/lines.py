@@ -69,7 +69,10 @@ def _cubic(points: Array, begin: Array, end: Array) -> Array:
     for k in range(PARTS):
         s = k / PARTS
         parts.append(
-            a * (1 - 3 * s**2 + 2 * s**3) + b * (3 * s**2 - 2 * s**3) + begin * (s - 2 * s**2 + s**3) + end * (s**3 - s**2)
+            a * (1 - 3 * s**2 + 2 * s**3)
+            + b * (3 * s**2 - 2 * s**3)
+            + begin * (s - 2 * s**2 + s**3)
+            + end * (s**3 - s**2)
         )
     rows = np.stack(parts, axis=1).reshape(-1, 2)
     return np.vstack([rows, points[-1:]])

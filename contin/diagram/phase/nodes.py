@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -28,7 +29,7 @@ def noded(lines: Sequence[Array]) -> tuple[Array, Edges]:
         inner = [t for t in cuts[k] if 0.0 < t < 1.0] if k in cuts else []
         along = np.unique([0.0, *inner, 1.0])
         numbers = [vertices.number(a[k] + t * (b[k] - a[k])) for t in along]
-        for i, j in zip(numbers, numbers[1:], strict=False):
+        for i, j in pairwise(numbers):
             if i != j:
                 edges[min(i, j), max(i, j)].add(int(owner[k]))
     return vertices.array(), dict(edges)

@@ -77,9 +77,7 @@ def _trace(vertices: Array, edges: Edges) -> tuple[list[list[int]], dict[tuple[i
     return cycles, side
 
 
-def _assembled(
-    vertices: Array, edges: Edges, cycles: list[list[int]], side: dict[tuple[int, int], int]
-) -> Arrangement:
+def _assembled(vertices: Array, edges: Edges, cycles: list[list[int]], side: dict[tuple[int, int], int]) -> Arrangement:
     areas = [_area(vertices[cycle]) for cycle in cycles]
     inner = [k for k, area in enumerate(areas) if area > 0.0]
     home: dict[int, int] = {k: k for k in inner}
@@ -106,10 +104,14 @@ def _assembled(
     kept = [k for k in inner if points[k] is not None]
     number = {k: n for n, k in enumerate(kept)}
     borders: dict[tuple[int, int], set[int]] = defaultdict(set)
+    across: dict[tuple[int, int], set[int]] = defaultdict(set)  # with a sliver between them
     for (i, j), owners in edges.items():
-        left, right = (number.get(final.get(home.get(side[e], -1), -1), -1) for e in ((i, j), (j, i)))
+        cells = [home.get(side[e], -1) for e in ((i, j), (j, i))]
+        left, right = (number.get(final.get(cell, -1), -1) for cell in cells)
         if owners and left >= 0 and right >= 0 and left != right:
-            borders[min(left, right), max(left, right)] |= owners
+            found = borders if all(final.get(cell) == cell for cell in cells) else across
+            found[min(left, right), max(left, right)] |= owners
+    borders = {**across, **borders}
     faces = tuple(Face(rings[k][0], tuple(rings[k][1:]), size[k], _point(points[k])) for k in kept)
     return Arrangement(faces, {pair: frozenset(found) for pair, found in borders.items()})
 

@@ -155,9 +155,7 @@ class LociSearch:
         return found
 
     def _within(self, point: SpecialPoint) -> bool:
-        return all(
-            low <= point.values[n] <= high for n, (low, high) in zip(self.parameters, self.box, strict=True)
-        )
+        return all(low <= point.values[n] <= high for n, (low, high) in zip(self.parameters, self.box, strict=True))
 
     def _refuse(self, point: SpecialPoint, note: str) -> None:
         self.refused.append((point.type, self._place(point)))
@@ -200,14 +198,14 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
 
 def _crossings(locus: Branch, problem: EquilibriumProblem, axis: int, value: float) -> list[Seed]:
     """Points of a curve on the line where the parameter across `axis` has this value, as starts of branches."""
-    curve: Any = locus.problem.curve  # type: ignore[attr-defined]
+    planar: Any = locus.problem
+    curve = planar.curve
     index = len(locus.z[0]) - (1 if axis == 1 else 2)  # where the other parameter stands
     column = locus.z[:, index] - value
     seeds = []
     for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
         t = column[row] / (column[row] - column[row + 1])
         guess = (1.0 - t) * locus.z[row] + t * locus.z[row + 1]
-        planar: Any = locus.problem
         z = planar.at_unknown(index, guess, value, planar.initial_scale(guess, planar.first_bounds))
         if z is None:
             continue

@@ -120,8 +120,8 @@ class BorderedCurve:
         assert self._memory.borders is not None
         return self._memory.borders
 
-    def settle(self, z: Array) -> None:
-        """Renew the borders: the singular vectors of M at z."""
+    def settle(self, z: Array) -> bool:
+        """Renew the borders: the singular vectors of M at z. No unknown depends on them: False."""
         _, jacobian = self.system.jacobian(z[: self.n], self.full_parameters(z))
         a = self._scaled(jacobian[:, : self.n])
         across = np.array([1.0, 0.0])
@@ -133,6 +133,7 @@ class BorderedCurve:
         corank = 2 if self.type in ("HB", "NS") else 1
         kernel = corank + matrix.shape[1] - matrix.shape[0]
         self._memory.borders = _Borders(left[:, -corank:], right[-kernel:].T, across, left[:, -1])
+        return False
 
     def _slopes(self, jacobian: Array) -> Array:
         """F_p of both parameters, scaled rows (n, 2)."""

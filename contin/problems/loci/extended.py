@@ -160,12 +160,15 @@ class ExtendedCurve:
         self._gauge.values = border
         return np.asarray(border * self.sizes)
 
-    def settle(self, z: Array) -> None:
-        """Called at the start of a chunk: renew the border where it has turned out of the critical plane."""
+    def settle(self, z: Array) -> bool:
+        """Called at the start of a chunk: renew the border where it has turned out of the critical plane.
+
+        True where it was renewed: v then turns in that plane differently along the curve, and so does the tangent.
+        """
         if self.type == "BP":
             self._settle_across(z)
         if self.type not in ("HB", "NS"):
-            return
+            return False
         border = self._border(z)
         assert border is not None
         v = self.vector(z) / self.sizes
@@ -173,6 +176,8 @@ class ExtendedCurve:
         rest = plane - np.outer(v, v @ plane)
         if float(np.linalg.norm((border / self.sizes) @ rest)) < PLANE:
             self.renew_border(z)
+            return True
+        return False
 
     def _settle_across(self, z: Array) -> None:
         """On a forced curve of branch points: the direction across it, in which the products with w vanish best."""

@@ -109,7 +109,7 @@ class LocusProblem:
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.curve.settle(origin.z)
+        renewed = self.curve.settle(origin.z)
         if not self.curve.compiled:
             from contin.problems.loci.march import march
 
@@ -120,7 +120,8 @@ class LocusProblem:
         z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
         unstable = np.zeros(rows, np.int64)
         re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
-        z[0], t[0] = origin.z, origin.tangent
+        first = self._realigned(origin, frame.scale) if renewed else origin.tangent
+        z[0], t[0] = origin.z, first
         controls = np.array([
             step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
             settings.newton_tolerance, length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
@@ -129,7 +130,7 @@ class LocusProblem:
         reason = kernel.march(
             *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), curve.parameters(origin.z),
             curve.active, frame.scale, np.array(self.walls, dtype=float), controls, limit,
-            origin.tangent if before is None else before.tangent,
+            first if before is None or renewed else before.tangent,
             np.zeros(kernel.TESTS) if before is None else before.tests,
             _NONE if loop is None else loop.z, _NONE if loop is None else loop.tangent,
             self.identifying.astype(float), self.angle_periods, self.growing.astype(float), z, t, tests, unstable,
@@ -141,6 +142,12 @@ class LocusProblem:
             0.0, int(info[4]), int(info[2]),
         )  # fmt: skip
         return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
+
+    def _realigned(self, origin: Sample, scale: Array) -> Array:
+        """The tangent with a new border, in the sense in which states and parameters went on before."""
+        tangent = np.asarray(self.tangents(origin.z, scale)[0])
+        seen = self.identifying
+        return tangent if float(tangent[seen] @ origin.tangent[seen]) > 0.0 else -tangent
 
     @cached_property
     def _functions(self) -> tuple[int, int, int, int]:

@@ -63,6 +63,16 @@ def test_folds_of_the_unequal_states_of_the_pair_end_on_pitchforks_of_the_anti_p
     assert hopf.problem.locus == "HB"
 
 
+def test_hopf_curve_of_the_pairs_unequal_states_does_not_turn_back_where_its_border_is_renewed():
+    slow = contin.average(contin.load("metronomes/pair"), form="stokes")
+    branch = contin.continuation(contin.equilibrium(slow, "in-phase", {"mu": 8, "beta": 0.886}), "mu", (0.05, 8))
+    fork = contin.continuation(branch["BP1"].switch("mu"), "mu", (0.05, 8))
+    curve = follow(fork["HB2"], ("mu", "beta"), {"mu": (0.05, 8), "beta": (0.05, 1)}, settings={"max_step": 0.03})
+    assert sorted(p.type for p in curve.points) == ["BT", "BT", "GH", "GH", "GH", "ZH", "ZH"]
+    s1 = curve.columns["S1"]
+    assert abs(s1[0] - s1[-1]) > 1.0  # two different ends
+
+
 def test_morris_lecar_has_a_closed_curve_of_hopf_points_through_four_bt():
     branch = line("classics/morris-lecar", "I", (-50, 300), v3=2.0)
     curve = follow(branch["HB1"], ("I", "v3"), {"I": (-400, 800), "v3": (-150, 220)})
