@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.errors import InputError
 from contin.problems.maps.iterate import iterate
 
 
@@ -16,23 +17,33 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The seed of the doubled cycles at a PD point of `problem`, with `parameter` free.
 
     Its two halves are the two points of one cycle (each the image of the other under the map), so one arm is followed.
-    Direction and curvature come from the predictor of the flip's normal form.
+    Direction and curvature come from the predictor of the flip's normal form; where the multiplier -1 is double with
+    one eigenvector (area-preserving maps), from the branch point of the map applied twice.
     """
     from contin.normalforms.maps import flip_predictor
     from contin.problems.describe import jet_at
     from contin.problems.maps.cycle import HALF_PERIOD, lifted
-    from contin.problems.switch import renewed_metric  # which imports this module
+    from contin.problems.switch import crossing_branches, renewed_metric  # which imports this module
 
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
-    predictor = flip_predictor(jet_at(problem, point.z))
-    direction = np.append(predictor.q, 0.0)
-    bend = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2)
     born = replace(problem, system=iterate(problem.system, 2))
     local = born.scaled(point.scale)
-    d, k = direction / point.scale, bend / point.scale
-    norm = float(np.linalg.norm(d))
-    scale, d, k = renewed_metric(local, point.z, d / norm, k / norm**2)
+    try:
+        predictor = flip_predictor(jet_at(problem, point.z))
+    except ZeroDivisionError:
+        own = point.tangent / point.scale
+        crossing = crossing_branches(local, point.z / point.scale, own / np.linalg.norm(own), 1)
+        if not crossing:
+            raise InputError(f"{point.branch}.{point.label}: no doubled cycles were found here") from None
+        d, k = crossing[0]
+    else:
+        direction = np.append(predictor.q, 0.0)
+        bend = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2)
+        d, k = direction / point.scale, bend / point.scale
+        norm = float(np.linalg.norm(d))
+        d, k = d / norm, k / norm**2
+    scale, d, k = renewed_metric(local, point.z, d, k)
     multipliers = np.asarray(point.eigenvalues) ** 2
     measured = int(point.values["unstable"]), multipliers
     seed = Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label), measured=measured)
