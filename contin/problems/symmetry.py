@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from contin.abi import Array
+from contin.problems.maps.iterate import IteratedSystem
 
 STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
 AGREES = 1e-5
@@ -34,7 +36,8 @@ def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
 def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str, ...]:
     """Symmetries that keep z (modulo angle periods) and turn `direction` (unscaled, (n + 1,)) round.
 
-    At a branch point they map one half of the new branch onto the other: the point breaks them.
+    At a branch point they map one half of the new branch onto the other: the point breaks them. A cycle of a map is
+    kept by a symmetry that shifts it, too.
     """
     names = symmetry_names(problem)
     found = []
@@ -42,18 +45,26 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
     if size == 0.0:
         return ()
     for name in names:
-        image = apply_symmetry(problem, name, np.stack([z, z + STEP * direction, z - STEP * direction]))
-        fixed = _wrapped(image[0] - z, problem.angle_periods)
-        reference = np.maximum(np.abs(z), size)
-        if np.any(np.abs(fixed) > AGREES * reference):
-            continue
-        moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * STEP)
-        if (
-            np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size)
-            and abs(direction[-1]) <= AGREES * abs(direction).max()
-        ):
-            found.append(name)
+        rows = apply_symmetry(problem, name, np.stack([z, z + STEP * direction, z - STEP * direction]))
+        for image in _shifts(problem, rows):
+            fixed = _wrapped(image[0] - z, problem.angle_periods)
+            if np.any(np.abs(fixed) > AGREES * np.maximum(np.abs(z), size)):
+                continue
+            moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * STEP)
+            turned = bool(np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size))
+            if turned and abs(direction[-1]) <= AGREES * abs(direction).max():
+                found.append(name)
+                break
     return tuple(found)
+
+
+def _shifts(problem: Any, rows: Array) -> Iterator[Array]:
+    """Rows (k, n + 1), and of an iterated map the same cycles from their other points."""
+    yield rows
+    if isinstance(problem.system, IteratedSystem):
+        orbits = [list(problem.system.orbit(z[:-1], problem.full_parameters(z))) for z in rows]
+        for j in range(1, problem.system.times):
+            yield np.array([np.append(orbit[j], z[-1]) for orbit, z in zip(orbits, rows, strict=True)])
 
 
 def is_fixed_by(problem: Any, name: str, z: Array) -> bool:
