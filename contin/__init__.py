@@ -23,6 +23,9 @@ _EXPORTS = {
     "load": "contin.model.registry",
     "periodic_orbit": "contin.api",
     "phase": "contin.api",
+    "scan": "contin.simulate.scan",
+    "simulate": "contin.simulate.run",
+    "sweep": "contin.simulate.sweep",
     "walk": "contin.api",
 }
 
@@ -42,7 +45,7 @@ def __dir__() -> list[str]:
 
 
 class _Package(_ModuleType):
-    """The verbs `continuation` and `diagram` share their names with subpackages: as attributes of `contin` they win.
+    """The verbs `continuation`, `diagram` and `simulate` share their names with subpackages: as attributes of `contin` they win.
 
     Importing a subpackage sets it as an attribute of its parent; `from contin.diagram.x import` needs no attribute.
     """

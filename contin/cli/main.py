@@ -118,6 +118,80 @@ def phase(
 
 
 @app.command()
+def simulate(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    start: Annotated[Optional[str], typer.Option("--start", help="Named start.")] = None,  # noqa: UP045
+    states: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--state", metavar="NAME=VALUE", help="A state's initial value. May be repeated."),
+    ] = None,
+    sets: Sets = None,
+    time: Annotated[float, typer.Option("--time", "-t", help="How long (a map: iterations).")] = 100.0,
+    transient: Annotated[float, typer.Option("--transient", help="Time before it that is not kept.")] = 0.0,
+    samples: Annotated[int, typer.Option("--samples", help="Times the solution is kept at.")] = 5000,
+    method: Annotated[str, typer.Option("--method", help="DOP853; for stiff flows Radau, LSODA or BDF.")] = "DOP853",
+    rtol: Annotated[float, typer.Option("--rtol", help="Relative tolerance.")] = 1e-9,
+    box: Annotated[float, typer.Option("--box", help="Stop where a state exceeds this.")] = 1e100,
+    csv: Annotated[Optional[Path], typer.Option("--csv", help="Write the table.")] = None,  # noqa: UP045
+    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    x: Annotated[Optional[str], typer.Option("--x", "-x", help="Horizontal axis of the portrait.")] = None,  # noqa: UP045
+    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Its vertical axis.")] = None,  # noqa: UP045
+    json: Json = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No table.")] = False,
+) -> None:
+    """Integrate a model (iterate a map): table, CSV, time series and phase portrait."""
+    from contin.cli.simulate import simulate_model
+
+    out = {"csv": csv, "plot": plot, "json": json, "x": x, "y": y}
+    raise typer.Exit(
+        simulate_model(
+            model, start, states or [], sets or [], out, quiet,
+            time=time, transient=transient, samples=samples, method=method, rtol=rtol, box=box,
+        )
+    )  # fmt: skip
+
+
+@app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+def sweep(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    parameter: Annotated[str, typer.Argument(help="Parameter to step.")],
+    low: Annotated[float, typer.Argument(metavar="LO")],
+    high: Annotated[float, typer.Argument(metavar="HI")],
+    start: Annotated[Optional[str], typer.Option("--start", help="Named start.")] = None,  # noqa: UP045
+    states: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--state", metavar="NAME=VALUE", help="A state's initial value. May be repeated."),
+    ] = None,
+    sets: Sets = None,
+    measures: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option("--measure", metavar="NAME=FORMULA", help="A quantity to record. May be repeated."),
+    ] = None,
+    steps: Annotated[int, typer.Option("--steps", help="Steps each way.")] = 60,
+    window: Annotated[Optional[float], typer.Option("--window", help="Time over which settling is judged.")] = None,  # noqa: UP045
+    tolerance: Annotated[Optional[float], typer.Option("--tolerance", help="Change between windows.")] = None,  # noqa: UP045
+    longest: Annotated[Optional[float], typer.Option("--longest", help="Time at which waiting ends.")] = None,  # noqa: UP045
+    csv: Annotated[Optional[Path], typer.Option("--csv", help="Write the table.")] = None,  # noqa: UP045
+    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    over: Annotated[Optional[Path], typer.Option("--over", help="Draw over these results (.contin or .json).")] = None,  # noqa: UP045
+    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Quantity to draw.")] = None,  # noqa: UP045
+    json: Json = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Step a parameter up and down, each run started from the last state: hysteresis."""
+    from contin.cli.sweep import sweep_model
+
+    waiting = {"window": window, "tolerance": tolerance, "longest": longest}
+    out = {"csv": csv, "plot": plot, "json": json, "y": y}
+    raise typer.Exit(
+        sweep_model(
+            model, parameter, low, high, start, states or [], sets or [], measures or [], steps, waiting, out, over,
+            quiet,
+        )
+    )  # fmt: skip
+
+
+@app.command()
 def check(
     file: Annotated[Path, typer.Argument(help="Run file or model file (YAML).")],
     execute: Annotated[bool, typer.Option("--run", help="Carry out the model's `expect:` and compare.")] = False,

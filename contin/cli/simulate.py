@@ -1,0 +1,112 @@
+"""`contin simulate`: a trajectory as a table, as CSV, as a picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json as json_library
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from contin.cli.run import CUT_SHORT, DONE, console, parse_sets
+from contin.errors import InputError
+
+ROWS: Final = 11  # of the table on the terminal
+PICTURES: Final = (".png", ".pdf", ".svg")
+
+
+def simulate_model(
+    reference: str, start: str | None, states: Sequence[str], sets: Sequence[str], out: dict[str, Any], quiet: bool,
+    **options: Any,
+) -> int:  # fmt: skip
+    """Simulate, print a table, write the files of `out` (csv, plot, json, x, y); exit code 1 where it ended early."""
+    from contin.model.registry import load
+    from contin.simulate.run import simulate
+
+    picture, table = out["plot"], out["csv"]
+    if picture is not None and picture.suffix not in PICTURES:
+        raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    for path in (picture, table):
+        if path is not None and not path.absolute().parent.is_dir():
+            raise InputError(f"{path}: there is no folder {path.parent}")
+    model = load(reference)
+    found = simulate(model, starting_point(model, start, states), parse_sets(sets), **options)
+    columns = found.columns
+    report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
+    _print_table(columns, report)
+    report.print(str(found), style="" if found.complete else "yellow")
+    if table is not None:
+        write_table(columns, table)
+        report.print(str(table))
+    if picture is not None:
+        write_figure(found.plot(out["x"], out["y"]), picture)
+        report.print(str(picture))
+    if out["json"] is not None:
+        document = {
+            "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
+            "end_time": found.end_time, "columns": columns,
+        }  # fmt: skip
+        write_json(document, out["json"])
+    return DONE if found.complete else CUT_SHORT
+
+
+def starting_point(model: Any, start: str | None, states: Sequence[str]) -> Any:
+    """--start NAME and --state NAME=VALUE as a start: the values replace those of the named one."""
+    values = parse_sets(states)
+    if not values:
+        return start
+    for name in values:
+        if name not in model.state_names:
+            raise InputError(f"--state {name}: {model.name} has no such state; it has {', '.join(model.state_names)}")
+    if start is None:
+        return values
+    named = model.start(start)
+    return {**named.states, **values, **({"parameters": dict(named.parameters)} if named.parameters else {})}
+
+
+def write_table(columns: dict[str, Any], path: Path) -> None:
+    """Columns of equal length as CSV, numbers with all their digits."""
+    from contin.store.atomic import write_text
+
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow([v if isinstance(v, str) else repr(v.item() if hasattr(v, "item") else v) for v in row])
+    write_text(path, stream.getvalue())
+
+
+def write_figure(drawing: Any, path: Path) -> None:
+    """A matplotlib figure to a file whose ending chooses the kind."""
+    from contin.store.atomic import write_bytes
+
+    stream = io.BytesIO()
+    drawing.savefig(stream, format=path.suffix[1:])
+    write_bytes(path, stream.getvalue())
+
+
+def write_json(document: dict[str, Any], target: str) -> None:
+    """A document as JSON, to a file or to standard output for '-'; NaN and infinity as null."""
+    from contin.store.atomic import write_text
+    from contin.store.json_format import plain
+
+    text = json_library.dumps(plain(document), indent=1)
+    if target == "-":
+        print(text)
+    else:
+        write_text(Path(target), text + "\n")
+
+
+def _print_table(columns: dict[str, Any], report: Any) -> None:
+    from rich.table import Table
+
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
+    for name in columns:
+        table.add_column(name, justify="right", no_wrap=True)
+    count = len(columns["t"])
+    chosen = sorted({round(k * (count - 1) / (ROWS - 1)) for k in range(ROWS)}) if count else []
+    for row in chosen:
+        table.add_row(*(f"{float(column[row]):.7g}" for column in columns.values()))
+    report.print(table)

@@ -1,0 +1,60 @@
+"""`contin sweep`: a parameter up and down, the state carried along."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from contin.cli.run import CUT_SHORT, DONE, console, parse_sets
+from contin.cli.simulate import PICTURES, starting_point, write_figure, write_json, write_table
+from contin.errors import InputError
+
+
+def sweep_model(
+    reference: str, parameter: str, low: float, high: float, start: str | None, states: Sequence[str],
+    sets: Sequence[str], measures: Sequence[str], steps: int, waiting: dict[str, float | None], out: dict[str, Any],
+    over: Path | None, quiet: bool,
+) -> int:  # fmt: skip
+    """Sweep, report jumps, write files; exit code 1 where a run did not settle."""
+    from contin.model.registry import load
+    from contin.simulate.steady import Criterion
+    from contin.simulate.sweep import sweep
+
+    picture, table = out["plot"], out["csv"]
+    if picture is not None and picture.suffix not in PICTURES:
+        raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    model = load(reference)
+    document = None
+    if over is not None:
+        from contin.store.results import read_results
+
+        document = read_results(over)
+    given = {key: value for key, value in waiting.items() if value is not None}
+    if given and "window" not in given:
+        raise InputError("--longest and --tolerance belong to a --window: give that too")
+    quantities = {name: str(formula) for name, formula in parse_sets(measures).items()}
+    report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
+    from contin.cli.counting import counted
+
+    with counted(f"{parameter} from {low:g} to {high:g} and back", console(sys.stderr, quiet)) as watch:
+        found = sweep(
+            model, parameter, (low, high), start=starting_point(model, start, states), parameters=parse_sets(sets),
+            steps=steps, measures=quantities or None, watch=watch,
+            criterion=Criterion(**given) if given else None,
+        )  # fmt: skip
+    unsettled = sum(outcome != "settled" for outcome in found.outcomes)
+    report.print(f"{len(found.values)} runs, {len(found.values) - unsettled} settled")
+    for direction, before, after in found.jumps(found.names[0]):
+        word = "up" if direction > 0 else "down"
+        report.print(f"  {found.names[0]} jumps on the way {word} between {parameter} = {before:g} and {after:g}")
+    if table is not None:
+        write_table(found.columns, table)
+        report.print(str(table))
+    if picture is not None:
+        write_figure(found.plot(out["y"], document), picture)
+        report.print(str(picture))
+    if out["json"] is not None:
+        write_json({"contin": 1, "model": model.name, "sweep": parameter, "columns": found.columns}, out["json"])
+    return CUT_SHORT if unsettled else DONE

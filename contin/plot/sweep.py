@@ -1,0 +1,75 @@
+"""Hysteresis sweeps drawn as triangles that point the way the parameter went, alone or over a bifurcation diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.errors import InputError
+from contin.plot.figure import STYLE
+from contin.plot.vocabulary import PALETTE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UP, DOWN = PALETTE[0], PALETTE[1]
+
+
+def figure(
+    columns: Mapping[str, Any], parameter: str, names: Sequence[str], *, title: str | None = None, y: str | None = None,
+    over: Mapping[str, Any] | None = None,
+) -> Figure:  # fmt: skip
+    """Largest and smallest value of quantity y (default: the first) against the parameter.
+
+    over : a result document; its diagram of y is drawn beneath (of orbits, their column y.max).
+    """
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    quantity = y or names[0]
+    if quantity not in names:
+        raise InputError(f"there is no quantity {quantity!r} in the sweep; there are {', '.join(names)}")
+    with rc_context(STYLE):
+        if over is None:
+            drawing = Figure(figsize=(5.4, 4.0), dpi=200, layout="constrained")
+            ax = drawing.subplots()
+            ax.set_xlabel(parameter)
+            ax.set_ylabel(quantity)
+            if title:
+                drawing.suptitle(title, fontsize=10)
+        else:
+            drawing, ax = _diagram(over, parameter, quantity, title)
+        values, directions = np.asarray(columns[parameter]), np.asarray(columns["direction"])
+        for direction, marker, colour, words in ((1, "^", UP, "sweep up"), (-1, "v", DOWN, "sweep down")):
+            chosen = directions == direction
+            if not np.any(chosen):
+                continue
+            for what, face in (("max", colour), ("min", "none")):
+                ax.plot(
+                    values[chosen], np.asarray(columns[f"{quantity}.{what}"])[chosen], marker, markersize=4.0,
+                    markerfacecolor=face, markeredgecolor=colour, markeredgewidth=0.8, linestyle="none",
+                    label=f"{words}: {what}",
+                )  # fmt: skip
+        if over is None:
+            drawing.legend(loc="outside lower center", ncols=4, frameon=False)
+        else:
+            ax.legend(frameon=False, fontsize=7)
+    return drawing
+
+
+def _diagram(over: Mapping[str, Any], parameter: str, quantity: str, title: str | None) -> tuple[Figure, Any]:
+    from contin.plot.figure import figure as diagram_figure
+    from contin.plot.figure import image_names
+    from contin.plot.series import from_document, panels
+
+    sources = from_document(over)
+    if not sources:
+        raise InputError("the results to draw over hold no branch")
+    model = over["model"]
+    drawing = diagram_figure(
+        panels(sources, x=parameter, y=quantity, periods=model.get("periods"), units=model.get("units")),
+        title=title, images=image_names(sources), periods=model.get("periods"),
+    )  # fmt: skip
+    return drawing, drawing.axes[0]

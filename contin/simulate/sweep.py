@@ -1,0 +1,124 @@
+"""Hysteresis sweeps: a parameter stepped up and down, each run started from the last state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import InputError
+from contin.simulate.steady import STATISTICS, Criterion, settle, watching
+
+STEPS = 60
+LARGEST = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """One row a run: the parameter's value, direction (+1 up, -1 down), outcome, and statistics (N, 3, k)."""
+
+    model: Any
+    parameter: str
+    names: tuple[str, ...]
+    values: Array
+    directions: Array
+    outcomes: tuple[str, ...]
+    statistics: Array
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """parameter, direction, outcome, and {quantity}.{min|mean|max}."""
+        columns: dict[str, Any] = {
+            self.parameter: self.values, "direction": self.directions, "outcome": list(self.outcomes)
+        }  # fmt: skip
+        for k, name in enumerate(self.names):
+            for row, what in enumerate(STATISTICS):
+                columns[f"{name}.{what}"] = self.statistics[:, row, k]
+        return columns
+
+    def jumps(self, quantity: str, factor: float = 10.0) -> list[tuple[int, float, float]]:
+        """(direction, before, after): steps at which the maximum of a quantity changes `factor` times more than usual."""
+        column = self.columns[f"{quantity}.max"]
+        found = []
+        for direction in (1, -1):
+            rows = np.flatnonzero(self.directions == direction)
+            change = np.abs(np.diff(column[rows]))
+            usual = float(np.median(change)) if change.size else 0.0
+            for k in np.flatnonzero(change > factor * usual + 1e-6 * float(np.abs(column).max())):
+                found.append((direction, float(self.values[rows[k]]), float(self.values[rows[k + 1]])))
+        return found
+
+    def plot(self, y: str | None = None, over: Any = None) -> Any:
+        """A matplotlib figure; `over`: a result document whose diagram is drawn beneath."""
+        from contin.plot.sweep import figure
+
+        return figure(self.columns, self.parameter, list(self.names), title=self.model.title, y=y, over=over)
+
+
+def sweep(
+    model: Any, parameter: str, range: tuple[float, float], *, start: Any = None,
+    parameters: Mapping[str, Any] | None = None, steps: int = STEPS, down: bool = True,
+    measures: Mapping[str, str] | None = None, criterion: Criterion | None = None, disturb: float = 1e-6,
+    watch: Callable[[int, int], None] | None = None,
+) -> Sweep:  # fmt: skip
+    """Step a parameter from the lower to the upper end of `range` in `steps` steps, and back down.
+
+    Each run starts from the last state, disturbed by `disturb` (relative, alternating signs: an unstable state is
+    otherwise never left), and lasts until `measures` (formulas; by default amplitudes and phase differences of declared
+    oscillators, or states and observables) have settled by the `criterion`.
+    watch : called with (runs done, runs in all).
+
+    Raises InputError. A run that escapes or slides is recorded, and the next starts from the sweep's start.
+    """
+    low, high = (float(v) for v in range)
+    if parameter not in model.parameter_names:
+        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(model.parameter_names) or 'none'}")
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise InputError(f"range: the lower end must be below the upper one; got [{low:g}, {high:g}]")
+    if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= LARGEST:
+        raise InputError(f"steps must be a whole number from 1 to {LARGEST}; got {steps!r}")
+    from contin.lowering import compile_system
+
+    system = compile_system(watching(model, measures))
+    u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
+    chosen = criterion or default_criterion(system, u0, p)
+    upwards = np.linspace(low, high, steps + 1)
+    values = np.concatenate([upwards, upwards[::-1]]) if down else upwards
+    directions = np.concatenate([np.ones(steps + 1), -np.ones(steps + 1)]) if down else np.ones(steps + 1)
+    fixed = {**parameters_of(model, start), **(parameters or {})}
+    signs = np.where(np.arange(system.n) % 2 == 0, 1.0, -1.0) * (1.0 + 0.1 * np.arange(system.n))
+    u, outcomes, statistics = u0, [], []
+    for k, value in enumerate(values):
+        p = np.array(list(model.default_parameters({**fixed, parameter: value}).values()), dtype=float)
+        pushed = u + disturb * signs * np.maximum(np.abs(u), 1e-3 * max(float(np.abs(u).max()), 1e-3))
+        found = settle(system, pushed, p, chosen)
+        outcomes.append(found.outcome)
+        statistics.append(found.statistics)
+        u = found.u if found.outcome in ("settled", "unsettled") else u0
+        if watch is not None:
+            watch(k + 1, len(values))
+    return Sweep(
+        model, parameter, tuple(system.observable_names), values, directions.astype(int), tuple(outcomes),
+        np.array(statistics),
+    )  # fmt: skip
+
+
+def parameters_of(model: Any, start: Any) -> dict[str, Any]:
+    """The parameter values that belong to a start."""
+    if start is None:
+        return {}
+    return dict(model.start(start).parameters if isinstance(start, str) else start.get("parameters", {}))
+
+
+def default_criterion(system: Any, u: Array, p: Array) -> Criterion:
+    """A window of about 30 turns of the fastest linear rate at the start (a map: 200 iterates)."""
+    if system.kind == "map":
+        return Criterion(200.0, longest=1e5)
+    full = np.append(p, 0.0) if system.is_forced else p
+    _, jacobian = system.jacobian(u, full)
+    fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max()) if np.all(np.isfinite(jacobian)) else 1.0
+    rate = fastest if fastest > 0.0 else 1.0
+    return Criterion(30.0 * 2.0 * np.pi / rate, longest=6e3 * 2.0 * np.pi / rate)
