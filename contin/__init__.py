@@ -45,7 +45,7 @@ def __dir__() -> list[str]:
 
 
 class _Package(_ModuleType):
-    """The verbs `continuation`, `diagram` and `simulate` share their names with subpackages: as attributes of `contin` they win.
+    """The verbs `continuation`, `diagram` and `simulate` are named as subpackages are: as attributes they win.
 
     Importing a subpackage sets it as an attribute of its parent; `from contin.diagram.x import` needs no attribute.
     """

@@ -192,6 +192,27 @@ def sweep(
 
 
 @app.command()
+def scan(
+    file: Annotated[Path, typer.Argument(help="Scan file (YAML).")],
+    json: Json = None,
+    sets: Sets = None,
+    threads: Annotated[Optional[int], typer.Option("--threads", help="Default: one a core.")] = None,  # noqa: UP045
+    cluster: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--cluster", metavar="tcp://HOST:PORT", help="A dask.distributed scheduler to share the runs."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Finish a scan that was killed, from the file of `outputs: save:`.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Simulate over a grid of parameters or initial states, several starts each, and name what each settles on."""
+    from contin.cli.scan import scan_file
+
+    raise typer.Exit(scan_file(file, json, sets or [], threads, cluster, resume, quiet))
+
+
+@app.command()
 def check(
     file: Annotated[Path, typer.Argument(help="Run file or model file (YAML).")],
     execute: Annotated[bool, typer.Option("--run", help="Carry out the model's `expect:` and compare.")] = False,
@@ -276,7 +297,7 @@ def show(
 
 @app.command()
 def schema(
-    what: Annotated[str, typer.Argument(help="run or result.")] = "run",
+    what: Annotated[str, typer.Argument(help="run, scan or result.")] = "run",
 ) -> None:
     """Print a JSON schema, for editors that check and complete YAML."""
     from contin.cli.schema import print_schema

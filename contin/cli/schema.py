@@ -17,9 +17,16 @@ def print_schema(what: str) -> int:
             "$schema": "https://json-schema.org/draft/2020-12/schema",
             **RunEntry.model_json_schema(by_alias=True),
         }
+    elif what == "scan":
+        from contin.runs.scan_schema import ScanFileEntry
+
+        schema = {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            **ScanFileEntry.model_json_schema(by_alias=True),
+        }
     elif what == "result":
         schema = RESULT_SCHEMA
     else:
-        raise InputError(f"there is no schema {what!r}: write `contin schema run` or `contin schema result`")
+        raise InputError(f"there is no schema {what!r}: write `contin schema` run, scan or result")
     print(json.dumps(schema, indent=2))
     return 0

@@ -41,7 +41,10 @@ def simulate_model(
         write_table(columns, table)
         report.print(str(table))
     if picture is not None:
-        write_figure(found.plot(out["x"], out["y"]), picture)
+        from contin.plot.trajectory import figure
+
+        drawing = figure(columns, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
+        write_figure(drawing, picture)
         report.print(str(picture))
     if out["json"] is not None:
         document = {

@@ -31,7 +31,7 @@ def sweep_model(
         from contin.store.results import read_results
 
         document = read_results(over)
-    given = {key: value for key, value in waiting.items() if value is not None}
+    given: dict[str, Any] = {key: value for key, value in waiting.items() if value is not None}
     if given and "window" not in given:
         raise InputError("--longest and --tolerance belong to a --window: give that too")
     quantities = {name: str(formula) for name, formula in parse_sets(measures).items()}
@@ -53,7 +53,10 @@ def sweep_model(
         write_table(found.columns, table)
         report.print(str(table))
     if picture is not None:
-        write_figure(found.plot(out["y"], document), picture)
+        from contin.plot.sweep import figure
+
+        drawing = figure(found.columns, parameter, found.names, title=model.title, y=out["y"], over=document)
+        write_figure(drawing, picture)
         report.print(str(picture))
     if out["json"] is not None:
         write_json({"contin": 1, "model": model.name, "sweep": parameter, "columns": found.columns}, out["json"])

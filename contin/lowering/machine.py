@@ -8,7 +8,6 @@ import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Final
 
 from contin.abi import Address
@@ -77,19 +76,20 @@ done:
 """
 
 
-@lru_cache(maxsize=1)
-def _loop_code() -> tuple[Any, Address]:
-    import llvmlite.binding as llvm
-
-    with _lock:
-        _prepare(llvm)
-        engine = _engine(llvm, llvm.parse_assembly(_LOOP), 2)
-        return engine, int(engine.get_function_address("many"))
+_loop: list[tuple[Any, Address]] = []  # the engine, for as long as this process lives, and the address in it
 
 
 def loop_address() -> Address:
     """(f, count, u, du, p, dp, out, dout): f(u + i du, p + i dp, out + i dout) for i < count; count >= 1."""
-    return _loop_code()[1]
+    if not _loop:
+        import llvmlite.binding as llvm
+
+        with _lock:
+            if not _loop:  # two threads may ask at once: code made twice would be freed under the feet of one of them
+                _prepare(llvm)
+                engine = _engine(llvm, llvm.parse_assembly(_LOOP), 2)
+                _loop.append((engine, int(engine.get_function_address("many"))))
+    return _loop[0][1]
 
 
 def _engine(llvm: Any, module: Any, level: int) -> Any:

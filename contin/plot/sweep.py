@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UP, DOWN = PALETTE[0], PALETTE[1]
+ON_DIAGRAM, ON_DIAGRAM_DOWN = "0.1", "0.5"  # the diagram has the colours
 
 
 def figure(
@@ -42,7 +43,8 @@ def figure(
         else:
             drawing, ax = _diagram(over, parameter, quantity, title)
         values, directions = np.asarray(columns[parameter]), np.asarray(columns["direction"])
-        for direction, marker, colour, words in ((1, "^", UP, "sweep up"), (-1, "v", DOWN, "sweep down")):
+        colours = (UP, DOWN) if over is None else (ON_DIAGRAM, ON_DIAGRAM_DOWN)
+        for direction, marker, colour, words in ((1, "^", colours[0], "up"), (-1, "v", colours[1], "down")):
             chosen = directions == direction
             if not np.any(chosen):
                 continue
@@ -50,12 +52,12 @@ def figure(
                 ax.plot(
                     values[chosen], np.asarray(columns[f"{quantity}.{what}"])[chosen], marker, markersize=4.0,
                     markerfacecolor=face, markeredgecolor=colour, markeredgewidth=0.8, linestyle="none",
-                    label=f"{words}: {what}",
+                    label=f"sweep {words}: {what}",
                 )  # fmt: skip
         if over is None:
             drawing.legend(loc="outside lower center", ncols=4, frameon=False)
         else:
-            ax.legend(frameon=False, fontsize=7)
+            ax.legend(loc="best", framealpha=0.9, fontsize=6.5, ncols=2)
     return drawing
 
 

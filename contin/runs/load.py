@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
-from typing import Any, Final, get_args
+from typing import Any, Final, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -19,6 +19,9 @@ _EXAMPLES: Final = {
     "model": "add `model: NAME` (see `contin models`), a path, or a whole model",
     "parameter": "add `parameter: NAME`, the parameter to vary",
 }
+
+
+_Shape = TypeVar("_Shape", bound=BaseModel)
 
 
 def load_run_file(path: FilePath) -> tuple[RunEntry, Source]:
@@ -37,6 +40,11 @@ def load_run_file(path: FilePath) -> tuple[RunEntry, Source]:
 
 def read_run(data: Any, source: Source, *, version_required: bool = True) -> RunEntry:
     """The entries of a run file from plain data; `source` finds their places for messages."""
+    return read_entries(data, source, RunEntry, version_required=version_required)
+
+
+def read_entries(data: Any, source: Source, shape: type[_Shape], *, version_required: bool = True) -> _Shape:
+    """The entries of a file of this shape from plain data; `source` finds their places for messages."""
     problems = Problems(source)
     if not isinstance(data, dict):
         problems.add((), f"expected a run file (a mapping with model and continuations), got {shown(data)}")
@@ -47,20 +55,20 @@ def read_run(data: Any, source: Source, *, version_required: bool = True) -> Run
     check_version(data, problems, version_required)
     data = {key: value for key, value in plain(data).items() if value is not None}  # an empty section is no section
     try:
-        entry = RunEntry.model_validate(data)
+        entry = shape.model_validate(data)
     except ValidationError as error:
         for item in error.errors(include_url=False, include_context=False):
-            _note(item, problems)
+            _note(item, problems, shape)
         problems.raise_if_any()
         raise InputError(str(error)) from None
     problems.raise_if_any()
     return entry
 
 
-def _note(item: Any, problems: Problems) -> None:
+def _note(item: Any, problems: Problems, shape: type[BaseModel]) -> None:
     path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
     if kind == "extra_forbidden":
-        allowed = _keys_at(path[:-1])
+        allowed = _keys_at(path[:-1], shape)
         advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
         problems.add(path, f"unknown key: {advice}", key=True)
     elif kind == "missing":
@@ -83,9 +91,9 @@ def _note(item: Any, problems: Problems) -> None:
         problems.add(path, item["msg"])
 
 
-def _keys_at(path: Path) -> list[str]:
+def _keys_at(path: Path, shape: type[BaseModel]) -> list[str]:
     """Keys that the entry at `path` may have, as they are written in the file."""
-    entry: type[BaseModel] = RunEntry
+    entry: type[BaseModel] = shape
     for part in path:
         if isinstance(part, str):
             field = next((f for name, f in entry.model_fields.items() if (f.alias or name) == part), None)

@@ -14,6 +14,8 @@ ENDINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "html": (".html",),
     "save": (".contin",),
     "json": (".json",),
+    "csv": (".csv",),
+    "scan": (".scan",),
 }
 
 

@@ -58,13 +58,6 @@ class Simulation:
         crossed = f", {self.crossings} switching surfaces crossed" if self.crossings else ""
         return f"{self.method}: {self.steps} steps to t = {self.end_time:.6g}{crossed}"
 
-    def plot(self, x: str | None = None, y: str | None = None) -> Any:
-        """A matplotlib figure: time series beside the phase portrait of x and y (default: the first two states)."""
-        from contin.plot.trajectory import figure
-
-        title = self.model.title or self.model.name
-        return figure(self.columns, list(self.model.state_names), title=title, x=x, y=y)
-
 
 def simulate(
     model: Any, start: str | Mapping[str, Any] | None = None, parameters: Mapping[str, Any] | None = None, *,
@@ -73,8 +66,8 @@ def simulate(
 ) -> Simulation:  # fmt: skip
     """Integrate a model (iterate a map) from a start over `time`, after a `transient` that is not kept.
 
-    start : a named start, a mapping of states, or None for the states' values.  samples : times the solution is kept at,
-    equally spaced; a map keeps every iterate.
+    start : a named start, a mapping of states, or None for the states' values.  samples : equally spaced times that the
+    solution is kept at; a map keeps every iterate.
     method : DOP853 (compiled; piecewise-smooth flows piece by piece), or for stiff flows Radau, LSODA, BDF (scipy, with
     the compiled equations and Jacobian).  rtol, atol : tolerances (atol: 1e-3 rtol by default).
     box : modulus of a state at which the simulation ends as escaped.  budget : most steps of the integrator.

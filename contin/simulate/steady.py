@@ -74,7 +74,7 @@ def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
     atol = 1e-3 * criterion.rtol
     step = criterion.window / criterion.samples
     while time + criterion.window <= criterion.longest * (1.0 + 1e-12):
-        times = time + step * np.arange(1, criterion.samples + 1)
+        times = time + step * np.arange(1.0, criterion.samples + 1.0)
         flight = fly(
             system, u, p, criterion.window, start=time, times=times, rtol=criterion.rtol, atol=atol, box=criterion.box
         )

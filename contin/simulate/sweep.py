@@ -40,7 +40,7 @@ class Sweep:
         return columns
 
     def jumps(self, quantity: str, factor: float = 10.0) -> list[tuple[int, float, float]]:
-        """(direction, before, after): steps at which the maximum of a quantity changes `factor` times more than usual."""
+        """(direction, before, after): steps at which the largest value changes `factor` times more than usual."""
         column = self.columns[f"{quantity}.max"]
         found = []
         for direction in (1, -1):
@@ -50,12 +50,6 @@ class Sweep:
             for k in np.flatnonzero(change > factor * usual + 1e-6 * float(np.abs(column).max())):
                 found.append((direction, float(self.values[rows[k]]), float(self.values[rows[k + 1]])))
         return found
-
-    def plot(self, y: str | None = None, over: Any = None) -> Any:
-        """A matplotlib figure; `over`: a result document whose diagram is drawn beneath."""
-        from contin.plot.sweep import figure
-
-        return figure(self.columns, self.parameter, list(self.names), title=self.model.title, y=y, over=over)
 
 
 def sweep(

@@ -1,0 +1,75 @@
+"""A scan file, its model and the command line -> a `ScanPlan`, checked before anything is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from contin.errors import ContinError, ExpressionError, InputError
+from contin.model.source import Path, Problems, Source
+from contin.model.yaml_reader import read_file
+from contin.runs.load import read_entries
+from contin.runs.outputs import output_paths
+from contin.runs.plan import _model, _Planner
+from contin.runs.scan_schema import AxisEntry, ScanFileEntry
+from contin.simulate.scan import ScanSpec
+from contin.simulate.steady import Criterion
+
+
+@dataclass(frozen=True, eq=False)
+class ScanPlan:
+    """What a scan file asks for."""
+
+    spec: ScanSpec
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)
+    title: str | None = None
+
+
+def plan_scan(path: FilePath, overrides: Mapping[str, Any] | None = None) -> ScanPlan:
+    """Read and check a scan file; InputError with every mistake at its place."""
+    document = read_file(path)
+    source: Source = document.source
+    if isinstance(document.data, dict) and "scan" not in document.data:
+        raise InputError(f"{path}: this is no scan file: it has no `scan:` (a run file goes to `contin run`)")
+    entry = read_entries(document.data, source, ScanFileEntry)
+    problems = Problems(source)
+    typed = dict(overrides or {})
+    model = _model(entry, source, path, problems, typed)  # type: ignore[arg-type]
+    problems.raise_if_any()
+    written = {
+        "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "scan": entry.outputs.save,
+    }  # fmt: skip
+    files = output_paths({kind: name for kind, name in written.items() if name is not None}, path, problems)
+    planner = _Planner(model, problems, {**entry.parameters, **typed})
+    planner.check_parameters(entry.parameters, typed)
+    axes = []
+    for name, axis in entry.scan.axes.items():
+        place: Path = ("scan", "axes", name)
+        if name not in (*model.parameter_names, *model.state_names):
+            problems.add(place, f"{model.name} has neither a parameter nor a state {name!r}", key=True)
+            continue
+        if isinstance(axis, AxisEntry):
+            ends = planner.formula(axis.from_, (*place, "from")), planner.formula(axis.to, (*place, "to"))
+            if ends[0] is not None and ends[1] is not None:
+                axes.append((name, np.linspace(ends[0], ends[1], axis.points)))
+        else:
+            numbers = [planner.formula(value, (*place, k)) for k, value in enumerate(axis)]
+            axes.append((name, np.array([number for number in numbers if number is not None])))
+    starts = [planner.start(start, ("scan", "starts", k)) for k, start in enumerate(entry.scan.starts or [])] or [None]
+    problems.raise_if_any()
+    try:
+        criterion = Criterion(**entry.scan.settle.model_dump())
+        spec = ScanSpec(
+            model, tuple(axes), tuple(starts), planner.overrides, dict(entry.scan.measures),
+            dict(entry.scan.classes), criterion,
+        )  # fmt: skip
+        spec.check()
+    except ExpressionError as error:
+        raise InputError(f"{path}: scan: {error}") from None
+    except ContinError as error:
+        raise InputError(f"{path}: scan: {error}") from None
+    return ScanPlan(spec, files, entry.title or model.title)

@@ -1,0 +1,89 @@
+"""The shape of a scan file: which simulations to make, when each has settled, and how to name what it settled on."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, WithJsonSchema, model_validator
+
+from contin.model.schema import FORMAT_VERSION, Formula, Text
+from contin.runs.schema import (
+    Count,
+    File,
+    ModelReference,
+    Pass,
+    Positive,
+    Section,
+    Starts,
+    _listed,
+    _version,
+    _wrong,
+)
+
+
+class AxisEntry(Section):
+    """Equally spaced values, both ends included."""
+
+    from_: Formula = Field(alias="from")
+    to: Formula
+    points: Count
+
+
+def _list_or_not(value: object) -> str:
+    return "(short)" if isinstance(value, list) else "(long)"
+
+
+Axis = Annotated[
+    Annotated[list[Formula], Tag("(short)")] | Annotated[AxisEntry, Tag("(long)")], Discriminator(_list_or_not)
+]
+
+
+class SettleEntry(Section):
+    """When a run has settled: see `contin.simulate.steady.Criterion`."""
+
+    window: Positive
+    tolerance: Positive = 1e-3
+    longest: Positive = 1e4
+    samples: Count = 400
+    rtol: Positive = 1e-8
+    box: Positive = 1e6
+
+
+class ScanEntry(Section):
+    """`axes` are parameters (a scan) or states (basins of attraction), or both; each start is run at each point."""
+
+    axes: Annotated[dict[str, Axis], Field(min_length=1, max_length=4)]
+    starts: Starts | None = None
+    measures: dict[str, Text] = Field(default_factory=dict)
+    classes: dict[str, Text] = Field(default_factory=dict)
+    settle: SettleEntry
+
+
+class ScanOutputsEntry(Section):
+    """Files to write, in or below the scan file's folder; `save` is the store that a killed scan resumes from."""
+
+    plot: File | None = None
+    csv: File | None = None
+    json_: File | None = Field(default=None, alias="json")
+    save: File | None = None
+
+
+class ScanFileEntry(Section):
+    """A whole scan file."""
+
+    contin: Annotated[int, PlainValidator(_version), WithJsonSchema({"const": FORMAT_VERSION})] = FORMAT_VERSION
+    model: ModelReference
+    title: Text | None = None
+    description: Text | None = None
+    transform: Annotated[list[Pass], BeforeValidator(_listed, json_schema_input_type=Pass | list[Pass])] = Field(
+        default_factory=list
+    )
+    parameters: dict[str, Formula] = Field(default_factory=dict)
+    scan: ScanEntry
+    outputs: ScanOutputsEntry = ScanOutputsEntry()
+
+    @model_validator(mode="after")
+    def _names_apart(self) -> ScanFileEntry:
+        if "other" in self.scan.classes:
+            raise _wrong("the class 'other' is what remains; give this class another name")
+        return self
