@@ -65,9 +65,10 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
         base = Sample(branch.z[row], along, np.full(4, np.nan), 0, np.empty(0, complex))
         length = float(-offsets[row] @ along)
         if distances[row] < SAME:  # on the row itself, which may be a branch point, where Newton does not work
-            if tangent is None:
+            if tangent is None or abs(float(along @ (tangent / scale))) > PARALLEL * np.linalg.norm(tangent / scale):
                 return True
-            return abs(float(along @ (tangent / scale))) > PARALLEL * float(np.linalg.norm(tangent / scale))
+            aside = _stepped(problem, z, tangent / scale, 0.1 * float(gaps.max(initial=0.0)), scale)
+            return aside is not None and lies_on(branch, aside, None, scale)
         target = branch.z[row] - offsets[row] * scale  # z, in the angles' sheet of the row
         found = problem.probe(base, length, branch.z[row] + length * scale * along, Frame(scale), Settings())
         if found is None or float(np.linalg.norm((found.z - target) / scale)) > SAME:
@@ -78,6 +79,20 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
         if abs(float(found.tangent @ t)) > PARALLEL * float(np.linalg.norm(t)):
             return True
     return False
+
+
+def _stepped(problem: Any, z: Array, along: Array, length: float, scale: Array) -> Array | None:
+    """A point of the curve through the branch point z in the direction `along`; None where Newton finds none.
+
+    A branch that crosses itself passes a branch point twice but has one row there, with one of the two tangents. The
+    other passage is recognised beside the point, where the curve is regular again.
+    """
+    norm = float(np.linalg.norm(along))
+    if norm == 0.0 or length == 0.0:
+        return None
+    base = Sample(z, along / norm, np.full(4, np.nan), 0, np.empty(0, complex))
+    found = problem.probe(base, length, z + length * scale * base.tangent, Frame(scale), Settings())
+    return None if found is None else np.asarray(found.z)
 
 
 def is_known(branches: Iterable[Branch], problem: Any, z: Array, tangent: Array | None, scale: Array) -> Branch | None:
