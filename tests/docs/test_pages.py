@@ -1,6 +1,7 @@
 """The code in the documentation runs, page by page, each in a fresh folder; the gallery gives the right numbers."""
 
 import importlib.util
+import os
 import re
 import runpy
 import shlex
@@ -42,6 +43,8 @@ def test_the_code_of_the_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("CONTIN_PLUGINS", "1")  # a page changes it
     monkeypatch.setattr(sys, "path", [*sys.path])
+    scripts = str(Path(sys.executable).parent)  # where the command is when the environment is not activated
+    monkeypatch.setenv("PATH", scripts + os.pathsep + os.environ["PATH"])
     cells = CELL.findall((DOCS / page).read_text("utf-8"))
     assert cells
     Path("page.py").write_text("\n".join(map(as_python, cells)), encoding="utf-8")
