@@ -337,6 +337,12 @@ class OrbitProblem:
 
         return switch(self, point, parameter)
 
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curve of such orbits in two parameters."""
+        from contin.problems.orbits.loci.start import loci_of_orbit
+
+        return loci_of_orbit(self, point, parameters)
+
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:

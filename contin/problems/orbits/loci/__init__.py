@@ -1,0 +1,1 @@
+"""Curves of folds, period doublings and torus bifurcations of periodic orbits in two parameters."""

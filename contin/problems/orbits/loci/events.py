@@ -1,0 +1,119 @@
+"""Points of codimension two on curves of special orbits, told by the other multipliers and by theta.
+
+    on LPC   R1 (a third multiplier 1), LPPD, LPNS, CPC (both parameters turn: the fold's coefficient vanishes)
+    on PD    R2 (a second multiplier -1), LPPD, PDNS
+    on NS    R1, R2, R3, R4 (theta = 0, pi, 2 pi/3, pi/2), LPNS, PDNS, NSNS
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+
+# test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
+NAMES: Final = {
+    "LPC": ("LPNS", "LPPD", "R1", "CPC"),
+    "PD": ("PDNS", "R2", "LPPD"),
+    "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4"),
+}
+STEPS: Final = 40
+ACCURATE: Final = 1e-11  # scaled arclength
+NEUTRAL: Final = ""
+
+
+def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """The types whose test functions change sign; () where nothing of interest does."""
+    changed = a.tests[2:] * b.tests[2:] < 0.0
+    types = tuple(name for name, c in zip(NAMES[locus], changed, strict=True) if c)
+    return types if len(types) <= 1 else None
+
+
+def watch(locus: str, type_: str) -> int:
+    return 2 + NAMES[locus].index(type_)
+
+
+def tests_of(locus: str, values: NDArray[np.complex128], theta: float, coefficient: float) -> tuple[Array, int]:
+    """Test functions of the multipliers that are not critical, and how many of them are unstable."""
+    from contin.kernels.tests_of_stability import map_tests
+
+    four = np.zeros(4)
+    re, im = np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag)
+    count = int(map_tests(re, im, four)) if values.size else 0
+    real = values[values.imag == 0.0].real
+    ones = float(np.prod(np.sign(real - 1.0)) * np.min(np.abs(values - 1.0) / (1.0 + np.abs(values)), initial=1.0))
+    pairs, flips = (four[2], four[3]) if values.size else (1.0, 1.0)
+    own = {
+        "LPC": [coefficient],
+        "PD": [],
+        "NS": [np.sin(0.5 * theta), np.cos(0.5 * theta), np.cos(theta) + 0.5, np.cos(theta)],
+    }[locus]
+    return np.array([pairs, flips, ones, *own]), count
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The zero of a test function along the curve, by secants in a bracket; '' where only a neutral pair crosses."""
+    index = watch(problem.locus, type_)
+    found = _zero(problem, near, frame, index)
+    if found is None:
+        return f"{type_} not verified: its test function has no zero nearby"
+    if type_ in ("LPNS", "PDNS", "NSNS") and not _complex_pair(problem, found):
+        return NEUTRAL
+    error = 10.0 * ACCURATE * float(frame.scale[-1])
+    values = problem.multipliers(found.z)
+    return Verified(type_, found.z, abs(float(found.tests[index])), error, values, found.unstable)
+
+
+def _zero(problem: Any, near: Sample, frame: Frame, index: int) -> Sample | None:
+    from contin.continuation.settings import Settings
+
+    settings = Settings()
+
+    def at(s: float) -> Sample | None:
+        return problem.probe(near, s, near.z + frame.scale * s * near.tangent, frame, settings)  # type: ignore[no-any-return]
+
+    width = 1e-6
+    a = b = None
+    for _ in range(12):
+        a, b = at(-width), at(width)
+        if a is not None and b is not None and a.tests[index] * b.tests[index] <= 0.0:
+            break
+        width *= 4.0
+    else:
+        return None
+    assert a is not None
+    assert b is not None
+    s_a, s_b, f_a, f_b = -width, width, float(a.tests[index]), float(b.tests[index])
+    best = a if abs(f_a) < abs(f_b) else b
+    for k in range(STEPS):
+        if s_b - s_a < ACCURATE or f_a == f_b:
+            break
+        s = 0.5 * (s_a + s_b) if k % 3 == 2 else s_a - f_a * (s_b - s_a) / (f_b - f_a)
+        middle = at(min(max(s, s_a + 0.01 * (s_b - s_a)), s_b - 0.01 * (s_b - s_a)))
+        if middle is None:
+            break
+        s, f = float((middle.z - near.z) / frame.scale @ near.tangent), float(middle.tests[index])
+        if abs(f) < abs(float(best.tests[index])):
+            best = middle
+        if f == 0.0:
+            break
+        if f * f_a > 0.0:
+            s_a, f_a = s, f
+        else:
+            s_b, f_b = s, f
+    return best
+
+
+def _complex_pair(problem: Any, sample: Sample) -> bool:
+    """True where the pair on the unit circle is complex: two real multipliers with product 1 are no torus."""
+    values = problem.others(sample.eigenvalues, sample.z)
+    if len(values) < 2:
+        return False
+    gaps = [
+        (abs(values[i] * values[j] - 1.0), abs(values[i].imag)) for i in range(len(values)) for j in range(i)
+    ]
+    return bool(min(gaps)[1] > 1e-9)

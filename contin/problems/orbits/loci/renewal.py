@@ -1,0 +1,60 @@
+"""After every chunk of a curve of special orbits: do metric and mesh still fit?"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.settings import Settings
+from contin.problems.orbits.layout import make_scale
+from contin.problems.orbits.mesh import choose_mesh, estimate
+from contin.problems.orbits.renewal import NEARLY, TOO_FINE, _moved, _state_growth
+
+JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
+
+
+def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, settings: Settings) -> Renewal:
+    """Mesh and metric for the next chunk."""
+    curve, scale = problem.curve, frame.scale
+    orbits, profile = curve.at(origin.z), curve.profile(origin.z)
+    metric = curve.orbit(scale)
+    sizes = orbits.sizes(curve.orbit(origin.z), metric)
+    grown = np.maximum(sizes, _state_growth(orbits, profile, sizes))
+    period = float(scale[profile.u.size])
+    if profile.period > period:
+        period = 2.0 * profile.period
+    h = profile.h
+    error, _ = estimate(profile, grown)
+    chosen = choose_mesh(profile, grown, orbits.tolerance, orbits.intervals)
+    unfit = error > NEARLY * orbits.tolerance or len(chosen.h) < TOO_FINE * len(h)
+    if unfit and (chosen.error < error or len(chosen.h) != len(h)):
+        h = chosen.h
+    if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
+        return Renewal(scale, origin, before, None)
+    theta = float(scale[-3]) if curve.extra else 0.0
+    renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), theta)
+
+    def moved(sample: Sample) -> Sample:
+        inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
+        there = _moved(orbits, inner, metric, curve.orbit(renewed), h)
+        share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
+        rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
+        t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
+        z = curve.join(there.z, float(sample.z[-2]), curve.theta(sample.z))
+        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
+
+    here = moved(origin)
+    curve.settle(here.z, renewed)
+    corrected = problem.probe(here, 0.0, here.z, Frame(renewed), settings)
+    if corrected is not None and _distance(corrected.z, here.z, renewed) < JUMPED:
+        sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
+        here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
+    return Renewal(renewed, here, None if before is None else moved(before), None)
+
+
+def _distance(a: Array, b: Array, scale: Array) -> float:
+    return float(np.linalg.norm((a - b) / scale))
