@@ -1,14 +1,221 @@
-"""Critical normal forms of special orbits."""
+"""Critical normal forms of periodic orbits: Kuznetsov, Govaerts, Doedel and Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407.
+
+On the centre manifold of an orbit u0 of period T, with its phase tau and a coordinate xi, in the model's own time t,
+
+    LPC   tau' = 1 - xi + ...,       xi' = b xi^2 + ...                 forced, or without shear: tau' = 1 + ...
+    PD    tau' = 1 + a xi^2 + ...,   xi' = c xi^3 + ...
+    NS    tau' = 1 + a |xi|^2 + ..., xi' = (i theta / T) xi + d xi |xi|^2 + ...
+
+u = u0(tau) + xi v(tau) + ..., where the mean of |v|^2 over the orbit is 1 (2-norm, the model's units); for b of an
+autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given. Every coefficient follows from
+the solvability of a linear boundary-value problem, w^* right = 0 with the left null vector w of its matrix; no adjoint
+equation is solved. Cost: a few sparse factorisations, and second and third derivatives at every Gauss point.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.defining import Bordered
+from contin.problems.orbits.linear import OrbitLinear
+
+SHEARLESS = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
+UNDECIDED = 1e-10  # a coefficient this small beside the terms it is the sum of has no sign
+
+Values = NDArray[Any]  # of a function at the Gauss points, (N, m, n)
 
 
 def normal_form(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
-    """Coefficients of the periodic normal form on the critical centre manifold."""
+    """Coefficients of the periodic normal form, and criticality for PD and NS; empty where they do not exist."""
+    linear = OrbitLinear(problem, point.z, scale, point.z)
+    try:
+        if point.type == "LPC":
+            return {"b": fold(linear)}
+        if point.type == "PD":
+            c, size = period_doubling(linear)
+            return {"c": c} | _criticality(c, size)
+        if point.type == "NS":
+            d, size = torus(linear, float(point.vectors["theta"]))
+            return {"d": [d.real, d.imag]} | _criticality(d.real, size)
+    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):  # exactly singular, or not finite
+        pass
     return {}
+
+
+def _criticality(coefficient: float, size: float) -> Mapping[str, str]:
+    """Supercritical: what is born lives where the orbit is unstable, and is stable if nothing else is unstable."""
+    if abs(coefficient) <= UNDECIDED * size:
+        return {"criticality": "degenerate"}
+    return {"criticality": "supercritical" if coefficient < 0.0 else "subcritical"}
+
+
+@dataclass(frozen=True, eq=False)
+class Variation:
+    """The equation w' = A w + g, w(T) = rho w(0), along the orbit, with its null vectors where it is singular."""
+
+    linear: OrbitLinear
+    rho: complex
+
+    @cached_property
+    def matrix(self) -> Any:
+        return self.linear.variational(self.rho)
+
+    @cached_property
+    def bordered(self) -> Bordered:
+        return Bordered.of(self.matrix, 1)
+
+    @cached_property
+    def null(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Right null vector (values at the nodes, raw), and left one."""
+        v, _, w = self.bordered.solve()
+        return self.raw(v[:, 0]), w[:, 0]
+
+    def raw(self, x: NDArray[Any]) -> NDArray[Any]:
+        """A scaled vector as values at the nodes, (N m + 1, n)."""
+        return (x * self.linear.units[: self.linear.nu]).reshape(-1, self.linear.profile.n)
+
+    def _right(self, g: Values) -> NDArray[Any]:
+        """Scaled right-hand side of the collocation equations, (nu,)."""
+        profile, sizes = self.linear.profile, self.linear.sizes
+        rows = (profile.h[:, None, None] * profile.period * g / sizes).ravel()
+        return np.concatenate([rows, np.zeros(profile.n, rows.dtype)])
+
+    def projection(self, g: Values, left: NDArray[Any] | None = None) -> complex:
+        """Zero where the equation with right-hand side g has a solution; linear in g, of arbitrary scale."""
+        return complex(np.vdot(self.null[1] if left is None else left, self._right(g)))
+
+    def solve(self, g: Values, singular: bool) -> NDArray[Any]:
+        """A solution at the nodes."""
+        right = self._right(g)
+        if singular:
+            return self.raw(self.bordered.factors.solve(np.append(right, 0.0))[:-1])
+        from scipy.sparse.linalg import splu
+
+        matrix = self.matrix.astype(complex) if np.iscomplexobj(right) else self.matrix
+        return self.raw(splu(matrix).solve(right))
+
+
+@dataclass(frozen=True, eq=False)
+class Forms:
+    """A, B and C of the equations at the Gauss points of an orbit."""
+
+    linear: OrbitLinear
+
+    @cached_property
+    def states(self) -> Array:
+        return np.moveaxis(self.linear._points.at, -1, 0)
+
+    @cached_property
+    def field(self) -> Array:
+        return np.moveaxis(self.linear._points.f, -1, 0)
+
+    def values(self, w: NDArray[Any]) -> Values:
+        """A function at the nodes, at the Gauss points."""
+        profile = self.linear.profile
+        nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
+        return np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes])
+
+    def first(self, w: Values) -> Values:
+        return np.einsum("icka,ica->ick", np.moveaxis(self.linear._points.fu, -1, 0), w)
+
+    def apply(self, *functions: Values) -> Values:
+        """D^k f [w_1, ..., w_k]."""
+        problem, profile = self.linear.problem, self.linear.profile
+        p = problem.full_parameters(self.linear.z)
+        out = np.empty(self.states.shape, np.result_type(*functions))
+        padding = np.zeros(problem.system.p_size)
+        for index in np.ndindex(*self.states.shape[:2]):
+            if not problem.autonomous:
+                p[-1] = profile.period * self.linear._times[index]
+            directions = [np.concatenate([w[index], padding]) for w in functions]
+            out[index] = problem.system.derivative(self.states[index], p, *directions)
+        return out
+
+
+def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:
+    """Mean square 1 over the orbit."""
+    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(np.abs(w) ** 2, axis=1)))
+
+
+def fold(linear: OrbitLinear) -> float:
+    """b = <p, B(v, v) / 2 + A v> / <p, v> with v' = A v + u0'; b = <p, B(v, v)> / (2 <p, v>) with v' = A v where the
+    period does not change across the fold, or is forced.
+    """
+    forms, periodic = Forms(linear), Variation(linear, 1.0)
+    if not linear.problem.autonomous:
+        return _without_drift(periodic, forms, _normalised(linear, periodic.null[0]), periodic.null[1])
+    two = Bordered.of(periodic.matrix, 2)
+    right, _, left = two.solve()
+    kernel = np.linalg.qr(right)[0]
+    if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
+        v = forms.values(periodic.solve(forms.field, singular=True))
+        return float((periodic.projection(0.5 * forms.apply(v, v) + forms.first(v)) / periodic.projection(v)).real)
+    along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
+    p = along[1] * left[:, 0] - along[0] * left[:, 1]
+    field = _field_at_nodes(linear).ravel() / linear.units[: linear.nu]
+    parts = kernel.T @ field
+    q = kernel @ np.array([parts[1], -parts[0]])
+    return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
+
+
+def _without_drift(periodic: Variation, forms: Forms, w: NDArray[Any], p: NDArray[Any]) -> float:
+    v = forms.values(w)
+    return float((0.5 * periodic.projection(forms.apply(v, v), p) / periodic.projection(v, p)).real)
+
+
+def _field_at_nodes(linear: OrbitLinear) -> Array:
+    parameters = linear.problem.full_parameters(linear.z)
+    return np.array([linear.problem.system.value(u, parameters) for u in linear.profile.u])
+
+
+def period_doubling(linear: OrbitLinear) -> tuple[float, float]:
+    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>), and the size of the terms that it is made of."""
+    forms, periodic, antiperiodic = Forms(linear), Variation(linear, 1.0), Variation(linear, -1.0)
+    v = forms.values(_normalised(linear, antiperiodic.null[0]))
+    second = forms.apply(v, v)
+    a, h2 = _second_order(forms, periodic, second, factor=0.5)
+    terms = [forms.apply(v, v, v) / 6.0, 0.5 * forms.apply(v, h2), -a * forms.first(v)]
+    c, size = _projected(antiperiodic, v, terms)
+    return c.real, size
+
+
+def torus(linear: OrbitLinear, theta: float) -> tuple[complex, float]:
+    """d = <p, C(v, v, v') + 2 B(h11, v) + B(h20, v') - 2 a A v> / (2 <p, v>) + i a theta / T (v' the conjugate).
+
+    Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
+    """
+    forms, periodic = Forms(linear), Variation(linear, 1.0)
+    turning = Variation(linear, complex(np.exp(1j * theta)))
+    v = forms.values(_normalised(linear, turning.null[0]))
+    a, h11 = _second_order(forms, periodic, forms.apply(v, v.conj()).real, factor=1.0)
+    twice = Variation(linear, complex(np.exp(2j * theta)))
+    h20 = forms.values(twice.solve(forms.apply(v, v), singular=False))
+    terms = [
+        0.5 * forms.apply(v, v, v.conj()), forms.apply(h11, v), 0.5 * forms.apply(h20, v.conj()), -a * forms.first(v),
+    ]  # fmt: skip
+    d, size = _projected(turning, v, terms)
+    return d + 1j * a * theta / linear.profile.period, size
+
+
+def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -> tuple[float, Values]:
+    """a = factor <p, g> / <p, u0'> and the periodic h with h' = A h + g - (a / factor) u0'; a forced phase has a = 0."""
+    if not forms.linear.problem.autonomous:
+        return 0.0, forms.values(periodic.solve(g, singular=False))
+    a = float((periodic.projection(g) / periodic.projection(forms.field)).real)
+    return factor * a, forms.values(periodic.solve(g - a * forms.field, singular=True))
+
+
+def _projected(critical: Variation, v: Values, terms: list[Values]) -> tuple[complex, float]:
+    """Sum of the terms' projections in units of v's, and the sum of their sizes."""
+    unit = critical.projection(v)
+    parts = [critical.projection(g) / unit for g in terms]
+    return complex(sum(parts)), float(sum(abs(x) for x in parts))
