@@ -62,13 +62,13 @@ def state_scales(
     angles = angle_periods > 0.0
     scale[angles] = angle_periods[angles] / (2.0 * np.pi)
     coupling = np.abs(jacobian[:, :n]) if np.all(np.isfinite(jacobian)) else np.zeros((n, n))
-    balanced = _balanced(scale, coupling)
+    balanced = balance(scale, coupling)
     small = ~angles & (scale < NEGLIGIBLE * balanced)
     return np.where(small, balanced, np.where(scale > 0.0, scale, balanced))
 
 
-def _balanced(scale: Array, coupling: Array) -> Array:
-    """Fill unknown (zero) scales so that coupling to and from the others is alike; 1 where there is none."""
+def balance(scale: Array, coupling: Array) -> Array:
+    """Fill unknown (zero) scales (n,) so that coupling (n, n), moduli, to and from the others is alike; 1 without any."""
     n = scale.size
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     result = np.where(known, scale, 1.0)

@@ -18,12 +18,14 @@ from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.layout import Profile, extrema, make_scale, profile_of, sizes_of
+from contin.problems.scales import balance
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 PROBE_TOLERANCE = 1e-10
 SAME_PERIOD = 1e-5  # relative
+TINY_STATE = 1e-6  # a state this small beside the others may be zero with rounding errors
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
@@ -160,8 +162,20 @@ class OrbitProblem:
         largest = np.abs(profile.u).max(axis=0)
         periods = self.system.model.periods(self.constants())
         largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
-        floor = 1e-6 * max(float(largest.max()), 1e-300)
-        return np.where(largest > floor, largest, np.where(largest > 0.0, floor, 1.0))
+        small = largest <= TINY_STATE * float(largest.max())
+        if small.any():  # zero, up to rounding: as large as the coupling to the other states makes it
+            usual = balance(np.where(small, 0.0, largest), self._coupling(profile))
+            largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
+        return largest
+
+    def _coupling(self, profile: Profile) -> Array:
+        """Mean modulus of the Jacobian along an orbit, (n, n)."""
+        p = self.full_parameters(profile.vector())
+        total = np.zeros((self.n, self.n))
+        for u in profile.u[:: profile.m]:
+            _, jacobian = self.system.jacobian(u, p)
+            total += np.nan_to_num(np.abs(jacobian[:, : self.n]), posinf=0.0)
+        return total / len(profile.h)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         from contin.problems.orbits.linear import branch_tangents

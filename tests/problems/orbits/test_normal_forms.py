@@ -2,6 +2,7 @@
 
 from math import pi, sqrt
 
+import numpy as np
 import pytest
 
 from contin import api
@@ -36,8 +37,33 @@ def test_coefficient_of_a_fold_of_cycles_of_constant_period():
     assert abs(family["LPC1"].normal_form["b"]) == pytest.approx(sqrt(2.0), rel=1e-6)
 
 
-def moebius(cubic: float, bend: float, shear: float) -> Model:
-    """X' = mu X + cubic X^3 + bend X Y, Y' = -Y + bend X^2, theta' = 1 + shear X^2 on a band with half a twist.
+def test_coefficient_of_a_fold_with_shear_does_not_depend_on_coordinates():
+    """The first system in x, w = y + 0.3 x^2."""
+    growth, turn = "b + s - s^2", "1 + s"
+    model = Model(
+        "bent", states={"x": 0, "w": 0}, parameters={"b": -1},
+        definitions={"y": "w - 0.3*x^2", "s": "x^2 + y^2", "fx": f"({growth})*x - ({turn})*y"},
+        equations={"x": "fx", "w": f"({turn})*x + ({growth})*y + 0.6*x*fx"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "b", (-1.0, 1.0))
+    family = api.continuation(line["HB1"].switch(), "b", (-1.0, 1.0))
+    assert family["LPC1"].values["b"] == pytest.approx(-0.25, abs=1e-9)
+    assert family["LPC1"].normal_form["b"] == pytest.approx(1.5, rel=1e-5)
+
+
+def test_coefficient_of_a_fold_of_forced_orbits():
+    """x = s + sin t with s' = mu + 3 s^2: v = 1 and b = 3."""
+    model = Model(
+        "forced", states={"x": -0.3}, parameters={"mu": -0.25}, forcing={"period": "2*pi"},
+        equations={"x": "mu + 3*(x - sin(t))^2 + cos(t)"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model, {"x": -0.3}), "mu", (-1.0, 1.0))
+    assert family["LPC1"].values["mu"] == pytest.approx(0.0, abs=1e-9)
+    assert abs(family["LPC1"].normal_form["b"]) == pytest.approx(3.0, rel=1e-6)
+
+
+def moebius(cubic: float, shear: float) -> Model:
+    """X' = mu X + cubic X^3, Y' = -Y, theta' = 1 + shear X^2 on a band with half a twist.
 
     (X, Y) are the coordinates across the circle r = 1 in axes that turn by half of theta, so that X is antiperiodic.
     """
@@ -46,18 +72,17 @@ def moebius(cubic: float, bend: float, shear: float) -> Model:
         "r": "sqrt(x^2 + y^2)", "R": "r - 1", "co": "x/r", "si": "y/r",
         "cc": "(1 + co)/2", "ss": "(1 - co)/2", "cs": "si/2",
         "Xc": "R*cc + z*cs", "Xs": "R*cs + z*ss", "Yc": "z*cc - R*cs", "Ys": "z*cs - R*ss",
-        "XX": "R^2*cc + 2*R*z*cs + z^2*ss", "XY": "(z^2 - R^2)*cs + R*z*(cc - ss)",
+        "XX": "R^2*cc + 2*R*z*cs + z^2*ss",
         "gX": f"mu + ({cubic})*XX", "turn": f"1 + ({shear})*XX",
         "dR": "gX*Xc + Ys - turn/2*z", "dz": "gX*Xs - Yc + turn/2*R",
     }  # fmt: skip
     equations = {"x": "dR*co - turn*y", "y": "dR*si + turn*x", "z": "dz"}
-    assert bend == 0.0
     return Model("moebius", states=states, parameters={"mu": -0.5}, definitions=definitions, equations=equations)
 
 
 @pytest.mark.parametrize(("cubic", "shear"), [(-1.0, 0.0), (0.7, 0.0), (-0.4, 0.9)])
 def test_coefficient_and_criticality_of_a_period_doubling(cubic, shear):
-    model = moebius(cubic, 0.0, shear)
+    model = moebius(cubic, shear)
     start = api.periodic_orbit(model, {"x": 1.05, "y": 0.0, "z": 0.02}, {"mu": -0.5})
     family = api.continuation(start, "mu", (-0.5, 0.5))
     point = family["PD1"]
@@ -92,13 +117,30 @@ def test_coefficient_and_criticality_of_a_torus_bifurcation(cubic, shear, spin):
     assert point.normal_form["criticality"] == ("supercritical" if cubic < 0 else "subcritical")
 
 
-def test_period_doubling_of_the_lure_system_agrees_with_published_coefficient():
-    """MatCont's tutorial gives -4.267675e-02 there (Govaerts, Kuznetsov et al., tutorial III)."""
+def test_coefficient_of_a_period_doubling_gives_the_size_of_the_doubled_orbits():
+    """Second method, Lur'e system: half the difference of u(t) and u(t + T) is xi v with 0 = m (al - al0) + c xi^2,
+    where -exp(m (al - al0) T) is the multiplier of the simple orbit. The mean of |v|^2 is 1.
+    """
     model = Model(
         "lure", states={"x": 0, "y": 0, "z": 0}, parameters={"al": 1.5},
         equations={"x": "y", "y": "z", "z": "-al*z - y - x + x^2"},
     )  # fmt: skip
-    line = api.continuation(api.equilibrium(model), "al", (0.3, 1.5))
-    family = api.continuation(line["HB1"].switch(), "al", (0.3, 1.5))
-    print(family["PD1"].normal_form)
-    assert family["PD1"].normal_form["c"] == pytest.approx(-0.04267675, rel=1e-3)
+    line = api.continuation(api.equilibrium(model), "al", (0.6, 1.5))
+    family = api.continuation(line["HB1"].switch(), "al", (0.6, 1.5))
+    point = family["PD1"]
+    logs = []
+    for shift in (-1e-3, 1e-3):
+        z = family.problem.at_parameter(point.z, point.values["al"] + shift, point.scale)
+        multiplier = np.min(family.problem.multipliers(z).real)
+        logs.append(np.log(-multiplier) / family.problem.profile(z).period)
+    rate = (logs[1] - logs[0]) / 2e-3
+    doubled = api.continuation(point.switch(), "al", (0.6, 1.5), settings={"max_step": 0.01, "steps": 30, "step": 1e-3})
+    shifts, squares = [], []
+    for z in doubled.z[1:]:
+        profile = doubled.problem.profile(z)
+        half = 0.5 * (profile.u - profile.at((profile.times + 0.5) % 1.0))
+        squares.append(float(profile.weights @ np.sum(half**2, axis=1)))
+        shifts.append(profile.parameter - point.values["al"])
+    slope = np.polyfit(shifts, np.divide(squares, shifts), 2)[2]
+    assert point.normal_form["c"] == pytest.approx(-rate / slope, rel=1e-4)
+    assert point.normal_form["criticality"] == "supercritical"
