@@ -68,7 +68,7 @@ def state_scales(
 
 
 def balance(scale: Array, coupling: Array) -> Array:
-    """Fill unknown (zero) scales (n,) so that coupling (n, n), moduli, to and from the others is alike; 1 without any."""
+    """Fill unknown (zero) scales (n,) so that coupling (n, n) to and from the others is alike; 1 without any."""
     n = scale.size
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     result = np.where(known, scale, 1.0)

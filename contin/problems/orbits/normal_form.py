@@ -1,4 +1,4 @@
-"""Critical normal forms of periodic orbits: Kuznetsov, Govaerts, Doedel and Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407.
+"""Critical normal forms of periodic orbits (Kuznetsov, Govaerts, Doedel, Dhooge, SIAM J. Numer. Anal. 43 (2005) 1407).
 
 On the centre manifold of an orbit u0 of period T, with its phase tau and a coordinate xi, in the model's own time t,
 
@@ -207,7 +207,7 @@ def torus(linear: OrbitLinear, theta: float) -> tuple[complex, float]:
 
 
 def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -> tuple[float, Values]:
-    """a = factor <p, g> / <p, u0'> and the periodic h with h' = A h + g - (a / factor) u0'; a forced phase has a = 0."""
+    """a = factor <p, g> / <p, u0'> and the periodic h with h' = A h + g - (a / factor) u0'; forced: a = 0."""
     if not forms.linear.problem.autonomous:
         return 0.0, forms.values(periodic.solve(g, singular=False))
     a = float((periodic.projection(g) / periodic.projection(forms.field)).real)

@@ -104,7 +104,8 @@ def test_coefficient_and_criticality_of_a_torus_bifurcation(cubic, shear, spin):
     model = Model(
         "torus", states={"x": 1, "y": 0, "u": 0, "v": 0}, parameters={"a": -0.5},
         definitions={
-            "s": "x^2 + y^2", "w": "u^2 + v^2", "g": f"a + ({cubic})*w", "o": f"0.3 + ({spin})*w", "k": f"1 + ({shear})*w",
+            "s": "x^2 + y^2", "w": "u^2 + v^2", "g": f"a + ({cubic})*w",
+            "o": f"0.3 + ({spin})*w", "k": f"1 + ({shear})*w",
         },
         equations={"x": "(1 - s)*x - k*y", "y": "k*x + (1 - s)*y", "u": "g*u - o*v", "v": "o*u + g*v"},
     )  # fmt: skip
