@@ -42,10 +42,10 @@ def normal_form(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any
             return {"b": fold(linear)}
         if point.type == "PD":
             c, size = period_doubling(linear)
-            return {"c": c} | _criticality(c, size)
+            return {"c": c, **_criticality(c, size)}
         if point.type == "NS":
             d, size = torus(linear, float(point.vectors["theta"]))
-            return {"d": [d.real, d.imag]} | _criticality(d.real, size)
+            return {"d": [d.real, d.imag], **_criticality(d.real, size)}
     except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):  # exactly singular, or not finite
         pass
     return {}
@@ -97,7 +97,7 @@ class Variation:
         """A solution at the nodes."""
         right = self._right(g)
         if singular:
-            return self.raw(self.bordered.factors.solve(np.append(right, 0.0))[:-1])
+            return self.raw(np.asarray(self.bordered.factors.solve(np.append(right, 0.0)))[:-1])
         from scipy.sparse.linalg import splu
 
         matrix = self.matrix.astype(complex) if np.iscomplexobj(right) else self.matrix
@@ -122,10 +122,10 @@ class Forms:
         """A function at the nodes, at the Gauss points."""
         profile = self.linear.profile
         nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
-        return np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes])
+        return np.asarray(np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes]))
 
     def first(self, w: Values) -> Values:
-        return np.einsum("icka,ica->ick", np.moveaxis(self.linear._points.fu, -1, 0), w)
+        return np.asarray(np.einsum("icka,ica->ick", np.moveaxis(self.linear._points.fu, -1, 0), w))
 
     def apply(self, *functions: Values) -> Values:
         """D^k f [w_1, ..., w_k]."""

@@ -166,7 +166,7 @@ class OrbitProblem:
         if small.any():  # zero, up to rounding: as large as the coupling to the other states makes it
             usual = balance(np.where(small, 0.0, largest), self._coupling(profile))
             largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
-        return largest
+        return np.asarray(largest)
 
     def _coupling(self, profile: Profile) -> Array:
         """Mean modulus of the Jacobian along an orbit, (n, n)."""
