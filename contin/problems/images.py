@@ -25,7 +25,8 @@ def images(branch: Branch) -> list[Branch]:
     declared = symmetry_names(branch.problem)
     for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
-        if not any(np.allclose(candidate.z, other.z, rtol=1e-9, atol=1e-12) for other in found):
+        size = float(np.nanmax(np.abs(candidate.z[:, :-1]), initial=0.0))
+        if not any(np.allclose(candidate.z, other.z, rtol=SAME, atol=SAME * size) for other in found):
             found.append(candidate)
     return found
 

@@ -187,7 +187,7 @@ def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
         return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
-    return Verified("LP", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form)
+    return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
 
 
 def _floor(problem: Any, z: Array, frame: Frame) -> float:
@@ -243,7 +243,7 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     others = np.delete(values, critical)
     form = forms.hopf(problem, at.z, q, omega)
     error += 3.0 * forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
-    return Verified("HB", at.z, residual, error, values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
+    return Verified("HB", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
 
 
 # branch points --------------------------------------------------------------------------------------------------------
@@ -284,7 +284,7 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     others = np.delete(spectrum.values, k)
     form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
     error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
-    return Verified("BP", z, residual, error, spectrum.values, int(np.sum(others.real > 0.0)), form, {"kernel": 1})
+    return Verified("BP", z, residual, float(error), spectrum.values, int(np.sum(others.real > 0.0)), form, {"kernel": 1})
 
 
 def tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
