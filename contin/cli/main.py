@@ -297,7 +297,7 @@ def show(
 
 @app.command()
 def schema(
-    what: Annotated[str, typer.Argument(help="run, scan or result.")] = "run",
+    what: Annotated[str, typer.Argument(help="model, run, scan or result.")] = "run",
 ) -> None:
     """Print a JSON schema, for editors that check and complete YAML."""
     from contin.cli.schema import print_schema
@@ -312,6 +312,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         app(arguments, prog_name="contin")
     except ContinError as error:
         sys.stderr.write(f"{error}\n")
+        raise SystemExit(BAD_INPUT) from None
+    except OSError as error:  # files say so themselves; what is left is the terminal, or a full disk in its place
+        from contin.cli.terminal import forget_output, trouble
+
+        sys.stderr.write(f"{trouble(error)}\n")
+        forget_output()
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
         sys.stderr.write("stopped\n")

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any
 
-from contin._version import __version__
 from contin.cli.interrupt import check
+from contin.cli.outputs import provenance, tell_and_write, writable
+from contin.cli.terminal import console
 from contin.errors import InputError
 
 if TYPE_CHECKING:
@@ -112,35 +112,8 @@ def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: fl
     writable(json, plan.outputs)
     journal = open_journal(plan, resume)
     document, complete = compute(plan, orbits, errors, began, journal)
-    if not quiet:
-        from contin.cli.report import print_report
-
-        print_report(document, report)
-    write_outputs(plan, document, json, report)
+    tell_and_write(plan, document, json, report, quiet)
     return DONE if complete else CUT_SHORT
-
-
-def console(stream: TextIO, quiet: bool) -> Console:
-    """A console of the terminal's width; a file or a pipe gets long lines instead of broken ones."""
-    from rich.console import Console
-
-    return Console(file=stream, quiet=quiet, highlight=False, width=None if stream.isatty() else 200, markup=False)
-
-
-def writable(json: str | None, outputs: Mapping[str, Path]) -> None:
-    """An output that cannot be written is found before the computation, not after it."""
-    if json not in (None, "-"):
-        path = Path(str(json)).absolute()
-        if path.is_dir():
-            raise InputError(f"--json {json}: is a folder; name a file")
-        if not path.parent.is_dir():
-            raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
-    for kind, path in outputs.items():
-        above = next(folder for folder in path.absolute().parents if folder.exists())
-        if not above.is_dir():
-            raise InputError(f"outputs.{kind}: {above} is a file; {path.name} needs a folder of that name")
-        if not os.access(above, os.W_OK):
-            raise InputError(f"outputs.{kind}: the folder {above} may not be written to")
 
 
 def open_journal(plan: Plan, resume: bool) -> SqliteJournal | None:
@@ -198,45 +171,6 @@ def compute(
         phase=result.phase,
     )
     return document, result.complete
-
-
-def write_outputs(plan: Plan, document: Mapping[str, Any], json: str | None, report: Console) -> None:
-    """Write what the run file and the command line ask for."""
-    from contin.plot.write import write_picture
-    from contin.runs.outputs import make_folder
-    from contin.store import json_format
-
-    if json == "-":
-        sys.stdout.write(json_format.dumps(document))
-        sys.stdout.flush()
-    elif json is not None:
-        json_format.write(document, Path(json))
-    for kind, path in plan.outputs.items():
-        make_folder(path)
-        if kind in ("plot", "html"):
-            if not document["branches"]:
-                report.print(f"{path.name} is not drawn: there is no branch", style="yellow")
-                continue
-            write_picture(document, path, x=plan.x, y=plan.y)
-        elif kind == "save":
-            from contin.store import sqlite
-
-            sqlite.save(document, path, provenance(plan))
-        else:
-            json_format.write(document, path)
-        report.print(f"wrote {os.path.relpath(path)}")
-
-
-def provenance(plan: Plan) -> dict[str, str]:
-    """What a result file remembers of its run: the model as a file, the runs and settings, the versions."""
-    from importlib.metadata import version
-
-    packages = ("numpy", "scipy", "numba", "llvmlite")
-    return {
-        "model_text": plan.model.text(),
-        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram, plan.phase)),
-        "versions": ", ".join([f"contin {__version__}", *(f"{name} {version(name)}" for name in packages)]),
-    }
 
 
 class Status:

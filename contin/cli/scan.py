@@ -10,8 +10,10 @@ from typing import Any
 
 from contin._version import __version__
 from contin.cli.counting import counted
-from contin.cli.run import CUT_SHORT, DONE, console, parse_sets, writable
+from contin.cli.outputs import writable
+from contin.cli.run import CUT_SHORT, DONE, parse_sets
 from contin.cli.simulate import write_figure, write_json, write_table
+from contin.cli.terminal import console
 from contin.errors import InputError
 
 

@@ -8,25 +8,24 @@ from contin.errors import InputError
 
 
 def print_schema(what: str) -> int:
-    """Print the schema of run files or of results."""
-    from contin.runs.schema import RunEntry
-    from contin.store.result_schema import RESULT_SCHEMA
+    """Print the schema of model files, run files, scan files or results."""
+    if what == "model":
+        from contin.model.json_schema import model_schema
 
-    if what == "run":
-        schema = {
-            "$schema": "https://json-schema.org/draft/2020-12/schema",
-            **RunEntry.model_json_schema(by_alias=True),
-        }
+        schema = model_schema()
+    elif what == "run":
+        from contin.runs.json_schema import run_schema
+
+        schema = run_schema()
     elif what == "scan":
-        from contin.runs.scan_schema import ScanFileEntry
+        from contin.runs.json_schema import scan_schema
 
-        schema = {
-            "$schema": "https://json-schema.org/draft/2020-12/schema",
-            **ScanFileEntry.model_json_schema(by_alias=True),
-        }
+        schema = scan_schema()
     elif what == "result":
+        from contin.store.result_schema import RESULT_SCHEMA
+
         schema = RESULT_SCHEMA
     else:
-        raise InputError(f"there is no schema {what!r}: write `contin schema` run, scan or result")
+        raise InputError(f"there is no schema {what!r}: write `contin schema` model, run, scan or result")
     print(json.dumps(schema, indent=2))
     return 0

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from contin.cli.run import CUT_SHORT, DONE, console, parse_sets
+from contin.cli.run import CUT_SHORT, DONE, parse_sets
+from contin.cli.terminal import console
 from contin.errors import InputError
 
 ROWS: Final = 11  # of the table on the terminal

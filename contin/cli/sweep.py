@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from contin.cli.run import CUT_SHORT, DONE, console, parse_sets
+from contin.cli.run import CUT_SHORT, DONE, parse_sets
 from contin.cli.simulate import PICTURES, starting_point, write_figure, write_json, write_table
+from contin.cli.terminal import console
 from contin.errors import InputError
 
 

@@ -46,7 +46,8 @@ class SqliteJournal:
     def __init__(self, path: Path, mark: str, resume: bool) -> None:
         self.path, self.trouble = path, ""
         self.replayed = 0
-        resume = resume and path.exists() and _is_unfinished(path)  # killed before anything was kept: begin anew
+        unfinished = path.exists() and _is_unfinished(path)  # also refuses a file that another process writes
+        resume = resume and unfinished  # killed before anything was kept: begin anew
         if not resume:
             _discard(path)
         try:

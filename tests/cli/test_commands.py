@@ -3,11 +3,15 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 
 from contin._version import __version__
+from contin.model.bundled import folder
+from contin.model.yaml_reader import read_text
 from tests.cli.calls import FOLD, call, results, run_file
 
 HEAVY = {"numpy", "scipy", "sympy", "numba", "llvmlite", "matplotlib", "networkx", "pandas", "pydantic", "ruamel"}
@@ -92,9 +96,17 @@ def test_new_writes_files_that_pass_check_and_never_overwrites(tmp_path, monkeyp
     assert call("new", "mine") == 0
     assert call("check", "mine.yaml") == 0
     assert call("check", "mine-run.yaml") == 0
+    assert call("check", "mine.yaml", "--run") == 0
     assert call("new", "mine") == 2
     assert call("new", "../mine") == 2
     assert sorted(file.name for file in tmp_path.iterdir()) == ["mine-run.yaml", "mine.yaml"]
+    assert call("run", "mine-run.yaml", "--quiet") == 0
+    rest, cycles = results(tmp_path / "mine.json")["branches"]
+    [hopf] = rest["points"]
+    assert (hopf["label"], hopf["values"]["mu"]) == ("HB1", pytest.approx(0, abs=1e-12))
+    radius = np.array(cycles["columns"]["x.max"])  # the orbits are circles of radius sqrt(mu)
+    np.testing.assert_allclose(radius**2, cycles["columns"]["mu"], atol=1e-6)
+    assert (tmp_path / "mine.png").stat().st_size > 1000
 
 
 def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys):
@@ -116,6 +128,17 @@ def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys
     for wrong in ({"paramters": {}}, {"contin": 2}, {"continuations": [{"name": "a.b", "parameter": "mu"}]}):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate({**good, **wrong}, schema)
+
+
+def test_the_schema_of_model_files_accepts_every_bundled_file(capsys):
+    assert call("schema", "model") == 0
+    schema = json.loads(capsys.readouterr().out)
+    files = sorted(Path(folder()).rglob("*.yaml"))
+    assert len(files) > 20
+    for file in files:
+        jsonschema.validate(read_text(file.read_text(encoding="utf-8")).data, schema)
+    with pytest.raises(jsonschema.ValidationError, match="equation"):
+        jsonschema.validate({"contin": 1, "name": "m", "states": {"x": 1}, "equation": {"x": "-x"}}, schema)
 
 
 def test_the_schema_of_results_is_the_one_the_results_follow(capsys, saved):

@@ -243,7 +243,8 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     others = np.delete(values, critical)
     form = forms.hopf(problem, at.z, q, omega)
     error += 3.0 * forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
-    return Verified("HB", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form, {"omega": omega, "q": q})
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified("HB", at.z, residual, float(error), values, unstable, form, {"omega": omega, "q": q})
 
 
 # branch points --------------------------------------------------------------------------------------------------------
@@ -284,7 +285,8 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     others = np.delete(spectrum.values, k)
     form = forms.branch_point(problem, z, np.real(spectrum.vectors[:, k]))
     error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
-    return Verified("BP", z, residual, float(error), spectrum.values, int(np.sum(others.real > 0.0)), form, {"kernel": 1})
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
 
 
 def tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
