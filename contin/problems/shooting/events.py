@@ -30,7 +30,9 @@ FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, b
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
 APART = (1e-2, 2e-3)  # arclength between the orbits that a branch point is interpolated from
-CONVERGED = 1e-6  # (arclength) a Newton step below this that no longer shrinks is rounding
+CONVERGED = 1e-6  # (arclength) Newton steps below this, ...
+PATIENCE = 3  # ... of which so many in succession improved nothing, are rounding
+NEWTON = 30
 BUDGET = 14
 SETTLED = 1e-13
 KERNEL = 1e-4  # singular values below this (relative) belong to the null space
@@ -217,21 +219,30 @@ def _interpolated(
 
 
 def _beside(problem: Any, base: Array, t: Array, s: float, scale: Array) -> Array | str:
-    """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small."""
-    y, size = s * t, np.inf
-    for _ in range(10):
-        here = problem.linearisation(base + scale_of(y, scale), t, scale)
+    """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small.
+
+    On a piecewise linear map (two oscillators that cross a surface together, in either order) Newton's steps may shrink
+    slowly at first, so the best of the iterates is taken once none was better for some time.
+    """
+    y, size, best, least, since = s * t, np.inf, None, np.inf, 0
+    for _ in range(NEWTON):
+        z = base + scale_of(y, scale)
+        here = problem.linearisation(z, t, scale)
         if here is None:
             return "not finite"
         if here.sign == 0.0:
             return "singular"
+        miss = float(np.linalg.norm(np.append(here.residual, s - float(t @ y))))
+        since = 0 if miss < 0.5 * least else since + 1
+        if miss < least:
+            best, least = z, miss
+        if size < SETTLED or (size < CONVERGED and since >= PATIENCE):
+            return best if best is not None else "not finite"
         step = here.solve(np.append(-here.residual, s - float(t @ y)))
-        before, size = size, float(np.linalg.norm(step))
+        size = float(np.linalg.norm(step))
         if not size < 0.1:
             return "diverged"
         y = y + step
-        if size < SETTLED or (size < CONVERGED and size > 0.5 * before):
-            return np.asarray(base + scale_of(y, scale))
     return "no convergence"
 
 

@@ -29,8 +29,8 @@ def test_in_phase_orbits_lose_stability_where_known(beta, eps):
     branch = pair_branch(beta, eps)
     assert [p.type for p in branch.points] == ["BPC"]
     point = branch["BPC1"]
-    assert point.values["mu"] == pytest.approx(IN_PHASE[beta, eps], abs=1e-7)
-    assert point.error < 2e-6
+    assert point.values["mu"] == pytest.approx(IN_PHASE[beta, eps], abs=1e-8)
+    assert point.error < 1e-8
     assert point.normal_form["kind"] == "nonsmooth"
     if (beta, eps) in PERIODS:
         assert point.values["period"] == pytest.approx(PERIODS[beta, eps], abs=1e-8)
