@@ -9,17 +9,18 @@ from typing import Final
 from contin.errors import InputError
 from contin.model.source import Problems
 
-ENDINGS: Final[Mapping[str, tuple[str, ...]]] = {
+ENDINGS: Final[dict[str, tuple[str, ...]]] = {
     "plot": (".png", ".pdf", ".svg"),
     "html": (".html",),
     "save": (".contin",),
     "json": (".json",),
     "csv": (".csv",),
-    "scan": (".scan",),
 }
 
 
-def output_paths(written: Mapping[str, str], run_file: Path, problems: Problems) -> dict[str, Path]:
+def output_paths(
+    written: Mapping[str, str], run_file: Path, problems: Problems, endings: Mapping[str, tuple[str, ...]] = ENDINGS
+) -> dict[str, Path]:
     """The files to write, by kind; what may not be written is noted in `problems` and left out.
 
     A path must be relative, without '..', must not lead out of the run file's folder through a symbolic link, must have
@@ -28,7 +29,7 @@ def output_paths(written: Mapping[str, str], run_file: Path, problems: Problems)
     folder = run_file.parent.resolve()
     paths: dict[str, Path] = {}
     for kind, text in written.items():
-        mistake = _mistake(text, ENDINGS[kind], folder, run_file)
+        mistake = _mistake(text, endings[kind], folder, run_file)
         path = folder / PurePosixPath(text)
         if not mistake and path in paths.values():
             mistake = f"{text!r} is already written by another output; choose another name"

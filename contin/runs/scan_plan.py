@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from contin.errors import ContinError, ExpressionError, InputError
+from contin.errors import ContinError, InputError
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
 from contin.runs.load import read_entries
-from contin.runs.outputs import output_paths
+from contin.runs.outputs import ENDINGS, output_paths
 from contin.runs.plan import _model, _Planner
 from contin.runs.scan_schema import AxisEntry, ScanFileEntry
-from contin.simulate.scan import ScanSpec
-from contin.simulate.steady import Criterion
+from contin.simulate.scan.grid import ScanSpec
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +40,11 @@ def plan_scan(path: FilePath, overrides: Mapping[str, Any] | None = None) -> Sca
     model = _model(entry, source, path, problems, typed)  # type: ignore[arg-type]
     problems.raise_if_any()
     written = {
-        "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "scan": entry.outputs.save,
+        "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "save": entry.outputs.save,
     }  # fmt: skip
-    files = output_paths({kind: name for kind, name in written.items() if name is not None}, path, problems)
+    files = output_paths(
+        {kind: name for kind, name in written.items() if name is not None}, path, problems, ENDINGS | {"save": (".scan",)}
+    )
     planner = _Planner(model, problems, {**entry.parameters, **typed})
     planner.check_parameters(entry.parameters, typed)
     axes = []
@@ -59,17 +60,20 @@ def plan_scan(path: FilePath, overrides: Mapping[str, Any] | None = None) -> Sca
         else:
             numbers = [planner.formula(value, (*place, k)) for k, value in enumerate(axis)]
             axes.append((name, np.array([number for number in numbers if number is not None])))
-    starts = [planner.start(start, ("scan", "starts", k)) for k, start in enumerate(entry.scan.starts or [])] or [None]
+    written_starts = entry.scan.starts or []
+    if isinstance(written_starts, Mapping):
+        names, starts = tuple(written_starts), [
+            planner.start(start, ("scan", "starts", name)) for name, start in written_starts.items()
+        ]
+    else:
+        names, starts = (), [planner.start(start, ("scan", "starts", k)) for k, start in enumerate(written_starts)]
     problems.raise_if_any()
     try:
-        criterion = Criterion(**entry.scan.settle.model_dump())
         spec = ScanSpec(
-            model, tuple(axes), tuple(starts), planner.overrides, dict(entry.scan.measures),
-            dict(entry.scan.classes), criterion,
+            model, tuple(axes), tuple(starts) or (None,), planner.overrides, dict(entry.scan.measures),
+            dict(entry.scan.classes), entry.scan.settle.model_dump(exclude_none=True), names,
         )  # fmt: skip
         spec.check()
-    except ExpressionError as error:
-        raise InputError(f"{path}: scan: {error}") from None
     except ContinError as error:
         raise InputError(f"{path}: scan: {error}") from None
     return ScanPlan(spec, files, entry.title or model.title)

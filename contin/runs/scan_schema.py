@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, WithJsonSchema, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, WithJsonSchema
 
 from contin.model.schema import FORMAT_VERSION, Formula, Text
 from contin.runs.schema import (
@@ -14,10 +14,10 @@ from contin.runs.schema import (
     Pass,
     Positive,
     Section,
+    Start,
     Starts,
     _listed,
     _version,
-    _wrong,
 )
 
 
@@ -38,25 +38,35 @@ Axis = Annotated[
 ]
 
 
+def _named_or_not(value: object) -> str:
+    named = isinstance(value, dict) and value and all(isinstance(v, dict | str) for v in value.values())
+    return "(long)" if named and not {"parameters", *value} == {"parameters"} else "(short)"
+
+
+NamedStarts = Annotated[
+    Annotated[Starts, Tag("(short)")] | Annotated[dict[str, Start], Tag("(long)")], Discriminator(_named_or_not)
+]
+
+
 class SettleEntry(Section):
     """When a run has settled: see `contin.simulate.steady.Criterion`."""
 
-    window: Positive
-    tolerance: Positive = 1e-3
-    longest: Positive = 1e4
-    samples: Count = 400
-    rtol: Positive = 1e-8
-    box: Positive = 1e6
+    window: Positive | None = None
+    tolerance: Positive | None = None
+    longest: Positive | None = None
+    samples: Count | None = None
+    rtol: Positive | None = None
+    box: Positive | None = None
 
 
 class ScanEntry(Section):
     """`axes` are parameters (a scan) or states (basins of attraction), or both; each start is run at each point."""
 
     axes: Annotated[dict[str, Axis], Field(min_length=1, max_length=4)]
-    starts: Starts | None = None
+    starts: NamedStarts | None = None
     measures: dict[str, Text] = Field(default_factory=dict)
     classes: dict[str, Text] = Field(default_factory=dict)
-    settle: SettleEntry
+    settle: SettleEntry = SettleEntry()
 
 
 class ScanOutputsEntry(Section):
@@ -81,9 +91,3 @@ class ScanFileEntry(Section):
     parameters: dict[str, Formula] = Field(default_factory=dict)
     scan: ScanEntry
     outputs: ScanOutputsEntry = ScanOutputsEntry()
-
-    @model_validator(mode="after")
-    def _names_apart(self) -> ScanFileEntry:
-        if "other" in self.scan.classes:
-            raise _wrong("the class 'other' is what remains; give this class another name")
-        return self

@@ -1,12 +1,16 @@
-"""When has a trajectory settled? Functions of the state over two successive windows of time, compared.
+"""When has a trajectory settled? Functions of the state over three successive windows of time, compared.
 
-A steady state here is whatever repeats: an equilibrium, a cycle, a beating of two oscillators, provided the window is
-longer than a few of its periods. It is not decided by waiting a fixed long time.
+A steady state here is whatever repeats: an equilibrium, a cycle, two oscillators that beat, also quasiperiodic motion.
+It is not decided by waiting a fixed long time: the windows grow with the time that has passed, so that a beating as slow
+as may be comes to fit into them, until they agree.
+
+Means are taken with the weight sin^4 over the window. Of an oscillation with N turns in the window such a mean keeps
+about 1.3/N^5 of the amplitude (a plain one 1/N), wherever the window begins, so that windows of equal motion agree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -18,34 +22,44 @@ from contin.simulate.flight import fly
 from contin.simulate.run import observed
 
 STATISTICS: Final = ("min", "mean", "max")
-FINEST: Final = 20_000  # samples of a window
+FINEST: Final = 20_000  # samples of the shortest window
+WINDOWS: Final = 200.0  # longest time, in windows
+GROWTH: Final = 1.25  # of the time between two looks
+BEFORE: Final = 0.1  # part of a quantity's largest modulus ever that counts towards its size now
+STEADY_NOISE: Final = 1e-2  # (of the tolerance) changes below this have no direction
+DECAY: Final = 0.95  # a change that shrinks by less does not tell what is left
 
 
 @dataclass(frozen=True)
 class Criterion:
     """How long to wait, and what counts as settled.
 
-    window : time over which minima, means and maxima are taken.  tolerance : they differ by less than this (times the
-    size of the quantity) between two successive windows.  longest : time at which waiting ends, unsettled.
-    samples : times a window at which the quantities are evaluated.
+    window : the shortest window of time.  After a time T, at least 4 windows, the second, third and last quarter of T
+    are compared: mean and standard deviation of every quantity. tolerance : settled where what is still to change,
+    extrapolated from both changes, is less than this (in units of the quantity's largest modulus); changes that grow
+    (a state about to be left) settle nothing.  longest : time at which waiting ends, unsettled (default: 200 windows).
+    samples : times in the shortest window at which the quantities are evaluated.
+    rtol : of the integrator.  box : modulus of a state at which a run has escaped.
     """
 
     window: float
-    tolerance: float = 1e-3
-    longest: float = 1e4
+    tolerance: float = 1e-4
+    longest: float = 0.0
     samples: int = 400
     rtol: float = 1e-8
     box: float = 1e6
 
     def __post_init__(self) -> None:
+        if self.longest == 0.0:
+            object.__setattr__(self, "longest", WINDOWS * self.window)
         for name in ("window", "tolerance", "longest", "rtol", "box"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
                 raise InputError(f"{name} must be a positive number; got {value!r}")
         if not 8 <= self.samples <= FINEST:
             raise InputError(f"samples must be a whole number from 8 to {FINEST}; got {self.samples!r}")
-        if self.longest < 2.0 * self.window:
-            raise InputError(f"longest must be at least two windows ({2.0 * self.window:g}); got {self.longest:g}")
+        if self.longest < 4.0 * self.window:
+            raise InputError(f"longest must be at least four windows ({4.0 * self.window:g}); got {self.longest:g}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,58 +77,111 @@ class Settled:
 
 
 def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
-    """Integrate until the system's observables have settled.
+    """Integrate (iterate) until the system's observables have settled.
 
-    A compiled system whose model's observables are the quantities to watch (`contin.simulate.scan` makes one).
+    `system` : compiled, with the quantities to watch as its observables (`contin.simulate.watch`).
     """
-    u, time, before = np.array(u, dtype=float), 0.0, None
-    statistics = np.full((3, len(system.observable_names)), np.nan)
-    if system.kind == "map":
-        return _settle_map(system, u, p, criterion)
-    atol = 1e-3 * criterion.rtol
+    advance = _iterates(system, p, criterion) if system.kind == "map" else _flight(system, p, criterion)
+    u = np.array(u, dtype=float)
+    quarter = max(round(criterion.window), 8) if system.kind == "map" else criterion.samples
+    step = 1.0 if system.kind == "map" else criterion.window / criterion.samples
+    most = int(criterion.longest / step * (1.0 + 1e-12))
+    values, done, target = np.empty((0, len(system.observable_names))), 0, 4 * quarter
+    while True:
+        u, found, end, outcome, why = advance(u, done, target - done)
+        values = np.vstack([values, found])
+        done = len(values)
+        if outcome != "done":
+            return Settled(_summary(values[-max(done // 4, 1) :]), u, end, outcome, why)
+        if _has_settled(values, criterion.tolerance):
+            return Settled(_summary(values[-(done // 4) :]), u, step * done, "settled")
+        if done >= most:
+            return Settled(
+                _summary(values[-(done // 4) :]), u, step * done, "unsettled", f"not settled at t = {step * done:.6g}"
+            )
+        target = min(int(np.ceil(GROWTH * done)), most)
+
+
+Advance = Callable[[Array, int, int], tuple[Array, Array, float, str, str]]
+
+
+def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
+    """(u, samples so far, samples wanted) -> (u, values, time, outcome, why) of a flow."""
     step = criterion.window / criterion.samples
-    while time + criterion.window <= criterion.longest * (1.0 + 1e-12):
-        times = time + step * np.arange(1.0, criterion.samples + 1.0)
+
+    def advance(u: Array, done: int, count: int) -> tuple[Array, Array, float, str, str]:
+        times = step * np.arange(done + 1.0, done + count + 1.0)
         flight = fly(
-            system, u, p, criterion.window, start=time, times=times, rtol=criterion.rtol, atol=atol, box=criterion.box
-        )
-        if flight.outcome != "done":
-            return Settled(statistics, flight.end[: system.n], flight.end_time, flight.outcome, flight.why)
-        u, time = flight.end[: system.n].copy(), time + criterion.window
-        statistics = _statistics(observed(system, flight.u, p, flight.t))
-        if before is not None and _alike(before, statistics, criterion.tolerance):
-            return Settled(statistics, u, time, "settled")
-        before = statistics
-    return Settled(statistics, u, time, "unsettled", f"not settled at t = {time:.6g}")
+            system, u, p, float(times[-1]) - step * done, start=step * done, times=times, rtol=criterion.rtol,
+            atol=1e-3 * criterion.rtol, box=criterion.box,
+        )  # fmt: skip
+        values = observed(system, flight.u, p, flight.t)
+        if flight.outcome == "done" and len(values) < count:  # the last time differs from the end by rounding
+            values = np.vstack([values, observed(system, flight.end[None, : system.n], p, times[-1:])])
+        return flight.end[: system.n].copy(), values, flight.end_time, flight.outcome, flight.why
+
+    return advance
 
 
-def _settle_map(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
-    """The same for a map: a window of `window` iterates."""
-    count, time, before = max(round(criterion.window), 8), 0, None
-    statistics = np.full((3, len(system.observable_names)), np.nan)
-    while time + count <= criterion.longest:
+def _iterates(system: Any, p: Array, criterion: Criterion) -> Advance:
+    """The same of a map."""
+
+    def advance(u: Array, done: int, count: int) -> tuple[Array, Array, float, str, str]:
         states = np.empty((count, system.n))
         for k in range(count):
             u = system.value(u, p)
             if not np.all(np.abs(u) <= criterion.box):
-                return Settled(statistics, u, float(time + k), "escaped", "left the box")
+                values = observed(system, states[:k], p, np.arange(k, dtype=float))
+                return u, values, float(done + k + 1), "escaped", f"left the box: a state exceeds {criterion.box:.6g}"
             states[k] = u
-        time += count
-        statistics = _statistics(observed(system, states, p, np.arange(count, dtype=float)))
-        if before is not None and _alike(before, statistics, criterion.tolerance):
-            return Settled(statistics, u, float(time), "settled")
-        before = statistics
-    return Settled(statistics, u, float(time), "unsettled", f"not settled after {time} iterates")
+        return u, observed(system, states, p, np.arange(count, dtype=float)), float(done + count), "done", ""
+
+    return advance
 
 
-def _statistics(values: Array) -> Array:
-    return np.array([values.min(axis=0), values.mean(axis=0), values.max(axis=0)])
+def _has_settled(values: Array, tolerance: float) -> bool:
+    """True where the second, third and last quarter of the samples agree, or approach a limit that is near enough."""
+    count = len(values) // 4
+    windows = values[len(values) - 3 * count :].reshape(3, count, -1)
+    if not np.all(np.isfinite(windows)):
+        return False
+    weights = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 4
+    weights /= weights.sum()
+    means = np.einsum("j,wjk->wk", weights, windows)
+    spreads = np.sqrt(np.einsum("j,wjk->wk", weights, (windows - means[:, None]) ** 2))
+    size = np.maximum(np.abs(windows).max(axis=(0, 1)), BEFORE * np.abs(values).max(axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    first, second = (
+        max(float((np.abs(s[k + 1] - s[k]) / size).max(initial=0.0)) for s in (means, spreads)) for k in (0, 1)
+    )
+    if max(first, second) <= STEADY_NOISE * tolerance:
+        return True
+    ratio = second / first if first > 0.0 else np.inf
+    return bool(ratio < DECAY and second <= tolerance and second * ratio / (1.0 - ratio) <= tolerance)
 
 
-def _alike(a: Array, b: Array, tolerance: float) -> bool:
-    """True where no statistic moved by more than tolerance, in units of each quantity's largest modulus (or 1)."""
-    size = np.maximum(np.maximum(np.abs(a).max(axis=0), np.abs(b).max(axis=0)), 1e-3)
-    return bool(np.all(np.abs(a - b) <= tolerance * size))
+def _summary(values: Array) -> Array:
+    """(3, k): smallest value, mean with the weight sin^4, largest value; NaN without values."""
+    if not len(values):
+        return np.full((3, values.shape[1]), np.nan)
+    weights = np.sin(np.pi * (np.arange(len(values)) + 0.5) / len(values)) ** 4
+    mean = weights @ values / weights.sum()
+    return np.array([-_largest(-values), mean, _largest(values)])
+
+
+def _largest(values: Array) -> Array:
+    """Largest value of each column, between samples by the parabola through the largest and its neighbours."""
+    count, columns = len(values), np.arange(values.shape[1])
+    best = np.argmax(values, axis=0)
+    top = values[best, columns]
+    if count < 3:
+        return np.asarray(top)
+    inner = np.clip(best, 1, count - 2)
+    a, b, c = (values[inner + d, columns] for d in (-1, 0, 1))
+    bend = a - 2.0 * b + c
+    shift = 0.5 * (a - c) / np.where(bend < 0.0, bend, -1.0)
+    usable = (best == inner) & (bend < 0.0) & (np.abs(shift) <= 1.0)
+    return np.asarray(np.where(usable, b - 0.25 * (a - c) * shift, top))
 
 
 def named_statistics(names: tuple[str, ...], statistics: Array) -> dict[str, float]:
@@ -124,31 +191,3 @@ def named_statistics(names: tuple[str, ...], statistics: Array) -> dict[str, flo
         for k, name in enumerate(names)
         for row, what in enumerate(STATISTICS)
     }
-
-
-def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
-    """The model with the quantities to watch as its observables.
-
-    By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, .. of their
-    phase differences; otherwise states and observables.
-    """
-    from contin.model.expression import Expression, symbol
-
-    if measures:
-        chosen = {name: e if isinstance(e, Expression) else model.expression(str(e)) for name, e in measures.items()}
-    elif model.averaging is not None:
-        chosen = _of_oscillators(model)
-    else:
-        chosen = {name: symbol(name) for name in model.state_names} | dict(model.observables)
-    return model.replace(observables=chosen)
-
-
-def _of_oscillators(model: Any) -> dict[str, Any]:
-    pairs = [(o.position, o.velocity) for o in model.averaging.oscillators]
-    amplitudes = {f"r{k + 1}": model.expression(f"sqrt({x}^2 + {y}^2)") for k, (x, y) in enumerate(pairs)}
-    cosines = {}
-    x1, y1 = pairs[0]
-    for k, (x, y) in enumerate(pairs[1:], 2):
-        product = f"sqrt(({x1}^2 + {y1}^2)*({x}^2 + {y}^2)) + 1e-12"
-        cosines[f"c1{k}"] = model.expression(f"({x1}*{x} + {y1}*{y})/({product})")
-    return amplitudes | cosines

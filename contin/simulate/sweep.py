@@ -10,7 +10,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.simulate.steady import STATISTICS, Criterion, settle, watching
+from contin.simulate.steady import STATISTICS, Criterion, settle
+from contin.simulate.watch import watching
 
 STEPS = 60
 LARGEST = 100_000
@@ -108,11 +109,10 @@ def parameters_of(model: Any, start: Any) -> dict[str, Any]:
 
 
 def default_criterion(system: Any, u: Array, p: Array) -> Criterion:
-    """A window of about 30 turns of the fastest linear rate at the start (a map: 200 iterates)."""
+    """Windows of 30 turns or more of the fastest linear rate at the start (a map: of 200 iterates)."""
     if system.kind == "map":
-        return Criterion(200.0, longest=1e5)
+        return Criterion(200.0)
     full = np.append(p, 0.0) if system.is_forced else p
     _, jacobian = system.jacobian(u, full)
     fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max()) if np.all(np.isfinite(jacobian)) else 1.0
-    rate = fastest if fastest > 0.0 else 1.0
-    return Criterion(30.0 * 2.0 * np.pi / rate, longest=6e3 * 2.0 * np.pi / rate)
+    return Criterion(30.0 * 2.0 * np.pi / (fastest if fastest > 0.0 else 1.0))

@@ -7,8 +7,8 @@ import pytest
 
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.simulate.scan import ScanSpec, scan
-from contin.simulate.steady import Criterion
+from contin.simulate.scan.carry_out import carry_out
+from contin.simulate.scan.grid import ScanSpec
 from tests.cli.calls import call
 
 MODEL = Model("bistable", states={"x": 1}, parameters={"p": 0}, equations={"x": "p + 3*x - x^3"})
@@ -17,12 +17,12 @@ CLASSES = {"upper": "x_min > 1", "lower": "x_max < -1"}
 
 def spec(**changes):
     axes = (("p", np.linspace(-3.0, 3.0, 7)), ("x", np.array([-1.5, 1.5])))
-    return ScanSpec(MODEL, **{"axes": axes, "classes": CLASSES, "criterion": Criterion(20.0, longest=400.0)} | changes)
+    return ScanSpec(MODEL, **{"axes": axes, "classes": CLASSES, "settle": {"window": 20.0, "longest": 400.0}} | changes)
 
 
 def test_each_start_settles_on_the_branch_of_its_basin():
     chosen = spec()
-    rows = scan(chosen, threads=2)
+    rows = carry_out(chosen, threads=2)
     assert len(rows) == 14
     for job, outcome in rows.items():
         (p, x), _ = chosen.place(job)
@@ -32,22 +32,22 @@ def test_each_start_settles_on_the_branch_of_its_basin():
 
 
 def test_the_basin_boundary_is_the_unstable_equilibrium():
-    rows = scan(spec(axes=(("x", np.array([-0.02, -0.01, 0.01, 0.02])),)), threads=1)
+    rows = carry_out(spec(axes=(("x", np.array([-0.02, -0.01, 0.01, 0.02])),)), threads=1)
     assert [rows[k].label for k in range(4)] == ["lower", "lower", "upper", "upper"]
 
 
 def test_known_runs_are_not_computed_again():
-    first = scan(spec(), threads=1)
+    first = carry_out(spec(), threads=1)
     new = []
-    again = scan(spec(), threads=1, known={k: first[k] for k in range(10)}, record=lambda job, _: new.append(job))
+    again = carry_out(spec(), threads=1, known={k: first[k] for k in range(10)}, record=lambda job, _: new.append(job))
     assert sorted(new) == [10, 11, 12, 13]
     assert again == first
 
 
 def test_waiting_has_an_end():
     drift = Model("drift", states={"x": 0}, parameters={"v": 1}, equations={"x": "v"})
-    chosen = ScanSpec(drift, (("v", np.array([1.0])),), criterion=Criterion(10.0, longest=100.0))
-    outcome = scan(chosen, threads=1)[0]
+    chosen = ScanSpec(drift, (("v", np.array([1.0])),), settle={"window": 10.0, "longest": 100.0})
+    outcome = carry_out(chosen, threads=1)[0]
     assert outcome.outcome == "unsettled"
     assert outcome.time == pytest.approx(100.0)
 
@@ -96,8 +96,8 @@ def test_another_scan_is_not_resumed(tmp_path, capsys):
 
 @pytest.mark.parametrize(("change", "message"), [
     ({"axes": {"q": [1]}}, "neither a parameter nor a state"),
-    ({"settle": {"window": 20, "longest": 21}}, "two windows"),
-    ({"settle": {}}, "window"),
+    ({"settle": {"window": 20, "longest": 41}}, "four windows"),
+    ({"settle": {"window": -1}}, "window"),
     ({"classes": {"odd": "y_max > 1"}}, "y_max"),
 ])  # fmt: skip
 def test_mistakes_in_a_scan_file_end_with_one_message(tmp_path, capsys, change, message):
@@ -111,4 +111,4 @@ def test_mistakes_in_a_scan_file_end_with_one_message(tmp_path, capsys, change, 
 def test_a_cluster_of_processes_finds_the_same():
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        assert scan(spec(), cluster=cluster.scheduler_address) == scan(spec(), threads=1)
+        assert carry_out(spec(), cluster=cluster.scheduler_address) == carry_out(spec(), threads=1)

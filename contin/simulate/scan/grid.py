@@ -1,0 +1,159 @@
+"""What a scan runs: a grid over parameters or initial states, several starts, and the names of what may be found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import ExpressionError, InputError
+from contin.simulate.steady import STATISTICS, Criterion
+from contin.simulate.watch import watching
+
+LARGEST: Final = 10_000_000  # runs
+OTHER: Final = "other"
+NO_START: Final = "no start"
+RESERVED: Final = (OTHER, NO_START, "escaped", "sliding", "stopped")  # names of what is no class of the user's
+
+
+@dataclass(frozen=True, eq=False)
+class ScanSpec:
+    """What to run. Run number k stands for a point of the grid (axes in order, the last one fastest) and a start.
+
+    axes : (name, values) of parameters or states.  starts : named starts, mappings of states, or None.
+    measures : {name: formula} of the quantities watched.  classes : {name: condition} in the names QUANTITY_min,
+    QUANTITY_mean, QUANTITY_max and the parameters; the first that holds names a run, `other` where none does.
+    settle : fields of `contin.simulate.steady.Criterion`; without a window, 30 turns of the fastest rate at the start.
+    names : of the starts.
+    """
+
+    model: Any
+    axes: tuple[tuple[str, Array], ...]
+    starts: tuple[Any, ...] = (None,)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    measures: Mapping[str, str] = field(default_factory=dict)
+    classes: Mapping[str, str] = field(default_factory=dict)
+    settle: Mapping[str, Any] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was given; the rest is made again on the other side."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def __len__(self) -> int:
+        return math.prod(len(values) for _, values in self.axes) * len(self.starts)
+
+    def check(self) -> None:
+        """Raises InputError or ExpressionError for formulas and names that cannot be carried out."""
+        for name, values in self.axes:
+            if name not in (*self.model.parameter_names, *self.model.state_names):
+                raise InputError(f"{self.model.name} has neither a parameter nor a state {name!r}")
+            if not len(values) or not np.all(np.isfinite(values)):
+                raise InputError(f"the axis {name} needs finite values, one or more")
+        if len(self) > LARGEST:
+            raise InputError(f"{len(self)} runs are more than {LARGEST}")
+        for name in self.classes:
+            if name in RESERVED:
+                raise InputError(f"the class {name!r} has a meaning of its own; give this class another name")
+        clash = next((name for name, _ in self.axes if name in ("start", "class", "outcome", "time")), None)
+        if clash is not None:
+            raise InputError(f"an axis may not be named {clash}, which is another column of the table")
+        _ = self.conditions
+        Criterion(**{"window": 1.0, **self.settle})
+
+    @cached_property
+    def watched(self) -> Any:
+        """The model with the measures as observables."""
+        return watching(self.model, self.measures)
+
+    @cached_property
+    def quantities(self) -> tuple[str, ...]:
+        return tuple(self.watched.observables)
+
+    @cached_property
+    def conditions(self) -> dict[str, Any]:
+        """The classes' conditions, parsed."""
+        from contin.model.expression import symbol
+        from contin.model.parser import parse_operand
+        from contin.model.scope import Scope
+
+        statistics = [f"{name}_{what}" for name in self.quantities for what in STATISTICS]
+        names = {name: symbol(name) for name in (*self.model.parameter_names, *statistics)}
+        parsed = {}
+        for label, text in self.classes.items():
+            try:
+                operand = parse_operand(text, Scope(names, self.model.functions))
+            except ExpressionError as error:
+                raise ExpressionError(f"class {label!r}: {error} (known: {', '.join(statistics)})") from None
+            if not operand.condition:
+                raise InputError(f"class {label!r}: {text!r} is a number, not a condition; write, say, r1_max < 0.1")
+            parsed[label] = operand.node
+        return parsed
+
+    def place(self, job: int) -> tuple[tuple[float, ...], int]:
+        """The values on the axes, and the number of the start, of run `job`."""
+        return place(job, [values for _, values in self.axes], len(self.starts))
+
+    @cached_property
+    def start_names(self) -> tuple[str, ...]:
+        """As given in `names`, as the model names them, or start1, start2, .. by number."""
+        if self.names:
+            return tuple(self.names)
+        return tuple(
+            start if isinstance(start, str) else "default" if start is None else f"start{k + 1}"
+            for k, start in enumerate(self.starts)
+        )
+
+    def head(self) -> dict[str, Any]:
+        """All that the numbers of the runs refer to, as data for JSON."""
+        return {
+            "axes": {name: [float(v) for v in values] for name, values in self.axes},
+            "starts": list(self.start_names),
+            "quantities": list(self.quantities),
+            "classes": dict(self.classes),
+            "settle": dict(self.settle),
+        }
+
+
+def place(job: int, axes: Sequence[Any], starts: int) -> tuple[tuple[float, ...], int]:
+    """The values on the axes (the last one runs fastest), and the number of the start, of run `job`."""
+    rest, start = divmod(job, starts)
+    values = []
+    for axis in reversed(axes):
+        rest, k = divmod(rest, len(axis))
+        values.append(float(axis[k]))
+    return tuple(reversed(values)), start
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one run came to: its class, how it ended and when, the statistics of the last window."""
+
+    label: str
+    outcome: str
+    time: float
+    statistics: Mapping[str, float]
+
+
+def table(head: Mapping[str, Any], rows: Mapping[int, Outcome]) -> dict[str, list[Any]]:
+    """The finished runs in order, a row each: axes, start, class, outcome, time, statistics."""
+    axes = head["axes"]
+    names = [f"{q}_{what}" for q in head["quantities"] for what in STATISTICS]
+    columns: dict[str, list[Any]] = {key: [] for key in (*axes, "start", "class", "outcome", "time", *names)}
+    for job in sorted(rows):
+        values, start = place(job, list(axes.values()), len(head["starts"]))
+        outcome = rows[job]
+        for name, value in zip(axes, values, strict=True):
+            columns[name].append(value)
+        columns["start"].append(head["starts"][start])
+        columns["class"].append(outcome.label)
+        columns["outcome"].append(outcome.outcome)
+        columns["time"].append(outcome.time)
+        for name in names:
+            columns[name].append(outcome.statistics.get(name, math.nan))
+    return columns

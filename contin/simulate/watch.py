@@ -1,0 +1,55 @@
+"""The quantities that are watched until they settle: those asked for, or what a model's declarations suggest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from contin.errors import InputError
+
+ASLEEP: Final = "1e-6"  # product of two amplitudes far below which their phase difference counts for nothing
+
+
+def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
+    """The model with the quantities to watch as its observables.
+
+    By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, c13, .. of
+    their phase differences from the first; otherwise states (of an angle its cosine and sine) and observables.
+    Raises ExpressionError for a formula that is none.
+    """
+    from contin.model.expression import Expression
+
+    if measures:
+        for name in measures:
+            if not name.isidentifier():
+                raise InputError(f"a measure needs a name of letters, digits and _; got {name!r}")
+        chosen = {name: e if isinstance(e, Expression) else model.expression(str(e)) for name, e in measures.items()}
+    elif model.averaging is not None:
+        chosen = _of_oscillators(model)
+    else:
+        chosen = _of_states(model) | dict(model.observables)
+    return model.replace(observables=chosen)
+
+
+def _of_states(model: Any) -> dict[str, Any]:
+    from contin.model.expression import call, symbol
+
+    chosen: dict[str, Any] = {}
+    for state in model.states:
+        if state.period is None:
+            chosen[state.name] = symbol(state.name)
+        else:  # an angle that goes round never settles
+            turn = symbol(state.name) * model.expression("2*pi") / state.period
+            chosen |= {f"cos_{state.name}": call("cos", turn), f"sin_{state.name}": call("sin", turn)}
+    return chosen
+
+
+def _of_oscillators(model: Any) -> dict[str, Any]:
+    pairs = [(o.position, o.velocity) for o in model.averaging.oscillators]
+    amplitudes = {f"r{k + 1}": model.expression(f"sqrt({x}^2 + {y}^2)") for k, (x, y) in enumerate(pairs)}
+    cosines = {}
+    x1, y1 = pairs[0]
+    for k, (x, y) in enumerate(pairs[1:], 2):
+        product = f"sqrt(({x1}^2 + {y1}^2)*({x}^2 + {y}^2)) + {ASLEEP}"
+        cosines[f"c1{k}"] = model.expression(f"({x1}*{x} + {y1}*{y})/({product})")
+    return amplitudes | cosines
