@@ -9,6 +9,10 @@ from contin.store.results import export_results, read_results
 
 def export_file(file: Path, out: Path) -> int:
     """Convert the results in `file` to the format that the ending of `out` names."""
+    if file.suffix == ".scan":
+        from contin.cli.scan import export_scan
+
+        return export_scan(file, out)
     export_results(read_results(file), out)
     print(out)
     return 0

@@ -204,12 +204,16 @@ def scan(
     resume: Annotated[
         bool, typer.Option("--resume", help="Finish a scan that was killed, from the file of `outputs: save:`.")
     ] = False,
+    over: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option("--over", help="Draw the curves of these results (.contin or .json) over the picture."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Simulate over a grid of parameters or initial states, several starts each, and name what each settles on."""
     from contin.cli.scan import scan_file
 
-    raise typer.Exit(scan_file(file, json, sets or [], threads, cluster, resume, quiet))
+    raise typer.Exit(scan_file(file, json, sets or [], threads, cluster, resume, over, quiet))
 
 
 @app.command()
@@ -233,22 +237,23 @@ def models() -> None:
 
 @app.command()
 def plot(
-    file: Annotated[Path, typer.Argument(help="Results: .contin or .json.")],
+    file: Annotated[Path, typer.Argument(help="Results: .contin, .json or .scan.")],
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help=".png, .pdf, .svg or .html (default: FILE.png).")
     ] = None,
     x: Annotated[Optional[str], typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,  # noqa: UP045
     y: Annotated[Optional[list[str]], typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,  # noqa: UP045
+    over: Annotated[Optional[Path], typer.Option("--over", help="Curves to draw over a scan.")] = None,  # noqa: UP045
 ) -> None:
     """Draw saved results."""
     from contin.cli.plot import plot_file
 
-    raise typer.Exit(plot_file(file, out, x, y))
+    raise typer.Exit(plot_file(file, out, x, y, over))
 
 
 @app.command()
 def export(
-    file: Annotated[Path, typer.Argument(help="Results: .contin or .json.")],
+    file: Annotated[Path, typer.Argument(help="Results: .contin, .json or .scan.")],
     out: Annotated[Path, typer.Argument(help="File to write: .json, .csv or .nc.")],
 ) -> None:
     """Write saved results in another format."""

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from contin.errors import InputError
 from contin.plot.write import write_picture
 from contin.store.results import read_results
 
 
-def plot_file(file: Path, out: Path | None, x: str | None, y: list[str] | None) -> int:
+def plot_file(file: Path, out: Path | None, x: str | None, y: list[str] | None, over: Path | None = None) -> int:
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
+    if file.suffix == ".scan":
+        from contin.cli.scan import plot_scan
+
+        return plot_scan(file, out, x, y[0] if y else None, over)
+    if over is not None:
+        raise InputError("--over is for a scan: contin plot FILE.scan --over RESULTS")
     write_picture(read_results(file), out, x=x, y=y or None)
     print(out)
     return 0

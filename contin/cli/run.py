@@ -26,11 +26,17 @@ def run_file(
     file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float, resume: bool = False
 ) -> int:
     """Carry out a run file; the exit code."""
-    from contin.runs.load import load_run_file
+    from contin.model.yaml_reader import read_file
+    from contin.runs.load import read_run
     from contin.runs.plan import make_plan
 
     overrides = parse_sets(sets)
-    entry, source = load_run_file(file)
+    document = read_file(file)
+    if isinstance(document.data, Mapping) and "scan" in document.data:
+        from contin.cli.scan import scan_file
+
+        return scan_file(file, json, sets, None, None, resume, None, quiet)
+    entry, source = read_run(document.data, document.source), document.source
     return carry_out(make_plan(entry, source, file, overrides), json, orbits, quiet, began, resume)
 
 

@@ -42,9 +42,8 @@ def plan_scan(path: FilePath, overrides: Mapping[str, Any] | None = None) -> Sca
     written = {
         "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "save": entry.outputs.save,
     }  # fmt: skip
-    files = output_paths(
-        {kind: name for kind, name in written.items() if name is not None}, path, problems, ENDINGS | {"save": (".scan",)}
-    )
+    wanted = {kind: name for kind, name in written.items() if name is not None}
+    files = output_paths(wanted, path, problems, ENDINGS | {"save": (".scan",)})
     planner = _Planner(model, problems, {**entry.parameters, **typed})
     planner.check_parameters(entry.parameters, typed)
     axes = []

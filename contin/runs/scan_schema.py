@@ -39,8 +39,10 @@ Axis = Annotated[
 
 
 def _named_or_not(value: object) -> str:
-    named = isinstance(value, dict) and value and all(isinstance(v, dict | str) for v in value.values())
-    return "(long)" if named and not {"parameters", *value} == {"parameters"} else "(short)"
+    """One start written as a mapping, or several as {name: start}; `parameters: {..}` belongs to a start."""
+    if not isinstance(value, dict) or not value or set(value) == {"parameters"}:
+        return "(short)"
+    return "(long)" if all(isinstance(part, dict) for part in value.values()) else "(short)"
 
 
 NamedStarts = Annotated[

@@ -1,8 +1,8 @@
 """When has a trajectory settled? Functions of the state over three successive windows of time, compared.
 
 A steady state here is whatever repeats: an equilibrium, a cycle, two oscillators that beat, also quasiperiodic motion.
-It is not decided by waiting a fixed long time: the windows grow with the time that has passed, so that a beating as slow
-as may be comes to fit into them, until they agree.
+It is not decided by waiting a fixed long time: the windows grow with the time that has passed, so that a beating as
+slow as may be comes to fit into them, until they agree.
 
 Means are taken with the weight sin^4 over the window. Of an oscillation with N turns in the window such a mean keeps
 about 1.3/N^5 of the amplitude (a plain one 1/N), wherever the window begins, so that windows of equal motion agree.

@@ -1,7 +1,7 @@
 """The `.scan` file of a scan: every finished run a row, so that a killed scan resumes where it was.
 
-    meta     key, value                     'fingerprint': whether the same scan is resumed; 'head': JSON, what was asked
-    run      job, label, outcome, time, statistics      statistics: JSON
+    meta     key, value        'fingerprint': whether the same scan is resumed; 'head': JSON, what was asked for
+    run      job, label, outcome, time, statistics (JSON)
 
 SQLite in write-ahead mode: a process that is killed leaves all that was committed, at most a second before.
 """
