@@ -198,9 +198,7 @@ def condense_dense(s, n, m):
     if sign == 0:
         return 0
     for i in range(intervals):
-        for r in range(n + 2):
-            for c in range(2 * n + 2):
-                blocks[i, r, c] = local[i, inner + r, inner + c]
+        _keep(local, i, inner, blocks, i)
     for i in range(intervals + 1):
         here[i] = i
     count = intervals
@@ -216,13 +214,9 @@ def condense_dense(s, n, m):
             if part == 0:
                 return 0
             sign *= part
-            for r in range(n + 2):
-                for c in range(2 * n + 2):
-                    blocks[j, r, c] = levels[k, n + r, n + c]
+            _keep(levels, k, n, blocks, j)
         if count % 2 == 1:
-            for r in range(n + 2):
-                for c in range(2 * n + 2):
-                    blocks[pairs, r, c] = blocks[count - 1, r, c]
+            _keep(blocks, count - 1, 0, blocks, pairs)
         first += pairs
         count = pairs + count % 2
         level += 1
@@ -233,25 +227,36 @@ def condense_dense(s, n, m):
     return sign
 
 
-@kernel
+@vector_kernel
+def _keep(a, i, count, blocks, j):
+    """blocks[j] = what is left of a[i] without its first `count` rows and columns."""
+    first = np.uint64(count)
+    for r in range(np.uint64(blocks.shape[1])):
+        for c in range(np.uint64(blocks.shape[2])):
+            blocks[j, r, c] = a[i, first + r, first + c]
+
+
+@vector_kernel
 def _join(blocks, levels, n, j, k):
     """Rows of blocks 2 j and 2 j + 1, with the columns of the mesh point between them in front."""
     a, b = 2 * j, 2 * j + 1
-    for r in range(n):
-        for c in range(n):
-            levels[k, r, c] = blocks[a, r, n + c]
-            levels[k, r, n + c] = blocks[a, r, c]
-            levels[k, r, 2 * n + c] = 0.0
-            levels[k, n + r, c] = blocks[b, r, c]
-            levels[k, n + r, n + c] = 0.0
-            levels[k, n + r, 2 * n + c] = blocks[b, r, n + c]
-        for c in range(2):
-            levels[k, r, 3 * n + c] = blocks[a, r, 2 * n + c]
-            levels[k, n + r, 3 * n + c] = blocks[b, r, 2 * n + c]
-    for q in range(2):
-        for c in range(n):
-            levels[k, 2 * n + q, c] = blocks[a, n + q, n + c] + blocks[b, n + q, c]
-            levels[k, 2 * n + q, n + c] = blocks[a, n + q, c]
-            levels[k, 2 * n + q, 2 * n + c] = blocks[b, n + q, n + c]
-        for c in range(2):
-            levels[k, 2 * n + q, 3 * n + c] = blocks[a, n + q, 2 * n + c] + blocks[b, n + q, 2 * n + c]
+    one, two, three = np.uint64(n), np.uint64(2 * n), np.uint64(3 * n)
+    for r in range(one):
+        for c in range(one):
+            levels[k, r, c] = blocks[a, r, one + c]
+            levels[k, r, one + c] = blocks[a, r, c]
+            levels[k, r, two + c] = 0.0
+        for c in range(one):
+            levels[k, one + r, c] = blocks[b, r, c]
+            levels[k, one + r, one + c] = 0.0
+            levels[k, one + r, two + c] = blocks[b, r, one + c]
+        for c in range(np.uint64(2)):
+            levels[k, r, three + c] = blocks[a, r, two + c]
+            levels[k, one + r, three + c] = blocks[b, r, two + c]
+    for q in range(np.uint64(2)):
+        for c in range(one):
+            levels[k, two + q, c] = blocks[a, one + q, one + c] + blocks[b, one + q, c]
+            levels[k, two + q, one + c] = blocks[a, one + q, c]
+            levels[k, two + q, two + c] = blocks[b, one + q, one + c]
+        for c in range(np.uint64(2)):
+            levels[k, two + q, three + c] = blocks[a, one + q, two + c] + blocks[b, one + q, two + c]

@@ -22,40 +22,55 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     """
     rows, width, _ = a.shape
     sign = 1
+    first, end = np.uint64(low), np.uint64(high)
     for k in range(count):
-        for i in range(np.uint64(low), np.uint64(high)):
+        for i in range(first, end):
             work[i] = abs(a[k, k, i])
-            pivots[k, i] = k
         for r in range(k + 1, candidates):
-            for i in range(np.uint64(low), np.uint64(high)):
-                size = abs(a[r, k, i])
-                if size > work[i]:
-                    work[i] = size
-                    pivots[k, i] = r
-        for i in range(np.uint64(low), np.uint64(high)):
-            p = pivots[k, i]
-            if p != k:
-                if abs(a[k, k, i]) >= THRESHOLD * work[i]:
-                    pivots[k, i] = k
-                else:
-                    sign = -sign
-                    for c in range(width):
-                        swap = a[k, c, i]
-                        a[k, c, i] = a[p, c, i]
-                        a[p, c, i] = swap
-        for i in range(np.uint64(low), np.uint64(high)):
-            pivot = a[k, k, i]
-            if not abs(pivot) > 0.0:
+            for i in range(first, end):
+                work[i] = max(work[i], abs(a[r, k, i]))
+        small = 0
+        for i in range(first, end):
+            pivots[k, i] = k
+            small += 0 if abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
+        if small > 0:
+            sign *= _exchange(a, k, candidates, low, high, pivots, work)
+        for i in range(first, end):
+            work[i] = 1.0 / a[k, k, i]
+        negative = 0
+        for i in range(first, end):
+            negative += 1 if work[i] < 0.0 else 0
+            if not abs(work[i]) < np.inf:
                 return 0
-            if pivot < 0.0:
-                sign = -sign
-            work[i] = 1.0 / pivot
+        if negative % 2 == 1:
+            sign = -sign
         for r in range(k + 1, rows):
-            for i in range(np.uint64(low), np.uint64(high)):
+            for i in range(first, end):
                 a[r, k, i] *= work[i]
             for c in range(k + 1, width):
-                for i in range(np.uint64(low), np.uint64(high)):
+                for i in range(first, end):
                     a[r, c, i] -= a[r, k, i] * a[k, c, i]
+    return sign
+
+
+@vector_kernel
+def _exchange(a, k, candidates, low, high, pivots, largest):
+    """Bring the largest candidate to row k in the lanes where the natural pivot is small; (-1)^exchanges."""
+    sign = 1
+    for i in range(low, high):
+        if abs(a[k, k, i]) >= THRESHOLD * largest[i]:
+            continue
+        p = k
+        for r in range(k + 1, candidates):
+            if abs(a[r, k, i]) > abs(a[p, k, i]):
+                p = r
+        if p != k:
+            pivots[k, i] = p
+            sign = -sign
+            for c in range(a.shape[1]):
+                swap = a[k, c, i]
+                a[k, c, i] = a[p, c, i]
+                a[p, c, i] = swap
     return sign
 
 

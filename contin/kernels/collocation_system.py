@@ -26,7 +26,7 @@ from contin.kernels.collocation_dense import (
     substitute_back_dense,
 )
 from contin.kernels.collocation_elimination import eliminate, eliminate_right, substitute_back
-from contin.kernels.compile import kernel
+from contin.kernels.compile import kernel, vector_kernel
 from contin.kernels.dense import lu_factor, lu_solve
 
 Factors = namedtuple(
@@ -168,8 +168,8 @@ def _condense(s, n, m):
         sign *= part
         for r in range(n + 2):
             for c in range(2 * n + 2):
-                for j in range(pairs):
-                    s_blocks[r, c, j] = s_levels[n + r, n + c, first + j]
+                for j in range(np.uint64(pairs)):
+                    s_blocks[r, c, j] = s_levels[n + r, n + c, np.uint64(first) + j]
         if count % 2 == 1:
             for r in range(n + 2):
                 for c in range(2 * n + 2):
@@ -184,33 +184,34 @@ def _condense(s, n, m):
     return sign
 
 
-@kernel
+@vector_kernel
 def _pair_up(blocks, levels, n, pairs, first):
     """Rows of two neighbouring blocks, with the columns of the mesh point between them in front."""
+    start, one, two = np.uint64(first), np.uint64(1), np.uint64(2)
+    lanes = np.uint64(pairs)
     for c in range(n):
         for r in range(n):
-            for j in range(pairs):
-                k = first + j
-                levels[r, c, k] = blocks[r, n + c, 2 * j]
-                levels[r, n + c, k] = blocks[r, c, 2 * j]
-                levels[r, 2 * n + c, k] = 0.0
-                levels[n + r, c, k] = blocks[r, c, 2 * j + 1]
-                levels[n + r, n + c, k] = 0.0
-                levels[n + r, 2 * n + c, k] = blocks[r, n + c, 2 * j + 1]
+            for j in range(lanes):
+                levels[r, c, start + j] = blocks[r, n + c, two * j]
+                levels[r, n + c, start + j] = blocks[r, c, two * j]
+                levels[r, 2 * n + c, start + j] = 0.0
+            for j in range(lanes):
+                levels[n + r, c, start + j] = blocks[r, c, two * j + one]
+                levels[n + r, n + c, start + j] = 0.0
+                levels[n + r, 2 * n + c, start + j] = blocks[r, n + c, two * j + one]
         for q in range(2):
-            for j in range(pairs):
-                k = first + j
-                levels[2 * n + q, c, k] = blocks[n + q, n + c, 2 * j] + blocks[n + q, c, 2 * j + 1]
-                levels[2 * n + q, n + c, k] = blocks[n + q, c, 2 * j]
-                levels[2 * n + q, 2 * n + c, k] = blocks[n + q, n + c, 2 * j + 1]
-    for c in range(2):
-        for j in range(pairs):
-            k = first + j
-            for r in range(n):
-                levels[r, 3 * n + c, k] = blocks[r, 2 * n + c, 2 * j]
-                levels[n + r, 3 * n + c, k] = blocks[r, 2 * n + c, 2 * j + 1]
-            for q in range(2):
-                levels[2 * n + q, 3 * n + c, k] = blocks[n + q, 2 * n + c, 2 * j] + blocks[n + q, 2 * n + c, 2 * j + 1]
+            for j in range(lanes):
+                levels[2 * n + q, c, start + j] = blocks[n + q, n + c, two * j] + blocks[n + q, c, two * j + one]
+                levels[2 * n + q, n + c, start + j] = blocks[n + q, c, two * j]
+                levels[2 * n + q, 2 * n + c, start + j] = blocks[n + q, n + c, two * j + one]
+    for c in range(2 * n, 2 * n + 2):
+        for r in range(n):
+            for j in range(lanes):
+                levels[r, n + c, start + j] = blocks[r, c, two * j]
+                levels[n + r, n + c, start + j] = blocks[r, c, two * j + one]
+        for r in range(n, n + 2):
+            for j in range(lanes):
+                levels[n + r, n + c, start + j] = blocks[r, c, two * j] + blocks[r, c, two * j + one]
 
 
 @kernel

@@ -213,7 +213,7 @@ class OrbitProblem:
         from contin.problems.orbits.mesh import estimate
 
         error, _ = estimate(profile, sizes)
-        return max(self.tolerance, 3.0 * error)
+        return max(self.tolerance, (3.0 if self.intervals is None else 10.0) * error)
 
     def _period_limit(self, profile: Profile, scale: Array) -> float:
         """The period at which a march returns: soon, where the orbit already lingers somewhere."""

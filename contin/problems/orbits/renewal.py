@@ -14,6 +14,7 @@ from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.mesh import choose_mesh, estimate
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
+WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
 TOO_FINE = 0.55  # ... and part of the present number of intervals below which it is made coarser
 
 
@@ -38,7 +39,7 @@ def renew(
     error, _ = estimate(profile, grown)
     chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals)
     unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
-    if unfit and (chosen.error < error or len(chosen.h) != len(h)):
+    if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
         h = chosen.h
     if h is profile.h and np.array_equal(grown, sizes) and period == frame.scale[position]:
         return Renewal(frame.scale, origin, before, loop)
