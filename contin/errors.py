@@ -20,6 +20,10 @@ class ExpressionError(InputError):
         self.position = position
 
 
+class UserFunctionError(InputError):
+    """A user's Python function raised an error, or returned something of the wrong shape or type."""
+
+
 class ModelNotFoundError(InputError):
     """No bundled, plugin or file model has this name."""
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
 from contin.errors import InputError
+
+MODEL_KEYS: Final = frozenset({"states", "equations"})  # a run file has neither
 
 
 def check_file(file: Path, execute: bool) -> int:
@@ -12,7 +15,7 @@ def check_file(file: Path, execute: bool) -> int:
     from contin.model.yaml_reader import read_file
 
     document = read_file(file)
-    if isinstance(document.data, dict) and "equations" in document.data:
+    if isinstance(document.data, dict) and MODEL_KEYS & document.data.keys() and "model" not in document.data:
         return check_model(file, execute)
     if execute:
         raise InputError(

@@ -120,6 +120,18 @@ class Branch:
         known = ", ".join(p.label for p in self.points) or "none"
         raise KeyError(f"branch {self.name!r} has no point {label!r}; its points: {known}")
 
+    def to_dataframe(self) -> Any:
+        """A pandas.DataFrame with the columns and `label` ('' where a row has none); needs pandas."""
+        from contin.continuation.frames import dataframe
+
+        return dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset of the columns over the dimension `row`; needs xarray."""
+        from contin.continuation.frames import dataset
+
+        return dataset(self)
+
     @property
     def multiplier_kind(self) -> bool:
         """True where `eigenvalues` are multipliers (orbits and maps)."""

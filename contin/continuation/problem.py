@@ -236,6 +236,14 @@ class Problem(Protocol):
         """Why Newton may fail at z, in words, with what to try."""
 
 
+@runtime_checkable
+class Recording(Protocol):
+    """A problem that can say why a column has no value at a point."""
+
+    def explain_columns(self, z: Array) -> str | None:
+        """The first observable that is not finite at z, and why."""
+
+
 _offered: dict[tuple[type, type], bool] = {}
 
 
@@ -260,3 +268,8 @@ def is_planar(problem: object) -> TypeGuard[Planar]:
 def is_floored(problem: object) -> TypeGuard[Floored]:
     """True for problems with floors under unknowns."""
     return _offers(problem, Floored)
+
+
+def is_recording(problem: object) -> TypeGuard[Recording]:
+    """True for problems that explain missing observables."""
+    return _offers(problem, Recording)

@@ -16,7 +16,7 @@ from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
-from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified
+from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified, is_recording
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -125,6 +125,7 @@ def _assemble(
     columns: dict[str, Any] = dict(problem.columns(z))
     if isinstance(problem, Planar):
         notes = [*notes, *problem.remarks(z)]
+    notes = [*notes, *unrecorded(columns, z, problem)]
     columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
@@ -148,6 +149,23 @@ def _assemble(
         steps=effort["steps"], seconds=time.perf_counter() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
     )  # fmt: skip
+
+
+def unrecorded(columns: Mapping[str, Any], z: Array, problem: Problem) -> list[str]:
+    """A note for every column without a value on some rows: an observable that is not defined there, or that failed."""
+    notes = []
+    for name, column in columns.items():
+        bad = np.flatnonzero(~np.isfinite(column))
+        if not bad.size:
+            continue
+        row = int(bad[0])
+        where = ", ".join(f"{p} = {columns[p][row]:.6g}" for p in problem.parameters if p in columns and p != name)
+        reason = problem.explain_columns(z[row]) if is_recording(problem) else None
+        first = f"first at {where}" if where else f"first in row {row}"
+        notes.append(
+            f"{name} has no value in {bad.size} of {len(column)} rows, {first}" + (f": {reason}" if reason else "")
+        )
+    return notes
 
 
 def _distinct(notes: list[str]) -> tuple[str, ...]:

@@ -71,6 +71,16 @@ class Diagram:
 
         write_html(self.branches, path, x=x or self.parameter, y=y)
 
+    def to_dataframe(self) -> Any:
+        """One pandas.DataFrame of all branches, indexed by `branch` and `row`; needs pandas."""
+        from contin.continuation.frames import dataframes
+
+        return dataframes(self.branches)
+
+    def to_xarray(self) -> dict[str, Any]:
+        """An xarray.Dataset for each branch, by name (`xarray.DataTree.from_dict` joins them); needs xarray."""
+        return {branch.name: branch.to_xarray() for branch in self.branches}
+
     def save(self, path: str | Path) -> None:
         """Write a `.contin` file, which `contin plot` and `contin export` read."""
         from contin.store.results import save_branches

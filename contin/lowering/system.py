@@ -245,6 +245,18 @@ class CompiledSystem:
         first = self.state_names[bad_rows[0]] if len(bad_rows) else next(iter(suspects))
         return f"not finite at this point: {reason or f'equation {first}'}"
 
+    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """Which observable is not finite at this point and why; None if all are."""
+        from contin.model.explain import explain_not_finite
+
+        z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
+        named = dict(zip(self.observable_names, self._observables, strict=True))
+        return explain_not_finite(named, dict(zip(self.layout.names, z.tolist(), strict=False)), "observable") or None
+
+    def trouble_near(self, u: Array, p: Array) -> str | None:
+        """Formulas do not fail (`explain` finds where they are not finite)."""
+        return None
+
     # compilation
 
     def _call(self, name: str, pointers: int = 3) -> Call:

@@ -302,7 +302,15 @@ class EquilibriumProblem:
 
         return switch(self, point, parameter)
 
+    def explain_columns(self, z: Array) -> str | None:
+        """The first observable that is not finite at z, and why."""
+        text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
+        return text
+
     def describe_failure(self, z: Array) -> str:
+        near = self.system.trouble_near(z[:-1], self.full_parameters(z))
+        if near:
+            return f"Beyond, {near}"
         text = self.system.explain(z[:-1], self.full_parameters(z))
         if text:
             return str(text)

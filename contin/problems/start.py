@@ -19,6 +19,9 @@ from contin.problems.maps.iterate import IteratedSystem
 BUDGET = 60
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
+RADII = (0.1, 0.5, 2.0, 10.0)  # around a start that fails, relative to it, and ...
+STARTS = 8  # ... how many are tried within each
+SHOWN = 12  # states in a message
 ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
 
 
@@ -57,17 +60,46 @@ def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibri
 
     Where that stalls, Powell's hybrid method (which may leave the Newton direction for the gradient) looks for a better
     guess. Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
-    residual history and the nearest point found where no method converges.
+    residual history where no method converges, and with the nearest equilibrium that Newton finds from starts scattered
+    around u, if there is one.
     """
     u = np.array(u, dtype=float)
     try:
         return _newton(system, u, p, angle_periods)
-    except NoSolutionError:
+    except NoSolutionError as error:
         guess = _powell(EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods), u)
         if guess is not None:
             with suppress(NoSolutionError, NotFiniteError):
                 return _newton(system, guess, p, angle_periods)
-        raise
+        nearest = _nearest(system, u, p, angle_periods)
+        raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
+
+
+def _nearest(system: Any, u: Array, p: Array, angle_periods: Array) -> Array | None:
+    """The equilibrium closest to u among those that Newton reaches from starts scattered around it."""
+    generator = np.random.default_rng(5)
+    size = np.where(u == 0.0, float(np.abs(u).max(initial=0.0)) or 1.0, np.abs(u))
+    found: list[Array] = []
+    for radius in RADII:
+        for _ in range(STARTS):
+            with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):
+                start = u + radius * size * generator.uniform(-1.0, 1.0, len(u))
+                found.append(_newton(system, start, p, angle_periods).u)
+        if found:
+            return min(found, key=lambda v: float(np.max(np.abs(v - u) / size)))
+    return None
+
+
+def _advice(system: Any, nearest: Array | None) -> str:
+    if nearest is None:
+        return "No equilibrium was found around the start either; give another start, or other parameters."
+    return f"The nearest equilibrium found is {_states(system, nearest)}; start there, or give other parameters."
+
+
+def _states(system: Any, u: Array) -> str:
+    names = system.state_names or tuple(f"u{k}" for k in range(len(u)))
+    listed = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names[:SHOWN], u[:SHOWN], strict=True))
+    return f"{listed}, ..." if len(u) > SHOWN else listed
 
 
 def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
@@ -163,8 +195,7 @@ def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:
 
 def _failure(system: Any, history: list[float], u: Array, residual: float) -> str:
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
-    nearest = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, u, strict=True))
     return (
-        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps. "
-        f"Nearest point: {nearest} (residual {residual:.1e}). Start closer, or give other parameters."
+        f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps, smallest at "
+        f"{_states(system, u)} (residual {residual:.1e})."
     )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from contin.errors import InputError
-from contin.store.atomic import write_text
+from contin.store.atomic import replace_file, write_text
 
 
 def write_csv(document: Mapping[str, Any], path: Path) -> None:
@@ -32,25 +34,35 @@ def _cell(value: Any) -> Any:
 
 
 def write_netcdf(document: Mapping[str, Any], path: Path) -> None:
-    """One NetCDF group for each branch, with its columns over the dimension `row`; needs the extra `frames`."""
+    """One NetCDF group for each branch, with its columns over the dimension `row`; needs the extra `frames`.
+
+    A group's attributes say what the branch is; `points` and `ends` are JSON. The file appears whole or not at all.
+    """
     try:
         import xarray
     except ImportError:
         raise InputError("NetCDF needs xarray: pip install 'contin[frames]'") from None
-    mode = "w"
-    for position, branch in enumerate(document["branches"]):
-        columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
-        labels = [""] * len(next(iter(branch["columns"].values()), []))
-        for point in branch["points"]:
-            labels[point["index"]] = point["label"]
-        data = xarray.Dataset(
-            {**columns, "label": ("row", labels)}, attrs={"name": branch["name"], "kind": branch["kind"]}
-        )
+    with tempfile.TemporaryDirectory() as folder:
+        temporary = Path(folder) / "results.nc"
         try:
-            data.to_netcdf(path, mode=mode, group=f"branch{position}")
+            root = {"contin": document["contin"], "model": json.dumps(document["model"]), "notes": document["notes"]}
+            xarray.Dataset(attrs=root).to_netcdf(temporary, mode="w", engine="h5netcdf")
+            for position, branch in enumerate(document["branches"]):
+                group = f"branch{position}"
+                _dataset(branch, xarray).to_netcdf(temporary, mode="a", group=group, engine="h5netcdf")
         except (OSError, ValueError, ImportError) as error:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
-        mode = "a"
+        replace_file(path, temporary)
+
+
+def _dataset(branch: Mapping[str, Any], xarray: Any) -> Any:
+    columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
+    labels = [""] * len(next(iter(branch["columns"].values()), []))
+    for point in branch["points"]:
+        labels[point["index"]] = point["label"]
+    attributes = {key: branch[key] for key in ("name", "kind", "parameters")}
+    attributes |= {key: json.dumps(branch[key]) for key in ("points", "ends")}
+    return xarray.Dataset({**columns, "label": ("row", labels)}, attrs=attributes)
 
 
 def _filled(column: list[Any]) -> list[Any]:

@@ -28,3 +28,13 @@ def test_no_method_finds_an_equilibrium_where_there_is_none(gap):
     system = model({"x": "x^2 + p"}, {"x": 0.5}, {"p": gap})
     with pytest.raises(NoSolutionError, match="no equilibrium found from the start"):
         contin.equilibrium(system, {"x": 0.5}, {"p": gap})
+
+
+@pytest.mark.parametrize(
+    ("formula", "guess", "root"), [("(x - 1)*exp(-x)", 4.0, 1.0), ("(x^2 + 0.1)*(x - 5)", -1.0, 5.0)]
+)
+def test_where_newton_is_led_astray_the_message_names_the_nearest_equilibrium(formula, guess, root):
+    """Towards infinity, where the residual vanishes too, or into a minimum of it."""
+    system = model({"x": formula}, {"x": guess}, {"p": 1.0})
+    with pytest.raises(NoSolutionError, match=rf"residual .* -> .*nearest equilibrium found is x = {root:g};"):
+        contin.equilibrium(system)

@@ -1,6 +1,7 @@
 """The one-file store and the exports hold the same results as the JSON."""
 
 import csv
+import json
 import sqlite3
 
 import pytest
@@ -75,6 +76,11 @@ def test_netcdf_groups_hold_the_columns(document, tmp_path):
     with xarray.open_dataset(path, group="branch1") as fork:
         assert fork.attrs["name"] == "fork"
         assert float(abs(fork["x"] ** 2 - fork["p"]).max()) < 1e-15
+        assert json.loads(fork.attrs["points"]) == document["branches"][1]["points"]
+    with xarray.open_dataset(path) as root:
+        assert root.attrs["contin"] == 1
+        assert json.loads(root.attrs["model"]) == document["model"]
+    assert [file.name for file in tmp_path.iterdir()] == ["r.nc"]
 
 
 def test_an_unknown_ending_names_the_known_ones(document, tmp_path):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.problems.functions.guarded import called, numbers
 
 if TYPE_CHECKING:
     from contin.model.parts import Expectation
@@ -98,6 +99,8 @@ class FunctionProblem:
         self.kind = kind
         self.values = {key: float(value) for key, value in parameters.items()}
         self.parameter_names = tuple(self.values)
+        if not self.values:
+            raise InputError("parameters: at least one is needed, {name: value}")
         if states is not None and len(states) != self.n:
             raise InputError(f"states names {len(states)} states; u0 has {self.n}")
         default = tuple(f"u{k}" for k in range(self.n)) if self.n <= NAMED else ()
@@ -129,7 +132,7 @@ class FunctionProblem:
         from scipy.sparse import issparse
         from scipy.sparse.linalg import LinearOperator
 
-        matrix = self.jacobian(self.u0, dict(self.values))
+        matrix = called("Jacobian", self.jacobian, self.u0, dict(self.values))
         if issparse(matrix):
             return "sparse"
         return "matrix-free" if isinstance(matrix, LinearOperator) else "dense"
@@ -155,7 +158,9 @@ class FunctionProblem:
     @cached_property
     def observables(self) -> dict[str, None]:
         """Names of what `record` gives."""
-        return {} if self.record is None else dict.fromkeys(self.record(self.u0, dict(self.values)))
+        if self.record is None:
+            return {}
+        return dict.fromkeys(numbers("record", called("function `record`", self.record, self.u0, dict(self.values))))
 
     @property
     def expect(self) -> tuple[Expectation, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,18 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import NO_FUNCTION, Array
-from contin.errors import InputError, NotFiniteError
+from contin.errors import InputError, NotFiniteError, UserFunctionError
 from contin.normalforms.jet import expand_complex
 from contin.problems.functions.derivatives import Lines, is_analytic
+from contin.problems.functions.guarded import called, numbers, vector
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
+
+NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
 
 class FunctionSystem:
     """Values and derivatives of a `FunctionProblem` in vectors u (n,), p (m,); z = (u, p).
 
     The same methods as a compiled system has; its addresses are `NO_FUNCTION`. Jacobians are dense here.
+
+    A user's function that fails where it worked before (raises, returns the wrong shape) gives NaN: a branch ends
+    there, with what was computed, and `explain` and `trouble_near` say why. At the start it is an error.
     """
 
     jacobian_address = NO_FUNCTION
@@ -33,40 +39,82 @@ class FunctionSystem:
         self.kind = model.kind
         self.n, self.m = model.n, len(model.parameter_names)
         self.state_names, self.parameter_names = model.state_names, model.parameter_names
+        self._trouble: tuple[str, Array, Array] | None = None  # the last failure, and where: u, p
+        self._worked: set[str] = set()
         u0, p0 = model.start_point()
+        self.observable_names: tuple[str, ...] = ()
         value = self.value(u0, p0)
         if model.jacobian is not None:
             self._check_jacobian(u0, p0)
         if not np.all(np.isfinite(value)):
             raise NotFiniteError(f"{self.explain(u0, p0)} (at u0)")
-        recorded: Mapping[str, float] = {} if model.record is None else model.record(u0, self._named(p0))
-        self.observable_names = tuple(recorded)
+        self.observable_names = tuple(self._recorded(u0, p0))
         taken = sorted(set(self.observable_names) & {*self.state_names, *self.parameter_names, "stable", "unstable"})
         if taken:
             raise InputError(f"record: the names {', '.join(taken)} are taken; choose others")
 
     def _check_jacobian(self, u0: Array, p0: Array) -> None:
         assert self.model.jacobian is not None
-        shape = np.shape(self.model.jacobian(u0, self._named(p0)))
+        shape = np.shape(called("Jacobian", self.model.jacobian, u0, self._named(p0)))
         if shape != (self.n, self.n):
             raise InputError(f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {shape}")
 
     def _named(self, p: NDArray[Any]) -> dict[str, Any]:
         return dict(zip(self.parameter_names, p.tolist(), strict=True))
 
+    def attempt(self, what: str, evaluate: Callable[[], Any], failed: Any, u: NDArray[Any], p: NDArray[Any]) -> Any:
+        """evaluate(); where it raises UserFunctionError, `failed`, and the reason is kept. The first one must work."""
+        try:
+            value = evaluate()
+        except UserFunctionError as error:
+            if what not in self._worked:
+                raise
+            self._trouble = str(error), np.real(u).astype(float), np.real(p).astype(float)
+            return failed
+        self._worked.add(what)
+        return value
+
     # values ---------------------------------------------------------------------------------------------------------
 
     def raw(self, u: NDArray[Any], p: NDArray[Any]) -> NDArray[Any]:
         """F(u, p) (n,), real or complex, as the user's function gives it."""
-        value = np.asarray(self.model.residual(u, self._named(p)))
-        if value.shape != (self.n,):
-            raise InputError(f"the residual must return {self.n} numbers, one for each state; got shape {value.shape}")
+
+
+        def evaluate() -> NDArray[Any]:
+            return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
+
+        value: NDArray[Any] = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
         return value
 
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """F(u, p), (n,)."""
+        states, others = np.array(u, dtype=float), np.asarray(p, dtype=float)
+        before = self._trouble
         with np.errstate(all="ignore"):
-            return np.array(self.raw(np.array(u, dtype=float), np.asarray(p, dtype=float)), dtype=float)
+            value = np.array(self.raw(states, others), dtype=float)
+        if self._trouble is before and not np.all(np.isfinite(value)):
+            bad = int(np.flatnonzero(~np.isfinite(value))[0])
+            self._trouble = f"component {bad} of the residual is {value[bad]:.3g}", states, others
+        return value
+
+    def _recorded(self, u: Array, p: Array) -> dict[str, float]:
+        """What `record` gives at a point; NaN where it fails."""
+        if self.model.record is None:
+            return {}
+        record = self.model.record
+
+        def evaluate() -> dict[str, float]:
+            with np.errstate(all="ignore"):
+                given = numbers("record", called("function `record`", record, u, self._named(p)))
+            missing = [name for name in names if name not in given]
+            if missing:
+                raise UserFunctionError(f"record must return the same names everywhere; {missing[0]!r} is missing")
+            return given
+
+        names = self.observable_names
+        failed = dict.fromkeys(names, float("nan"))
+        recorded: dict[str, float] = self.attempt("record", evaluate, failed, u, p)
+        return recorded
 
     def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Recorded values at N points, (N, k)."""
@@ -75,8 +123,8 @@ class FunctionSystem:
         out = np.empty((len(rows_u), len(self.observable_names)))
         if self.model.record is not None:
             for k, (row_u, row_p) in enumerate(zip(rows_u, rows_p, strict=True)):
-                recorded = self.model.record(row_u, self._named(row_p))
-                out[k] = [float(recorded[name]) for name in self.observable_names]
+                recorded = self._recorded(row_u, row_p)
+                out[k] = [recorded[name] for name in self.observable_names]
         return out
 
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
@@ -89,14 +137,38 @@ class FunctionSystem:
         return np.empty(0)
 
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
-        """Which component is not finite at this point, or None."""
-        states = np.asarray(u, dtype=float)
-        bad = np.flatnonzero(~np.isfinite(self.value(states, p)))
-        if not bad.size:
+        """What is not finite at this point, or fails, and why; None if nothing is."""
+        states, others = np.asarray(u, dtype=float), np.asarray(p, dtype=float)
+        self._trouble = None
+        value = self.value(states, others)
+        if np.all(np.isfinite(value)) and self.model.method == "dense":
+            with np.errstate(all="ignore"):
+                matrix = self.state_jacobian(states, others)
+            if self._trouble is None and not np.all(np.isfinite(matrix)):
+                self._trouble = "an entry of the Jacobian is not finite", states, others
+        return None if self._trouble is None else f"not finite at this point: {self._told()}"
+
+    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """Why a recorded value is not finite at this point, where `record` failed."""
+        self._trouble = None
+        self._recorded(np.asarray(u, dtype=float), np.asarray(p, dtype=float))
+        return None if self._trouble is None else self._told()
+
+    def trouble_near(self, u: Array, p: Array) -> str | None:
+        """The last failure of a user's function, if it was close to this point: why a branch cannot go on from here."""
+        if self._trouble is None:
             return None
-        where = ", ".join(f"{x:.6g}" for x in states[:6]) + (", ..." if self.n > 6 else "")
-        named = ", ".join(f"{k} = {v:.10g}" for k, v in self._named(np.asarray(p, dtype=float)).items())
-        return f"not finite at this point: component {bad[0]} of the residual, at u = ({where}), {named}"
+        _, at_u, at_p = self._trouble
+        size = max(float(np.abs(u).max()), float(np.abs(p).max()), 1e-300)
+        apart = max(float(np.abs(at_u - u).max()), float(np.abs(at_p - p).max()))
+        return self._told() if apart < NEAR * size else None
+
+    def _told(self) -> str:
+        assert self._trouble is not None
+        text, u, p = self._trouble
+        where = ", ".join(f"{x:.6g}" for x in u[:6]) + (", ..." if self.n > 6 else "")
+        named = ", ".join(f"{k} = {v:.10g}" for k, v in self._named(p).items())
+        return f"{text}, at u = ({where}), {named}"
 
     # derivatives ----------------------------------------------------------------------------------------------------
 
@@ -112,16 +184,33 @@ class FunctionSystem:
     def _slope(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v] by the user's Jacobian."""
         assert self.model.jacobian is not None
-        total = np.asarray(self.model.jacobian(u, self._named(p)) @ v[: self.n], dtype=float)
+        total = self.jacobian_product(u, p, v[: self.n])
         for k in np.flatnonzero(v[self.n :]):
             total = total + v[self.n + k] * self.parameter_slope(u, p, int(k))
         return total
 
+    def jacobian_product(self, u: Array, p: Array, v: Array) -> Array:
+        """dF/du v by the user's Jacobian, (n,)."""
+        assert self.model.jacobian is not None
+        jacobian = self.model.jacobian
+
+        def evaluate() -> Array:
+            return np.asarray(called("Jacobian", lambda: jacobian(u, self._named(p)) @ v), dtype=float)
+
+        product: Array = self.attempt("Jacobian", evaluate, np.full(self.n, np.nan), u, p)
+        return product
+
     def parameter_slope(self, u: Array, p: Array, k: int) -> Array:
         """dF/dp_k, (n,)."""
         if self.model.parameter_jacobian is not None:
-            given = self.model.parameter_jacobian(u, self._named(p), self.parameter_names[k])
-            return np.asarray(given, dtype=float)
+            given, name = self.model.parameter_jacobian, self.parameter_names[k]
+
+            def evaluate() -> Array:
+                what = "parameter Jacobian"
+                return vector(what, called(what, given, u, self._named(p), name), self.n).astype(float)
+
+            slope: Array = self.attempt("parameter Jacobian", evaluate, np.full(self.n, np.nan), u, p)
+            return slope
         direction = np.zeros(self.n + self.m)
         direction[self.n + k] = 1.0
         lines = self.lines
@@ -132,7 +221,18 @@ class FunctionSystem:
     def state_jacobian(self, u: Array, p: Array) -> Array:
         """dF/du, (n, n), dense."""
         if self.model.jacobian is not None:
-            return np.array(self.model.jacobian(u, self._named(p)), dtype=float)
+            given = self.model.jacobian
+
+            def evaluate() -> Array:
+                matrix = called("Jacobian", given, u, self._named(p))
+                if np.shape(matrix) != (self.n, self.n):
+                    raise UserFunctionError(
+                        f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
+                    )
+                return np.array(matrix, dtype=float)
+
+            full: Array = self.attempt("Jacobian", evaluate, np.full((self.n, self.n), np.nan), u, p)
+            return full
         matrix = np.empty((self.n, self.n))
         direction = np.zeros(self.n + self.m)
         for j in range(self.n):
@@ -155,7 +255,8 @@ class FunctionSystem:
 
         def real(parts: tuple[Array, ...]) -> Array:
             if self.model.derivative is not None and 2 <= len(parts) <= 3:
-                return np.asarray(self.model.derivative(states, self._named(others), *parts), dtype=float)
+                given = called("function `derivative`", self.model.derivative, states, self._named(others), *parts)
+                return vector("function `derivative`", given, self.n).astype(float)
             with np.errstate(all="ignore"):
                 return self.lines.form(states, others, parts)
 

@@ -219,6 +219,10 @@ class CycleProblem:
         first = replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)
         return [s if isinstance(s.problem, CycleProblem) else lifted(s) for s in switch(self.inner, first, parameter)]
 
+    def explain_columns(self, z: Array) -> str | None:
+        """The first observable that is not finite at z, and why."""
+        return self.inner.explain_columns(self.first(z))
+
     def describe_failure(self, z: Array) -> str:
         return self.inner.describe_failure(self.first(z))
 

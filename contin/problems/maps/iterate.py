@@ -105,6 +105,16 @@ class IteratedSystem:
                 return f"step {step + 1} of {self.times}: {text}"
         return None
 
+    def trouble_near(self, u: Array, p: Array) -> str | None:
+        """As the map's."""
+        text: str | None = self.base.trouble_near(u, p)
+        return text
+
+    def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
+        """As the map's, at the first point of the cycle."""
+        text: str | None = self.base.explain_observables(u, p)
+        return text
+
     # derivatives ----------------------------------------------------------------------------------------------------
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.errors import InputError
+from contin.errors import InputError, UserFunctionError
 from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
+from contin.problems.functions.guarded import called, vector
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.sparse.factor import Factoriser
 from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
@@ -31,12 +32,12 @@ class JacobianSource:
     def at(self, u: Array, p: Array) -> Linear | None:
         """F_u(u, p); None where it is not finite."""
         if self.system.model.method == "sparse":
-            matrix = self.matrix(u, p)
-            if not np.all(np.isfinite(matrix.data)):
+            matrix = self.system.attempt("Jacobian", lambda: self.matrix(u, p), None, u, p)
+            if matrix is None or not np.all(np.isfinite(matrix.data)):
                 return None
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
             return DirectLinear(matrix, self.factoriser) if cheap else self._lagged(matrix)
-        return KrylovLinear(self._product(u, p), self._preconditioner(u, p))
+        return self._matrix_free(u, p)
 
     def forget(self) -> None:
         """The next operator is factored, whatever the last one was."""
@@ -62,11 +63,11 @@ class JacobianSource:
         model = self.system.model
         if model.jacobian is None:
             return self._coloured(u, p)
-        matrix = model.jacobian(u, self.system._named(p))
+        matrix = called("Jacobian", model.jacobian, u, self.system._named(p))
         if matrix.format != "csc" or matrix.dtype != float:
             matrix = csc_matrix(matrix, dtype=float)
         if matrix.shape != (self.system.n, self.system.n):
-            raise InputError(f"jacobian must return dF/du of shape {(self.system.n,) * 2}; got {matrix.shape}")
+            raise UserFunctionError(f"jacobian must return dF/du of shape {(self.system.n,) * 2}; got {matrix.shape}")
         if not matrix.has_canonical_format:
             matrix.sum_duplicates()
         return matrix
@@ -113,17 +114,31 @@ class JacobianSource:
 
     # matrix-free ------------------------------------------------------------------------------------------------------
 
+    def _matrix_free(self, u: Array, p: Array) -> KrylovLinear | None:
+        attempt = self.system.attempt
+        product = attempt("Jacobian", lambda: self._product(u, p), None, u, p)
+        preconditioner = attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p)
+        return None if product is None or preconditioner is None else KrylovLinear(product, preconditioner)
+
     def _product(self, u: Array, p: Array) -> Callable[[Array], Array]:
-        model, n = self.system.model, self.system.n
-        if model.jacobian is not None:
-            operator = model.jacobian(u, self.system._named(p))
-            return lambda v: np.asarray(operator @ v, dtype=float)
-        padding = np.zeros(self.system.m)
-        return lambda v: self.system.lines.first(u, p, np.concatenate([v, padding])) if v.any() else np.zeros(n)
+        system, model, n = self.system, self.system.model, self.system.n
+        if model.jacobian is None:
+            padding = np.zeros(system.m)
+            return lambda v: system.lines.first(u, p, np.concatenate([v, padding])) if v.any() else np.zeros(n)
+        operator = called("Jacobian", model.jacobian, u, system._named(p))
+
+        def apply(v: Array) -> Array:
+            return vector("Jacobian's product", called("Jacobian", lambda: operator @ v), n).astype(float)
+
+        return lambda v: np.asarray(system.attempt("product", lambda: apply(v), np.full(n, np.nan), u, p))
 
     def _preconditioner(self, u: Array, p: Array) -> Callable[[Array], Array]:
-        model = self.system.model
+        system, model, n = self.system, self.system.model, self.system.n
         if model.preconditioner is None:
             return lambda r: r
-        made = model.preconditioner(u, self.system._named(p))
-        return lambda r: np.asarray(made(r), dtype=float)
+        made = called("preconditioner", model.preconditioner, u, system._named(p))
+
+        def apply(r: Array) -> Array:
+            return vector("preconditioner", called("preconditioner", made, r), n).astype(float)
+
+        return lambda r: np.asarray(system.attempt("preconditioning", lambda: apply(r), np.full(n, np.nan), u, p))

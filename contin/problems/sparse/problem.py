@@ -329,7 +329,16 @@ class LargeProblem:
             )
         return special.switch(self, point, parameter)
 
+    def explain_columns(self, z: Array) -> str | None:
+        """The first observable that is not finite at z, and why."""
+        text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
+        return text
+
     def describe_failure(self, z: Array) -> str:
-        return self.system.explain(z[:-1], self.full_parameters(z)) or (
+        u, p = z[:-1], self.full_parameters(z)
+        near = self.system.trouble_near(u, p)
+        if near:
+            return f"Beyond, {near}"
+        return self.system.explain(u, p) or (
             "Try a smaller settings.step, or a larger settings.tolerance; matrix-free: a better preconditioner."
         )

@@ -1,11 +1,13 @@
 """User functions: the engine in plain Python gives what the compiled march gives, whatever derivatives are given."""
 
+import re
+
 import numpy as np
 import pytest
 
 import contin
 from contin import api
-from contin.errors import InputError, NoSolutionError, NotFiniteError
+from contin.errors import InputError, NoSolutionError, NotFiniteError, UserFunctionError
 
 HELD = {"rtol": 1e-9, "atol": 1e-9}
 
@@ -153,7 +155,94 @@ def test_messages_say_what_to_write():
         api.continuation(contin.FunctionProblem(lambda u, p: u - p["a"], [0.0], {"a": 1.0}), "b", (0, 1))
     with pytest.raises(InputError, match="jacobian must return"):
         api.equilibrium(contin.FunctionProblem(lambda u, p: u, [0.0, 1.0], {"a": 1.0}, lambda u, p: np.eye(3)))
-    with pytest.raises(NotFiniteError, match=r"component 0 of the residual, at u = \(-1\), a = 1"):
+    with pytest.raises(NotFiniteError, match=r"component 0 of the residual is nan, at u = \(-1\), a = 1"):
         api.equilibrium(contin.FunctionProblem(lambda u, p: np.log(u), [-1.0], {"a": 1.0}))
     with pytest.raises(NoSolutionError, match="no equilibrium found from the start"):
         api.equilibrium(contin.FunctionProblem(lambda u, p: u**2 + p["a"], [1.0], {"a": 1.0}))
+
+
+def parabola(**more):
+    """x^2 = p: a fold at 0, followed over [-1, 2]."""
+    given = {"residual": lambda u, p: p["p"] - u**2, **more}
+    problem = contin.FunctionProblem(u0=[1.0], parameters={"p": 1.0}, states=["x"], **given)
+    return api.continuation(problem, "p", (-1.0, 2.0))
+
+
+def beyond(limit, act, otherwise):
+    return lambda u, p: act() if np.real(p["p"]) > limit else otherwise(u, p)
+
+
+def fails():
+    raise RuntimeError("no data")
+
+
+FAILURES = {
+    "raises": (fails, r"the residual raised RuntimeError: no data \(test_functions.py, line \d+\), at u = .*, p = 1.5"),
+    "wrong length": (lambda: np.zeros(2), r"must return 1 numbers, one for each state; got shape \(2,\)"),
+    "nothing": (lambda: None, "must return 1 numbers, one for each state; got NoneType"),
+    "NaN": (lambda: np.array([np.nan]), "component 0 of the residual is nan"),
+}
+
+
+@pytest.mark.parametrize("how", FAILURES)
+def test_a_function_that_fails_ends_the_branch_with_its_reason_and_keeps_what_was_computed(how):
+    act, reason = FAILURES[how]
+    branch = parabola(residual=beyond(1.5, act, lambda u, p: p["p"] - u**2))
+    assert [point.type for point in branch.points] == ["LP"]
+    assert branch.columns["p"].max() == pytest.approx(1.5, rel=2e-2)  # differences in p reach beyond
+    for end in branch.ends:
+        assert end.reason == "corrector"
+        assert re.search(reason, end.text), end.text
+
+
+def test_a_jacobian_that_fails_ends_the_branch_with_its_reason():
+    branch = parabola(jacobian=beyond(1.5, fails, lambda u, p: np.array([-2 * u])))
+    assert [point.type for point in branch.points] == ["LP"]
+    assert all("the Jacobian raised RuntimeError: no data" in end.text for end in branch.ends)
+
+
+def test_a_record_that_fails_leaves_gaps_and_a_note_and_the_branch_goes_on():
+    whole = parabola()
+    branch = parabola(record=beyond(1.5, fails, lambda u, p: {"twice": 2 * u[0]}))
+    assert branch.columns["x"].tobytes() == whole.columns["x"].tobytes()
+    gaps = np.isnan(branch.columns["twice"])
+    np.testing.assert_array_equal(gaps, branch.columns["p"] > 1.5)
+    np.testing.assert_array_equal(branch.columns["twice"][~gaps], 2 * branch.columns["x"][~gaps])
+    [note] = branch.notes
+    assert re.match(
+        rf"twice has no value in {gaps.sum()} of {len(gaps)} rows, first at p = 2: the function `record`", note
+    )
+
+
+def test_an_observable_without_a_value_is_noted_with_its_reason():
+    model = contin.Model(
+        "fold", states={"x": 1.0}, parameters={"p": 1.0}, equations={"x": "p - x^2"}, observables={"level": "log(x)"}
+    )
+    branch = api.continuation(api.equilibrium(model), "p", (-1.0, 2.0))
+    [note] = branch.notes
+    assert re.match(
+        r"level has no value in \d+ of \d+ rows, first at p = .*'log\(x\)' is not a number: logarithm", note
+    )
+    assert [point.type for point in branch.points] == ["LP"]
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        (
+            {"residual": lambda u, p: fails()},
+            r"the residual raised RuntimeError: no data \(test_functions.py, line \d+\)",
+        ),
+        ({"residual": lambda u, p: p["q"] - u}, "the residual raised KeyError: 'q'"),
+        ({"residual": lambda u, p: ["a"]}, "the residual must return numbers; got <U1 entries"),
+        ({"jacobian": lambda u, p: fails()}, "the Jacobian raised RuntimeError: no data"),
+        ({"record": lambda u, p: fails()}, "the function `record` raised RuntimeError: no data"),
+        ({"record": lambda u, p: {"a": u * np.ones(3)}}, r"a mapping of names to numbers; 'a' has shape \(3,\)"),
+        ({"record": lambda u, p: 3.0}, "record must return a mapping of names to numbers; got float"),
+    ],
+)
+def test_a_function_that_fails_at_the_start_is_an_error_that_says_where(given, text):
+    with pytest.raises(UserFunctionError, match=text):
+        parabola(**given)
+    with pytest.raises(InputError, match="at least one is needed"):
+        contin.FunctionProblem(lambda u, p: u, [1.0], {})

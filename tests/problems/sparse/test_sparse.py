@@ -339,6 +339,29 @@ def test_large_equilibria_say_what_is_missing():
         api.equilibrium(wrong)
 
 
+@pytest.mark.parametrize("broken", ["residual", "jacobian", "preconditioner"])
+def test_a_function_that_fails_ends_the_branch_with_its_reason(broken):
+    def failing(function):
+        def guarded(u, p):
+            if np.real(p["p"]) > 1.5:
+                raise RuntimeError("no data")
+            return function(u, p)
+
+        return guarded
+
+    functions = {"residual": lambda u, p: p["p"] - u**2, "jacobian": lambda u, p: sp.diags(-2.0 * u).tocsc()}
+    if broken == "preconditioner":
+        functions["jacobian"] = lambda u, p: sp.linalg.aslinearoperator(sp.diags(-2.0 * u))
+        functions["preconditioner"] = lambda u, p: lambda r: -r / (2.0 * u)
+    functions[broken] = failing(functions[broken])
+    problem = contin.FunctionProblem(u0=np.ones(60), parameters={"p": 1.0}, **functions)
+    branch = api.continuation(problem, "p", (0.5, 2.0))
+    assert (branch.columns["p"].min(), branch.columns["p"].max()) == (0.5, pytest.approx(1.5, rel=2e-2))
+    assert branch.ends[0].reason == "bound"
+    assert branch.ends[1].reason == "corrector"
+    assert "raised RuntimeError: no data (test_sparse.py, line" in branch.ends[1].text
+
+
 def test_krylov_and_direct_operators_agree():
     matrix = scattered(80)
     direct = DirectLinear(matrix, Factoriser())

@@ -1,0 +1,47 @@
+"""Calls of a user's functions: what goes wrong inside is said in words, with the line of the user's file."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.errors import UserFunctionError
+
+
+def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """function(*arguments); UserFunctionError, which names the error and its line, where that raises."""
+    try:
+        return function(*arguments)
+    except Exception as error:  # somebody else's code may raise anything
+        frames = traceback.extract_tb(error.__traceback__)[1:]  # the first is this one
+        place = f" ({Path(frames[0].filename).name}, line {frames[0].lineno})" if frames else ""
+        raise UserFunctionError(f"the {what} raised {type(error).__name__}: {error}{place}") from error
+
+
+def vector(what: str, value: Any, n: int) -> NDArray[Any]:
+    """`value` as an array (n,); UserFunctionError where it is something else."""
+    array = np.asarray(value)
+    if array.shape != (n,):
+        raise UserFunctionError(
+            f"the {what} must return {n} numbers, one for each state; got "
+            + (f"shape {array.shape}" if array.dtype.kind in "biufc" else f"{type(value).__name__}")
+        )
+    if array.dtype.kind not in "biufc":
+        raise UserFunctionError(f"the {what} must return numbers; got {array.dtype} entries")
+    return array
+
+
+def numbers(what: str, value: Any) -> dict[str, float]:
+    """`value`, a mapping of names to numbers, as one; UserFunctionError where it is something else."""
+    if not isinstance(value, Mapping):
+        raise UserFunctionError(f"{what} must return a mapping of names to numbers; got {type(value).__name__}")
+    for name, entry in value.items():
+        if not isinstance(name, str) or np.ndim(entry) != 0 or np.asarray(entry).dtype.kind not in "biuf":
+            shown = f"shape {np.shape(entry)}" if np.ndim(entry) else repr(entry)
+            raise UserFunctionError(f"{what} must return a mapping of names to numbers; {name!r} has {shown}")
+    return {name: float(entry) for name, entry in value.items()}
