@@ -109,7 +109,7 @@ def test_start_outside_the_range_is_bad_input():
 
 
 def test_start_without_a_solution_says_how_near_it_came():
-    with pytest.raises(NoSolutionError, match="smallest at x = .*No equilibrium was found around the start either"):
+    with pytest.raises(NoSolutionError, match=r"smallest at x = .*No equilibrium was found around the start either"):
         follow(FOLD, {"x": 1.0}, {"p": -1.0}, (-2.0, 1.0))
 
 
