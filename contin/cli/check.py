@@ -13,7 +13,9 @@ MODEL_KEYS: Final = frozenset({"states", "equations"})  # a run file has neither
 def check_file(file: Path, execute: bool) -> int:
     """Check one file; with `execute`, carry out a model's `expect:` too. The exit code."""
     from contin.model.yaml_reader import read_file
+    from contin.runs.bundled import find_run, is_scan
 
+    file, place = find_run(file)
     document = read_file(file)
     if isinstance(document.data, dict) and MODEL_KEYS & document.data.keys() and "model" not in document.data:
         return check_model(file, execute)
@@ -21,13 +23,25 @@ def check_file(file: Path, execute: bool) -> int:
         raise InputError(
             f"{file}: --run carries out the `expect:` of a model file; this is a run file (use `contin run`)"
         )
+    if is_scan(file):
+        from contin.runs.scan_plan import plan_scan
+
+        spec = plan_scan(file, counts_as=place).spec
+        print(f"{file}: good. Model {spec.model.name}, {len(spec.model.states)} states; a scan of {len(spec)} runs")
+        return 0
     from contin.runs.load import read_run
     from contin.runs.plan import make_plan
+    from contin.runs.simulation_plan import described
 
-    plan = make_plan(read_run(document.data, document.source), document.source, file)
+    plan = make_plan(read_run(document.data, document.source), document.source, place)
     runs = [run.name for run in plan.runs]
     phases = [f"phase diagram in {' and '.join(plan.phase.parameters)}"] if plan.phase else []
-    what = ", ".join(([f"diagram in {plan.diagram.parameter}"] if plan.diagram else []) + phases + runs)
+    what = ", ".join(
+        ([f"diagram in {plan.diagram.parameter}"] if plan.diagram else [])
+        + phases
+        + runs
+        + described(plan.simulations, plan.sweep)
+    )
     print(f"{file}: good. Model {plan.model.name}, {len(plan.model.states)} states; runs: {what}")
     return 0
 

@@ -45,6 +45,10 @@ def tell_and_write(plan: Plan, document: Mapping[str, Any], json: str | None, re
     if json is not None:
         tasks.append(lambda: _write_json(document, json))
     tasks += [partial(_write, plan, kind, document, report) for kind in plan.outputs]
+    if plan.simulations or plan.sweep:
+        from contin.cli.simulated import writers
+
+        tasks += writers(plan, document, report)
     for task in tasks:
         try:
             task()
@@ -84,10 +88,15 @@ def _write(plan: Plan, kind: str, document: Mapping[str, Any], report: Console) 
     if kind in ("plot", "html"):
         from contin.plot.write import write_picture
 
-        if not document["branches"]:
+        if kind == "plot" and document.get("sweep"):
+            from contin.cli.simulated import draw_sweep
+
+            draw_sweep(plan, document, path)
+        elif not document["branches"]:
             report.print(f"{path.name} is not drawn: there is no branch", style="yellow")
             return
-        write_picture(document, path, x=plan.x, y=plan.y)
+        else:
+            write_picture(document, path, x=plan.x, y=plan.y)
     elif kind == "save":
         from contin.store import sqlite
 
@@ -106,6 +115,12 @@ def provenance(plan: Plan) -> dict[str, str]:
     packages = ("numpy", "scipy", "numba", "llvmlite")
     return {
         "model_text": plan.model.text(),
-        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram, plan.phase)),
+        "run": repr((sorted(plan.parameters.items()), plan.runs, plan.diagram, plan.phase, *_simulated(plan))),
         "versions": ", ".join([f"contin {__version__}", *(f"{name} {version(name)}" for name in packages)]),
     }
+
+
+def _simulated(plan: Plan) -> list[str]:
+    """What is simulated, without the models, whose text has a place of its own."""
+    parts = [*plan.simulations, *([plan.sweep] if plan.sweep else [])]
+    return [repr(sorted((key, repr(value)) for key, value in vars(part).items() if key != "model")) for part in parts]

@@ -25,6 +25,7 @@ def print_report(document: Mapping[str, Any], console: Console) -> None:
         _print_branch(branch, model["states"], console)
     if document.get("phase"):
         _print_regions(document["phase"], console)
+    _print_simulated(document, console)
     _print_notes(document["notes"], console)
     console.print()
     console.print(_effort(document), style="dim", highlight=False)
@@ -49,6 +50,16 @@ def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
     console.print("Regions", style="bold")
     for line in region_lines(phase):
         console.print(Text(f"  {line}"))
+
+
+def _print_simulated(document: Mapping[str, Any], console: Console) -> None:
+    from contin.cli.simulated import lines
+
+    found = lines(document)
+    if found:
+        console.print()
+    for line in found:
+        console.print(Text(line))
 
 
 def heading(branch: Mapping[str, Any]) -> Text:

@@ -25,19 +25,19 @@ DONE, CUT_SHORT = 0, 1
 def run_file(
     file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float, resume: bool = False
 ) -> int:
-    """Carry out a run file; the exit code."""
-    from contin.model.yaml_reader import read_file
-    from contin.runs.load import read_run
+    """Carry out a run file, or a bundled one by its name; the exit code."""
+    from contin.runs.bundled import find_run, is_scan
+    from contin.runs.load import load_run_file
     from contin.runs.plan import make_plan
 
-    overrides = parse_sets(sets)
-    document = read_file(file)
-    if isinstance(document.data, Mapping) and "scan" in document.data:
+    file, place = find_run(file)
+    if is_scan(file):
         from contin.cli.scan import scan_file
 
-        return scan_file(file, json, sets, None, None, resume, None, quiet)
-    entry, source = read_run(document.data, document.source), document.source
-    return carry_out(make_plan(entry, source, file, overrides), json, orbits, quiet, began, resume)
+        return scan_file(file, json, sets, None, None, resume, None, quiet, place)
+    overrides = parse_sets(sets)
+    entry, source = load_run_file(file)
+    return carry_out(make_plan(entry, source, place, overrides), json, orbits, quiet, began, resume)
 
 
 def run_diagram(
@@ -116,6 +116,8 @@ def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: fl
     errors = console(sys.stderr, quiet)
     report = errors if to_stdout else console(sys.stdout, quiet)
     writable(json, plan.outputs)
+    for files in plan.simulated_files():
+        writable(None, files)
     journal = open_journal(plan, resume)
     document, complete = compute(plan, orbits, errors, began, journal)
     tell_and_write(plan, document, json, report, quiet)
@@ -143,6 +145,7 @@ def compute(
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
     from contin.runs.results import sample_orbit
+    from contin.runs.simulations import carry_out as carry_out_simulations
     from contin.runs.warm import warm_up
     from contin.store.json_format import describe_model, result_document
 
@@ -157,6 +160,7 @@ def compute(
     warm = time.perf_counter()
     with status:
         result = execute(plan, engine, status.say)
+        simulated, whole = carry_out_simulations(plan, status.say, status.count)
     ended = time.perf_counter()
     notes = [*result.notes]
     if journal is not None:
@@ -175,8 +179,9 @@ def compute(
         notes=notes,
         orbit=sample_orbit if orbits else None,
         phase=result.phase,
+        simulated=simulated,
     )
-    return document, result.complete
+    return document, result.complete and whole
 
 
 class Status:
@@ -209,6 +214,11 @@ class Status:
         """The name of the run that begins."""
         self.run = what
         self._update(what)
+
+    def count(self, done: int, total: int) -> None:
+        """After every run of a sweep; raises KeyboardInterrupt after Ctrl-C."""
+        check()
+        self._update(f"{self.run}: {done} of {total} runs")
 
     def watch(self, progress: Mapping[str, Any]) -> None:
         """After every chunk of a branch; raises KeyboardInterrupt after Ctrl-C."""

@@ -19,13 +19,13 @@ from contin.errors import InputError
 
 def scan_file(
     file: Path, json: str | None, sets: Sequence[str], threads: int | None, cluster: str | None, resume: bool,
-    over: Path | None, quiet: bool,
+    over: Path | None, quiet: bool, place: Path | None = None,
 ) -> int:  # fmt: skip
     """Carry out a scan file. A run that escapes or does not settle is a result like others: exit code 0."""
     from contin.runs.scan_plan import plan_scan
     from contin.simulate.scan.carry_out import carry_out, document_of
 
-    plan = plan_scan(file, parse_sets(sets))
+    plan = plan_scan(file, parse_sets(sets), place)
     writable(json, plan.outputs)
     if threads is not None and threads < 1:
         raise InputError(f"--threads must be 1 or more; got {threads}")

@@ -16,3 +16,8 @@ def folder() -> Path:
     if (repository / "models").is_dir() and (repository / "pyproject.toml").is_file():
         return repository / "models"
     return package / "_models"
+
+
+def runs() -> dict[str, Path]:
+    """The bundled run files by name: metronomes/pair-phase is models/metronomes/runs/pair-phase.yaml."""
+    return {f"{path.parent.parent.name}/{path.stem}": path for path in sorted(folder().glob("*/runs/*.yaml"))}

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Final
 
 from contin.errors import InputError
+from contin.model.source import Path as Place
 from contin.model.source import Problems
 
 ENDINGS: Final[dict[str, tuple[str, ...]]] = {
@@ -26,18 +27,34 @@ def output_paths(
     A path must be relative, without '..', must not lead out of the run file's folder through a symbolic link, must have
     an ending of its kind, and must not be the run file itself.
     """
+    taken: list[Path] = []
+    found = {
+        kind: output_path(text, kind, run_file, problems, taken, ("outputs", kind), endings)
+        for kind, text in written.items()
+    }
+    return {kind: path for kind, path in found.items() if path is not None}
+
+
+def output_path(
+    text: str,
+    kind: str,
+    run_file: Path,
+    problems: Problems,
+    taken: list[Path],
+    place: Place,
+    endings: Mapping[str, tuple[str, ...]] = ENDINGS,
+) -> Path | None:
+    """One file to write, added to those `taken`; None, with a note at `place`, where it may not be written."""
     folder = run_file.parent.resolve()
-    paths: dict[str, Path] = {}
-    for kind, text in written.items():
-        mistake = _mistake(text, endings[kind], folder, run_file)
-        path = folder / PurePosixPath(text)
-        if not mistake and path in paths.values():
-            mistake = f"{text!r} is already written by another output; choose another name"
-        if mistake:
-            problems.add(("outputs", kind), mistake)
-        else:
-            paths[kind] = path
-    return paths
+    mistake = _mistake(text, endings[kind], folder, run_file)
+    path = folder / PurePosixPath(text)
+    if not mistake and path in taken:
+        mistake = f"{text!r} is already written by another output; choose another name"
+    if mistake:
+        problems.add(place, mistake)
+        return None
+    taken.append(path)
+    return path
 
 
 def _mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Path) -> str | None:

@@ -16,6 +16,7 @@ from contin.runs.transforms import apply_passes
 
 if TYPE_CHECKING:
     from contin.model.model import Model
+    from contin.runs.simulation_plan import SimulationPlan, SweepPlan
 
 Number = float | int | str | Any  # a number, or a formula in the parameters
 StartPoint = str | Mapping[str, Any] | None
@@ -81,11 +82,17 @@ class Plan:
     x: str | None = None
     y: Sequence[str] | None = None
     title: str | None = None
+    simulations: Sequence[SimulationPlan] = ()
+    sweep: SweepPlan | None = None
 
     @property
     def follows_orbits(self) -> bool:
         """True where a run asks for periodic orbits of a flow; whether a diagram has some is seen when it is made."""
         return self.model.kind == "flow" and any(run.follows_orbits for run in self.runs)
+
+    def simulated_files(self) -> list[Mapping[str, FilePath]]:
+        """What the simulations and the sweep write."""
+        return [*(s.outputs for s in self.simulations), *([self.sweep.outputs] if self.sweep else [])]
 
 
 def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:
@@ -99,7 +106,12 @@ def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mappin
     problems = Problems(source)
     model = _model(entry, source, file, problems, overrides or {})
     problems.raise_if_any()
-    return make_plan_for(model, entry, source, file, overrides)
+    plan = make_plan_for(model, entry, source, file, overrides)
+    if entry.simulate or entry.sweep is not None:
+        from contin.runs.simulation_plan import with_simulations
+
+        plan = with_simulations(plan, _written_model(entry, source, file, problems), entry, source, file)
+    return plan
 
 
 def make_plan_for(
@@ -129,19 +141,23 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
 
 
 def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]) -> Any:
+    model = _written_model(entry, source, file, problems)
+    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides})
+
+
+def _written_model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Any:
+    """The model that the file names or holds, before any pass."""
     from contin.model.registry import find
     from contin.model.yaml_loader import model_from_mapping
 
     if isinstance(entry.model, str):
         try:
-            model = find(entry.model, file.parent)
+            return find(entry.model, file.parent)
         except ContinError as error:
             problems.add(("model",), str(error))
             problems.raise_if_any()
             raise
-    else:
-        model = model_from_mapping(entry.model, PartSource(source, ("model",)))
-    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides})
+    return model_from_mapping(entry.model, PartSource(source, ("model",)))
 
 
 class _Planner:

@@ -28,9 +28,15 @@ class ScanPlan:
     title: str | None = None
 
 
-def plan_scan(path: FilePath, overrides: Mapping[str, Any] | None = None) -> ScanPlan:
-    """Read and check a scan file; InputError with every mistake at its place."""
+def plan_scan(
+    path: FilePath, overrides: Mapping[str, Any] | None = None, counts_as: FilePath | None = None
+) -> ScanPlan:
+    """Read and check a scan file; InputError with every mistake at its place.
+
+    counts_as : the file whose folder the outputs go to, where that is another (bundled files: the current folder).
+    """
     document = read_file(path)
+    path = counts_as or path
     source: Source = document.source
     if isinstance(document.data, dict) and "scan" not in document.data:
         raise InputError(f"{path}: this is no scan file: it has no `scan:` (a run file goes to `contin run`)")

@@ -59,6 +59,12 @@ def _positive(value: object) -> object:
     return float(value)
 
 
+def _not_negative(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < math.inf:
+        raise _wrong(f"expected 0 or a positive number, got {shown(value)}")
+    return float(value)
+
+
 def _count(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise _wrong(f"expected a whole number, 1 or more, got {shown(value)}")
@@ -199,6 +205,54 @@ class PhaseEntry(Section):
         return self
 
 
+class SimulateEntry(Section):
+    """A trajectory of the model as it is written (`transformed: true`: after the passes), and its files."""
+
+    name: RunName | None = None
+    transformed: bool = False
+    start: Start | None = None
+    parameters: dict[str, Formula] = {}
+    time: Positive = 100.0
+    transient: Annotated[float, PlainValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})] = 0.0
+    samples: Annotated[Count, Field(ge=2)] | None = None
+    method: Literal["DOP853", "Radau", "LSODA", "BDF"] | None = None
+    rtol: Positive | None = None
+    box: Positive | None = None
+    plot: File | None = None
+    csv: File | None = None
+    x: Text | None = None
+    y: Text | None = None
+
+    def chosen(self) -> dict[str, Any]:
+        """The options of the integration that were written."""
+        options = {"samples": self.samples, "method": self.method, "rtol": self.rtol, "box": self.box}
+        return {key: value for key, value in options.items() if value is not None}
+
+
+class SweepSettleEntry(Section):
+    """When a run of a sweep has settled: see `contin.simulate.steady.Criterion`."""
+
+    window: Positive
+    tolerance: Positive | None = None
+    longest: Positive | None = None
+    samples: Count | None = None
+
+
+class SweepEntry(Section):
+    """A parameter stepped up and down in the model as it is written, drawn over the bifurcation diagram of the file."""
+
+    transformed: bool = False
+    parameter: Text
+    range: Interval | None = None
+    start: Start | None = None
+    parameters: dict[str, Formula] = {}
+    steps: Count = 60
+    down: bool = True
+    measures: dict[str, Text] = {}
+    settle: SweepSettleEntry | None = None
+    csv: File | None = None
+
+
 class OutputsEntry(Section):
     """Files to write, in or below the run file's folder, and the axes of the picture."""
 
@@ -228,10 +282,14 @@ class RunEntry(Section):
     diagram: DiagramEntry | None = None
     phase: PhaseEntry | None = None
     continuations: list[ContinuationEntry] = []
+    simulate: list[SimulateEntry] = []
+    sweep: SweepEntry | None = None
     outputs: OutputsEntry = OutputsEntry()
 
     @model_validator(mode="after")
     def _something_to_do(self) -> RunEntry:
-        if self.diagram is None and self.phase is None and not self.continuations:
-            raise _wrong("there is nothing to run; write `diagram:`, `phase:` or `continuations:`")
+        asked = (self.diagram, self.phase, self.sweep, *self.continuations, *self.simulate)
+        if all(part is None for part in asked):
+            kinds = "`continuations:`, `diagram:`, `phase:`, `simulate:`, `sweep:` or `scan:`"
+            raise _wrong(f"there is nothing to run; write {kinds}")
         return self

@@ -31,6 +31,7 @@ def result_document(
     notes: Sequence[str] = (),
     orbit: OrbitSampler | None = None,
     phase: Mapping[str, Any] | None = None,
+    simulated: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """The results of a run as nested dicts, lists, numbers and strings only.
 
@@ -48,6 +49,8 @@ def result_document(
         Adds the orbit itself to every labelled point that has one.
     phase : mapping, optional
         The regions of a phase diagram, whose curves are among the branches.
+    simulated : mapping, optional
+        `simulations` (a list) and `sweep`.
     """
     branches = list(branches)
     every_note = [*notes, *(f"{branch.name}: {note}" for branch in branches for note in branch.notes)]
@@ -56,6 +59,7 @@ def result_document(
         "model": plain(model),
         "branches": [_branch(branch, orbit) for branch in branches],
         **({} if phase is None else {"phase": plain(phase)}),
+        **({} if simulated is None else plain(simulated)),
         "notes": list(dict.fromkeys(every_note)),  # a diagram lists those of its branches too
         "timing": plain(timing),
     }

@@ -95,6 +95,23 @@ PHASE: Final[dict[str, Any]] = {
     },
 }
 
+_TABLE: Final = {"type": "object", "additionalProperties": {"type": "array"}}
+SIMULATION: Final[dict[str, Any]] = {
+    "type": "object",
+    "required": ["name", "model", "parameters", "outcome", "end_time", "columns"],
+    "properties": {
+        "name": {"type": "string"},
+        "outcome": {"enum": ["done", "escaped", "sliding", "stopped"]},
+        "end_time": _NUMBER,
+        "columns": _TABLE,
+    },
+}
+SWEEP: Final[dict[str, Any]] = {
+    "type": "object",
+    "required": ["parameter", "quantities", "columns"],
+    "properties": {"parameter": {"type": "string"}, "quantities": {"type": "array"}, "columns": _TABLE},
+}
+
 RESULT_SCHEMA: Final[dict[str, Any]] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "contin results, format 1",
@@ -115,6 +132,8 @@ RESULT_SCHEMA: Final[dict[str, Any]] = {
         },
         "branches": {"type": "array", "items": BRANCH},
         "phase": PHASE,
+        "simulations": {"type": "array", "items": SIMULATION},
+        "sweep": SWEEP,
         "notes": {"type": "array", "items": {"type": "string"}},
         "timing": {"type": "object", "required": ["total"], "additionalProperties": {"type": "number"}},
     },

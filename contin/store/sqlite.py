@@ -112,7 +112,7 @@ def _document(connection: sqlite3.Connection) -> dict[str, Any]:
         "contin": meta["contin"],
         "model": meta["model"],
         "branches": branches,
-        **({"phase": meta["phase"]} if "phase" in meta else {}),
+        **{key: meta[key] for key in ("phase", "simulations", "sweep") if key in meta},
         "notes": meta["notes"],
         "timing": meta["timing"],
     }

@@ -61,7 +61,7 @@ def test_a_wrong_model_file_is_named_by_check(tmp_path, capsys):
 
 def test_models_lists_the_bundled_ones(capsys):
     assert call("models") == 0
-    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    names = [line.split()[0] for line in capsys.readouterr().out.splitlines() if line]
     assert "metronomes/pair" in names
 
 
@@ -133,7 +133,7 @@ def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys
 def test_the_schema_of_model_files_accepts_every_bundled_file(capsys):
     assert call("schema", "model") == 0
     schema = json.loads(capsys.readouterr().out)
-    files = sorted(Path(folder()).rglob("*.yaml"))
+    files = sorted(Path(folder()).glob("*/*.yaml"))
     assert len(files) > 20
     for file in files:
         jsonschema.validate(read_text(file.read_text(encoding="utf-8")).data, schema)

@@ -1,0 +1,78 @@
+"""Files and report lines of the simulations and the sweep of a run file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contin.cli.simulate import write_figure, write_table
+from contin.runs.outputs import make_folder
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contin.runs.plan import Plan
+    from contin.runs.simulation_plan import SimulationPlan
+
+
+def writers(plan: Plan, document: Mapping[str, Any], report: Console) -> list[Callable[[], None]]:
+    """One task for each file that a simulation or the sweep writes."""
+    tasks: list[Callable[[], None]] = []
+    for simulation, found in zip(plan.simulations, document.get("simulations", []), strict=False):
+        for kind, path in simulation.outputs.items():
+            tasks.append(partial(_write, simulation, kind, path, found["columns"], report))
+    if plan.sweep is not None and "csv" in plan.sweep.outputs:
+        path = plan.sweep.outputs["csv"]
+        tasks.append(partial(_table, document["sweep"]["columns"], path, report))
+    return tasks
+
+
+def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any], report: Console) -> None:
+    if kind == "csv":
+        _table(columns, path, report)
+        return
+    from contin.plot.trajectory import figure
+
+    make_folder(path)
+    title = f"{plan.model.title or plan.model.name}: {plan.name}"
+    write_figure(figure(columns, list(plan.model.state_names), title=title, x=plan.x, y=plan.y), path)
+    report.print(f"wrote {os.path.relpath(path)}")
+
+
+def _table(columns: dict[str, Any], path: Path, report: Console) -> None:
+    make_folder(path)
+    write_table(columns, path)
+    report.print(f"wrote {os.path.relpath(path)}")
+
+
+def draw_sweep(plan: Plan, document: Mapping[str, Any], path: Path) -> None:
+    """The sweep over the branches of the same file; alone where there is none."""
+    from contin.plot.sweep import figure
+
+    found = document["sweep"]
+    over = document if document["branches"] else None
+    y = plan.y[0] if plan.y else None
+    drawing = figure(found["columns"], found["parameter"], found["quantities"], title=plan.title, y=y, over=over)
+    write_figure(drawing, path)
+
+
+def lines(document: Mapping[str, Any]) -> list[str]:
+    """What became of every simulation and of the sweep, in words."""
+    text = []
+    for found in document.get("simulations", []):
+        why = "" if found["outcome"] == "done" else f": {found['outcome']}, {found['why']}"
+        text.append(f"simulation {found['name']} of {found['model']} to t = {found['end_time']:.6g}{why}")
+    if "sweep" in document:
+        found = document["sweep"]
+        parameter, outcomes = found["parameter"], found["columns"]["outcome"]
+        settled = sum(outcome == "settled" for outcome in outcomes)
+        text.append(f"sweep of {found['model']} in {parameter}: {len(outcomes)} runs, {settled} settled")
+        for direction, before, after in found["jumps"]:
+            way = "up" if direction > 0 else "down"
+            text.append(
+                f"  {found['quantities'][0]} jumps on the way {way} between {parameter} = {before:g} and {after:g}"
+            )
+    return text

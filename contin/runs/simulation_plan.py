@@ -1,0 +1,148 @@
+"""`simulate:` and `sweep:` of a run file, checked: what to integrate, from where, and which files to write.
+
+Both take the model as it is written, so that a trajectory of the equations of motion stands beside branches of their
+average; `transformed: true` takes the model after the passes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
+from typing import Any
+
+from contin.errors import ContinError
+from contin.model.source import Path, Problems, Source
+from contin.runs.outputs import output_path
+from contin.runs.plan import Plan, StartPoint, _Planner
+from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
+
+
+@dataclass(frozen=True)
+class SimulationPlan:
+    """One trajectory."""
+
+    name: str
+    model: Any
+    start: StartPoint
+    parameters: Mapping[str, Any]
+    time: float
+    transient: float
+    options: Mapping[str, Any] = field(default_factory=dict)
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
+    x: str | None = None
+    y: str | None = None
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """A parameter stepped up and down."""
+
+    model: Any
+    parameter: str
+    range: tuple[float, float]
+    start: StartPoint
+    parameters: Mapping[str, Any]
+    steps: int
+    down: bool
+    measures: Mapping[str, str]
+    settle: Mapping[str, Any] = field(default_factory=dict)
+    outputs: Mapping[str, FilePath] = field(default_factory=dict)  # csv
+
+
+def with_simulations(plan: Plan, written: Any, entry: RunEntry, source: Source, file: FilePath) -> Plan:
+    """The plan with its simulations and its sweep; InputError with everything that is wrong, each at its place."""
+    problems = Problems(source)
+    taken = list(plan.outputs.values())
+    simulations: list[SimulationPlan] = []
+    for position, item in enumerate(entry.simulate):
+        path: Path = ("simulate", position)
+        model = plan.model if item.transformed else written
+        name = item.name or f"simulation{position + 1}"
+        if any(name == earlier.name for earlier in simulations):
+            problems.add((*path, "name"), f"{name!r} is already the name of an earlier simulation; choose another")
+        files = _files({"plot": item.plot, "csv": item.csv}, file, problems, taken, path)
+        simulation = _simulation(item, name, model, plan.parameters, problems, path)
+        simulations.append(replace(simulation, outputs=files))
+    sweep = None
+    if entry.sweep is not None:
+        model = plan.model if entry.sweep.transformed else written
+        sweep = _sweep(entry.sweep, model, plan.parameters, problems)
+        if sweep is not None:
+            sweep = replace(sweep, outputs=_files({"csv": entry.sweep.csv}, file, problems, taken, ("sweep",)))
+    problems.raise_if_any()
+    return replace(plan, simulations=simulations, sweep=sweep)
+
+
+def _files(
+    written: Mapping[str, str | None], file: FilePath, problems: Problems, taken: list[FilePath], path: Path
+) -> dict[str, FilePath]:
+    files = {}
+    for kind, text in written.items():
+        place = None if text is None else output_path(text, kind, file, problems, taken, (*path, kind))
+        if place is not None:
+            files[kind] = place
+    return files
+
+
+def _planner(
+    model: Any, shared: Mapping[str, Any], own: Mapping[str, Any], problems: Problems, path: Path
+) -> tuple[_Planner, dict[str, Any]]:
+    """The checker of names and numbers for this model, and the parameters of the file and of the entry together."""
+    known = {name: value for name, value in shared.items() if name in model.parameter_names}  # a pass may bring others
+    planner = _Planner(model, problems, known)
+    planner.check_parameters({}, {})
+    for name, value in own.items():
+        if planner.known(name, (*path, "parameters", name), key=True):
+            planner.formula(value, (*path, "parameters", name))
+            known[name] = value
+    return _Planner(model, problems, known), known
+
+
+def _start(
+    planner: _Planner, written: Any, parameters: Mapping[str, Any], problems: Problems, path: Path
+) -> StartPoint:
+    start = None if written is None else planner.start(written, (*path, "start"))
+    if not problems:
+        try:
+            planner.model.start_point(start, dict(parameters))
+        except ContinError as error:
+            problems.add((*path, "start") if written is not None else path, str(error))
+    return start
+
+
+def _simulation(
+    item: SimulateEntry, name: str, model: Any, shared: Mapping[str, Any], problems: Problems, path: Path
+) -> SimulationPlan:
+    planner, parameters = _planner(model, shared, item.parameters, problems, path)
+    start = _start(planner, item.start, parameters, problems, path)
+    columns = ["t", *model.state_names, *model.observables]
+    for key, column in (("x", item.x), ("y", item.y)):
+        if column is not None and column not in columns:
+            problems.add((*path, key), f"there is no column {column!r}; there are {', '.join(columns)}")
+    return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), x=item.x, y=item.y)
+
+
+def _sweep(item: SweepEntry, model: Any, shared: Mapping[str, Any], problems: Problems) -> SweepPlan | None:
+    path: Path = ("sweep",)
+    planner, parameters = _planner(model, shared, item.parameters, problems, path)
+    start = _start(planner, item.start, parameters, problems, path)
+    for name, formula in item.measures.items():
+        try:
+            model.expression(formula)
+        except ContinError as error:
+            problems.add((*path, "measures", name), str(error))
+    if not planner.known(item.parameter, (*path, "parameter")):
+        return None
+    bounds = planner.bounds(item.range, [item.parameter], path).get(item.parameter)
+    if bounds is None:
+        return None
+    settle = {} if item.settle is None else item.settle.model_dump(exclude_none=True)
+    return SweepPlan(
+        model, item.parameter, bounds, start, parameters, item.steps, item.down, dict(item.measures), settle
+    )
+
+
+def described(plans: Sequence[SimulationPlan], sweep: SweepPlan | None) -> list[str]:
+    """What is asked for, in words."""
+    return [*(f"simulation {plan.name}" for plan in plans), *([f"sweep in {sweep.parameter}"] if sweep else [])]
