@@ -24,9 +24,9 @@ from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.start import PeriodicOrbit, configured
+from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen, shooting_seed, shooting_wanted
+from contin.problems.shooting.start import ShotOrbit, on_its_mesh, orbit_from_return, shooting_chosen
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -151,8 +151,7 @@ def continuation(
     """
     seed, bounds = placed(start, parameter, range)
     chosen = Settings.of(settings)
-    if isinstance(seed.problem, OrbitProblem):
-        seed = shooting_seed(seed, chosen) if shooting_wanted(seed.problem, chosen) else configured(seed, chosen)
+    seed = on_its_mesh(seed, chosen)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")

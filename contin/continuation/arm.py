@@ -21,6 +21,7 @@ CLOSED = 1e-5  # a branch has returned to its start when it passes it closer tha
 SHORTEST_RETRY = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
 JUMP = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 RETRY_STEP = 1e-4  # first step on a new mesh, after the corrector failed on the old one
+HALF_PERIOD = "half a period"  # the symmetry of doubled orbits, see `contin.problems.orbits.symmetry`
 SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 
@@ -261,13 +262,14 @@ class Arm:
         if not self.symmetries or self.end is not None:
             return None
         for f in found:
-            if f.point.type == "BP" and self.problem.reverses(
-                f.point.z, f.sample.tangent * self.scale, self.symmetries
-            ):
-                where = f"{self.problem.parameters[0]} = {f.point.z[-1]:.10g}"
-                self.end = End(
-                    "joined", f"met its own mirror image at the branch point {where}", {"at": float(f.point.z[-1])}
-                )
+            tangent = f.sample.tangent * self.scale
+            if f.point.type in ("BP", "BPC") and self.problem.reverses(f.point.z, tangent, self.symmetries):
+                at = float(f.point.z[-1])
+                where = f"{self.problem.parameters[0]} = {at:.10g}"
+                text = f"met its own mirror image at the branch point {where}"
+                if self.symmetries == (HALF_PERIOD,):
+                    text = f"came together with orbits of half the period, at their period doubling {where}"
+                self.end = End("joined", text, {"at": at})
                 return f
         return None
 

@@ -18,8 +18,10 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
+from contin.diagram.orbits import CASCADE, doublings, known_family, mirrored_families
 from contin.errors import ContinError, InputError
 from contin.problems.images import images, images_through
+from contin.problems.shooting.start import on_its_mesh
 from contin.problems.symmetry import apply_symmetry
 
 
@@ -105,14 +107,14 @@ class Explorer:
         if known is not None:
             if not seed.born:
                 diagram.notes.append(f"start {name!r} lies on branch {known.name!r}")
-            elif known.parent is not None:
+            elif known.parent is not None and known.kind != "orbit":
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
         if self.ahead is not None:
             self.ahead(seed)
         try:
             branch = trace(
-                seed,
+                on_its_mesh(seed, self.settings),
                 self.bounds,
                 name=name,
                 settings=self.settings,
@@ -126,6 +128,7 @@ class Explorer:
         diagram.branches.append(branch)
         diagram.branches.extend(images(branch))
         self._mirror_births(diagram, branch, seed)
+        diagram.branches.extend(mirrored_families(branch, diagram.branches))
         diagram.notes.extend(f"{name}: {note}" for note in branch.notes)
         return branch
 
@@ -140,12 +143,17 @@ class Explorer:
 
     def _known(self, diagram: Diagram, seed: Seed) -> Branch | None:
         problem = seed.problem
+        if problem.kind == "orbit":
+            return known_family(diagram.branches, seed, self.bounds[1] - self.bounds[0])
         scale = seed.scale if seed.scale is not None else problem.initial_scale(seed.z, self.bounds)
         tangent = None if seed.direction is None else seed.direction * scale
         return is_known(diagram.branches, problem, seed.z, tangent, scale)
 
     def _departures(self, diagram: Diagram, branch: Branch, point: SpecialPoint) -> list[tuple[str, Seed]]:
         """Named seeds of everything that is born at a point."""
+        if branch.kind == "orbit" and point.type == "PD" and doublings(branch.name) >= CASCADE:
+            diagram.notes.append(f"{branch.name}/{point.label}: orbits of {2**CASCADE} times the period are the last that are followed")
+            return []
         try:
             seeds = branch.problem.departures(point, self.parameter, self.orbits)
         except ContinError as error:

@@ -289,7 +289,8 @@ class EquilibriumProblem:
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Everything that is born at a labelled point, for the explorer."""
-        return self.switch(point, parameter) if point.type in ("BP", "PD") else []
+        born = ("BP", "PD", "HB") if orbits and not self.is_map else ("BP", "PD")
+        return self.switch(point, parameter) if point.type in born else []
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curve of such points in two parameters."""

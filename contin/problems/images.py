@@ -26,7 +26,7 @@ def images(branch: Branch) -> list[Branch]:
     for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
         size = float(np.nanmax(np.abs(candidate.z[:, :-1]), initial=0.0))
-        if not any(np.allclose(candidate.z, other.z, rtol=SAME, atol=SAME * size) for other in found):
+        if not any(np.allclose(candidate.z, other.z, rtol=SAME, atol=SAME * size, equal_nan=True) for other in found):
             found.append(candidate)
     return found
 
@@ -65,8 +65,8 @@ def image(branch: Branch, symmetry: str) -> Branch:
 
 
 def _mapped_tangents(problem: Any, symmetry: str, z: Array, tangents: Array) -> Array:
-    size = np.max(np.abs(z), axis=1, keepdims=True) / np.maximum(
-        np.max(np.abs(tangents), axis=1, keepdims=True), 1e-300
+    size = np.nanmax(np.abs(z), axis=1, keepdims=True) / np.maximum(
+        np.nanmax(np.abs(tangents), axis=1, keepdims=True), 1e-300
     )
     h = STEP * np.maximum(size, 1e-12)
     forward, backward = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -12,6 +12,14 @@ from contin.problems.maps.iterate import IteratedSystem
 
 STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
 AGREES = 1e-5
+
+
+@runtime_checkable
+class OrbitMaps(Protocol):
+    """Problems whose unknowns are whole orbits map them themselves."""
+
+    def moved(self, name: str, z: Array) -> Array:
+        """Images of rows z."""
 
 
 def symmetry_names(problem: Any) -> tuple[str, ...]:
@@ -26,6 +34,8 @@ def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
         outer, inner = name.split("*")
         return apply_symmetry(problem, outer, apply_symmetry(problem, inner, z))
     z = np.atleast_2d(z)
+    if isinstance(problem, OrbitMaps):
+        return problem.moved(name, z)
     mapped = z.copy()
     p = np.tile(problem.base, (len(z), 1))
     p[:, problem.active] = z[:, -1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,6 +16,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.layout import Profile, extrema, make_scale, profile_of, sizes_of
@@ -311,7 +313,16 @@ class OrbitProblem:
         return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
+        """True at an orbit at which the family meets its own image."""
+        from contin.problems.orbits.symmetry import reverses
+
+        return any(reverses(self, z, tangent, name) for name in symmetries)
+
+    def moved(self, name: str, z: Array) -> Array:
+        """Images of rows z under a declared symmetry."""
+        from contin.problems.orbits.symmetry import orbits_moved
+
+        return orbits_moved(self, name, z)
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
@@ -345,6 +356,13 @@ class OrbitProblem:
         """Names that `columns` gives, for user values."""
         functions = [*self.system.state_names, *self.system.observable_names]
         return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        """Families born at a labelled point, for the explorer; at a homoclinic orbit none where no symmetry makes one."""
+        if point.type == "HOM":
+            with suppress(InputError):
+                return self.switch(point, parameter)
+        return self.switch(point, parameter) if point.type in ("BPC", "PD") else []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.orbits.switch import switch

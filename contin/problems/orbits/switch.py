@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from contin.abi import Array
+from contin.continuation.arm import HALF_PERIOD
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.symmetry import halves_alike
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """Seeds of the families born at a BPC (the crossing one) or a PD (the doubled orbits), with `parameter` free."""
+    """Seeds of the families born at a BPC (the crossing one), a PD (the doubled orbits) or a HOM (see `gluing`)."""
     if parameter != problem.parameters[0]:
         raise InputError(
             f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "  # noqa: E501
@@ -25,8 +26,12 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         return [_crossing(problem, point)]
     if point.type == "PD":
         return [_doubled(problem, point)]
+    if point.type == "HOM":
+        from contin.problems.orbits.gluing import glued
+
+        return glued(problem, point)
     raise InputError(
-        f"{point.branch}.{point.label}: another family of orbits starts at BPC and PD only; this is {point.type}"
+        f"{point.branch}.{point.label}: another family of orbits starts at BPC, PD and HOM only; this is {point.type}"
     )
 
 
@@ -37,11 +42,12 @@ def _crossing(problem: Any, point: SpecialPoint) -> Seed:
     if not tangents:
         raise InputError(f"{point.branch}.{point.label}: no second real family crosses here")
     direction = min(tangents, key=lambda t: abs(float(t @ own)))
-    halves = (1,) if halves_alike(problem, point.z, direction * point.scale) else (-1, 1)
+    symmetries = halves_alike(problem, point.z, direction * point.scale)
+    halves = (1,) if symmetries else (-1, 1)
     if direction[-1] < 0.0:
         direction = -direction
     return Seed(
-        problem, point.z, direction, None, point.scale, halves, Parent(point.branch, point.label),
+        problem, point.z, direction, None, point.scale, halves, Parent(point.branch, point.label), symmetries,
         measured=(_unstable(point), point.eigenvalues),
     )  # fmt: skip
 
@@ -63,7 +69,7 @@ def _doubled(problem: Any, point: SpecialPoint) -> Seed:
     intervals = None if problem.intervals is None else len(h)
     family = replace(problem, winding=2.0 * problem.winding, multiple=2 * problem.multiple, intervals=intervals)
     return Seed(
-        family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
+        family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label), (HALF_PERIOD,),
         measured=(_unstable(point), _squared(point.eigenvalues)),
     )  # fmt: skip
 
@@ -76,55 +82,3 @@ def _unstable(point: SpecialPoint) -> int:
 
 def _squared(values: Any) -> Any:
     return np.asarray(values) ** 2
-
-
-def shifted(problem: Any, u: Profile, fraction: float) -> Array:
-    """u(x + fraction) at the nodes of u, (K, n); what angles gained in a period is added after it."""
-    times = u.times + fraction
-    turns = np.floor(times)
-    return np.asarray(u.at(times - turns) + turns[:, None] * problem.winding)
-
-
-def halves_alike(problem: Any, z: Array, direction: Array) -> str | None:
-    """The declared symmetry (with a half-period shift, or none) that keeps the orbit and turns the raw `direction`
-    round.
-
-    At a branch point the two halves of the new family are then images of each other.
-    """
-    profile = problem.profile(z)
-    moved = direction.copy()
-    moved[profile.u.size + 1 : -1] = profile.h
-    change = problem.profile(moved)
-    size = float(np.abs(change.u).max())
-    if size == 0.0:
-        return None
-    step = 1e-4 / size
-    p = problem.full_parameters(z)
-    for symmetry in problem.system.model.symmetries:
-        for fraction in (0.0, 0.5):
-            images = []
-            for sign in (0.0, step, -step):
-                bent = replace(profile, u=profile.u + sign * change.u)
-                images.append(
-                    problem.system.symmetry(symmetry.name, np.ascontiguousarray(shifted(problem, bent, fraction)), p)
-                )
-            reference = max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
-            if float(np.abs(images[0] - profile.u).max()) > 1e-3 * reference:
-                continue
-            derivative = (images[1] - images[2]) / (2.0 * step)
-            if float(np.abs(derivative + change.u).max()) < 1e-2 * size:
-                return str(symmetry.name)
-    return None
-
-
-def symmetry_of(problem: Any, z: Array) -> tuple[str, float] | None:
-    """A declared symmetry under which the orbit as a set is its own image: its name and the shift (0 or half a period)."""  # noqa: E501
-    profile = problem.profile(z)
-    reference = max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
-    p = problem.full_parameters(z)
-    for symmetry in problem.system.model.symmetries:
-        for fraction in (0.0, 0.5):
-            image = problem.system.symmetry(symmetry.name, np.ascontiguousarray(shifted(problem, profile, fraction)), p)
-            if float(np.abs(image - profile.u).max()) < 1e-3 * reference:
-                return str(symmetry.name), fraction
-    return None

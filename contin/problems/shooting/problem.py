@@ -251,6 +251,10 @@ class ShootingProblem:
         functions = [*self.system.state_names, *self.system.observable_names]
         return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
 
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        """Families born at a labelled point, for the explorer."""
+        return self.switch(point, parameter) if point.type in ("BPC", "PD") else []
+
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.shooting.switch import switch
 

@@ -12,6 +12,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.start import configured
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
@@ -117,6 +118,13 @@ def _split(problem: Any, z: Array, count: int) -> Array:
         return z
     one = replace(problem, count=nodes.count)
     return replace(nodes, u=states(one, z, np.arange(count) / count)).vector()
+
+
+def on_its_mesh(seed: Seed, settings: Settings) -> Seed:
+    """The seed as the settings want it: orbits on a mesh of that many intervals, or by shooting; others as they are."""
+    if not isinstance(seed.problem, OrbitProblem):
+        return seed
+    return shooting_seed(seed, settings) if shooting_wanted(seed.problem, settings) else configured(seed, settings)
 
 
 def shooting_seed(seed: Seed, settings: Settings) -> Seed:

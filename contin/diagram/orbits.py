@@ -1,0 +1,90 @@
+"""Families of periodic orbits in a diagram: which are known already, and which are mirror images of others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.problems.images import image
+from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+CASCADE = 3  # period doublings after which a cascade is left to the user
+SAME_PARAMETER = 1e-6  # relative to the range
+SAME_PERIOD = 1e-4  # relative
+SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their extent: period and parameter agree already
+SAMPLES = 200
+
+
+def doublings(name: str) -> int:
+    """Period doublings on the way to a branch of a diagram, from its name."""
+    return sum(part.startswith("PD") for part in name.split("/"))
+
+
+def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch | None:
+    """The branch that already is the family of this seed, or its image.
+
+    A family is told by its special orbits: two families that have one in common, where only two cross, are one. So the
+    seed is compared with the ends of every family and with its branch points, but not with the branch it was born at.
+    """
+    problem, parent = seed.problem, seed.parent
+    here = list(_variants(problem, seed.z))
+    for branch in branches:
+        if branch.kind != "orbit" or branch.image_of is not None or branch.parameters != tuple(problem.parameters):
+            continue
+        own = parent is not None and parent.branch == branch.name
+        rows = {p.index for p in branch.points if p.type == "BPC"} if not own else set()
+        if branch.parent is not None:
+            rows.add(branch.start_row)
+        rows |= {k for k, end in ((0, branch.ends[0]), (len(branch) - 1, branch.ends[1])) if end.reason in ("hopf", "joined")}
+        for row in sorted(rows):
+            z = branch.z[row]
+            if abs(z[-1] - seed.z[-1]) > SAME_PARAMETER * width:
+                continue
+            other = branch.problem.profile(z)
+            if any(_same(other, one) for one in here):
+                return branch
+    return None
+
+
+def _variants(problem: Any, z: Array) -> Iterator[Any]:
+    yield problem.profile(z)
+    if hasattr(problem, "moved"):
+        for name in symmetry_names(problem):
+            yield problem.profile(apply_symmetry(problem, name, z)[0])
+
+
+def _same(a: Any, b: Any) -> bool:
+    """One period and, as sets, one orbit."""
+    if abs(a.period - b.period) > SAME_PERIOD * b.period:
+        return False
+    u, v = _points(a), _points(b)
+    extent = max(float(np.ptp(u, axis=0).max()), float(np.ptp(v, axis=0).max()))
+    size = max(extent, 1e-4 * float(np.abs(u).max(initial=0.0)), 1e-12)
+    apart = np.linalg.norm(u[:, None, :] - v[None, :, :], axis=2)
+    grain = 2.0 * float(np.linalg.norm(np.diff(v, axis=0), axis=1).max())
+    return bool(apart.min(axis=1).max() <= grain + SAME_ORBIT * size and apart.min(axis=0).max() <= grain + SAME_ORBIT * size)
+
+
+def _points(profile: Any) -> Array:
+    return np.asarray(profile.at(np.linspace(0.0, 1.0, SAMPLES)))
+
+
+def mirrored_families(branch: Branch, branches: Iterable[Branch]) -> list[Branch]:
+    """Images of a family under the symmetries that move the branch it was born on: those are born on the images."""
+    if branch.parent is None or not hasattr(branch.problem, "moved"):
+        return []
+    found: list[Branch] = []
+    for mirror in list(branches):
+        if mirror.image_of is None or mirror.image_of.branch != branch.parent.branch:
+            continue
+        name = mirror.image_of.symmetry
+        middle = branch.z[len(branch) // 2]
+        orbit = branch.problem.profile(middle)
+        moved = branch.problem.profile(apply_symmetry(branch.problem, name, middle)[0])
+        if not _same(orbit, moved) and not any(b.image_of and b.name == f"{branch.name}~{name}" for b in branches):
+            found.append(image(branch, name))
+    return found
