@@ -152,7 +152,8 @@ class Explorer:
     def _departures(self, diagram: Diagram, branch: Branch, point: SpecialPoint) -> list[tuple[str, Seed]]:
         """Named seeds of everything that is born at a point."""
         if branch.kind == "orbit" and point.type == "PD" and doublings(branch.name) >= CASCADE:
-            diagram.notes.append(f"{branch.name}/{point.label}: orbits of {2**CASCADE} times the period are the last that are followed")
+            last = f"orbits of {2**CASCADE} times the period are the last that are followed"
+            diagram.notes.append(f"{branch.name}/{point.label}: {last}")
             return []
         try:
             seeds = branch.problem.departures(point, self.parameter, self.orbits)

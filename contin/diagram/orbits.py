@@ -39,7 +39,8 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
         rows = {p.index for p in branch.points if p.type == "BPC"} if not own else set()
         if branch.parent is not None:
             rows.add(branch.start_row)
-        rows |= {k for k, end in ((0, branch.ends[0]), (len(branch) - 1, branch.ends[1])) if end.reason in ("hopf", "joined")}
+        ends = zip((0, len(branch) - 1), branch.ends, strict=True)
+        rows |= {k for k, end in ends if end.reason in ("hopf", "joined")}
         for row in sorted(rows):
             z = branch.z[row]
             if abs(z[-1] - seed.z[-1]) > SAME_PARAMETER * width:
@@ -66,7 +67,7 @@ def _same(a: Any, b: Any) -> bool:
     size = max(extent, 1e-4 * float(np.abs(u).max(initial=0.0)), 1e-12)
     apart = np.linalg.norm(u[:, None, :] - v[None, :, :], axis=2)
     grain = 2.0 * float(np.linalg.norm(np.diff(v, axis=0), axis=1).max())
-    return bool(apart.min(axis=1).max() <= grain + SAME_ORBIT * size and apart.min(axis=0).max() <= grain + SAME_ORBIT * size)
+    return bool(max(apart.min(axis=0).max(), apart.min(axis=1).max()) <= grain + SAME_ORBIT * size)
 
 
 def _points(profile: Any) -> Array:

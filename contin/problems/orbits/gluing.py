@@ -20,7 +20,7 @@ from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.symmetry import states_moved
 from contin.problems.symmetry import symmetry_names
 
-AT_SADDLE = 1e-2  # distance of the orbit's slowest point from its image (relative to the extent) where they may be joined
+AT_SADDLE = 1e-2  # distance of the orbit's slowest point from its image (relative to the extent) where they are joined
 DISTINCT = 0.1  # ... and of the loop from its image
 ROUGH, EXACT = 1e-4, 1e-9  # (scaled) of the joined orbit: a first step closes the gap, then Newton starts anew
 LONGEST_MOVE = 0.3  # (scaled) from the joined loops to the orbit
@@ -43,7 +43,8 @@ def glued(problem: Any, point: SpecialPoint) -> list[Seed]:
         if seed is not None:
             return [seed]
     raise InputError(
-        f"{point.branch}.{point.label}: no other family starts here: no declared symmetry keeps the saddle and moves the loop"
+        f"{point.branch}.{point.label}: no other family starts here: no declared symmetry keeps the saddle and moves "
+        "the loop"
     )
 
 

@@ -358,7 +358,7 @@ class OrbitProblem:
         return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Families born at a labelled point, for the explorer; at a homoclinic orbit none where no symmetry makes one."""
+        """Families born at a labelled point, for the explorer; at a homoclinic orbit there may be none."""
         if point.type == "HOM":
             with suppress(InputError):
                 return self.switch(point, parameter)

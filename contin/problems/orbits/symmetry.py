@@ -1,7 +1,8 @@
 """Declared symmetries acting on periodic orbits: which orbits they keep as sets, and which families they map to others.
 
-A symmetry S keeps an orbit as a set where S u(x) = u(x + shift); for a symmetry of order two the shift is 0 (every point
-of the orbit is kept) or half a period. A family that breaks it at a branch point has two halves, S-images of each other.
+A symmetry S keeps an orbit as a set where S u(x) = u(x + shift); for a symmetry of order two the shift is 0 (every
+point of the orbit is kept) or half a period. A family that breaks it at a branch point has two halves, S-images of each
+other.
 """
 
 from __future__ import annotations
