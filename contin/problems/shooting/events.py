@@ -14,7 +14,7 @@ Products of all are smooth where two multipliers meet; a single one is not.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,8 @@ from contin.problems.special import _critical_pair
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
-APART = (1e-2, 2e-3)  # arclength between the orbits that a branch point is interpolated from
+APART = (1e-2, 2.5e-3, 6e-4, 1.5e-4)  # arclengths between the orbits that a branch point is interpolated from
+AGREED = 1e-8  # (arclength) places interpolated from two of them that agree so well are final
 CONVERGED = 1e-6  # (arclength) Newton steps below this, ...
 PATIENCE = 3  # ... of which so many in succession improved nothing, are rounding
 NEWTON = 30
@@ -49,6 +50,7 @@ class Located:
     residual: float
     slope: float  # of the scalar by arclength
     step: float  # last change of arclength
+    error: float = 0.0  # (arclength) of the interpolation, estimated
 
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
@@ -82,6 +84,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         rest.pop(int(np.argmin([abs(v - target) for v in rest])))
     width = float(frame.scale[-1])
     error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
+    error += found.error * width
     return Verified(
         type_, found.z, found.residual, error, values, sum(abs(v) > 1.0 for v in rest),
         normal_form=_normal_form(problem, type_, found.z, frame.scale), vectors={"theta": theta},
@@ -172,13 +175,28 @@ def locate(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> 
 
 
 def locate_branch_point(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
-    """As `_interpolated`, from orbits as far away as they exist: the further, the less rounding matters."""
-    found: Located | str = ""
+    """As `_interpolated`, from orbits as far away as they exist, then nearer ones until the place stays the same.
+
+    The further away, the less rounding matters; but another branch point may lie between.
+    """
+    found: Located | str = "an orbit beside it is lost"
+    best: Located | None = None
     for apart in APART:
-        found = _interpolated(problem, type_, z, tangent, scale, apart)
-        if not isinstance(found, str):
-            break
-    return found
+        found = _interpolated(problem, type_, z if best is None else best.z, tangent, scale, apart)
+        if isinstance(found, str):
+            if best is not None:
+                break
+            continue
+        if best is None:
+            best = replace(found, error=apart)
+            continue
+        moved = float(np.linalg.norm(np.where(scale > 0.0, (found.z - best.z) / scale, 0.0)))
+        if moved < AGREED:
+            return replace(best, error=moved)
+        if moved >= best.error:
+            break  # rounding
+        best = replace(found, error=moved)
+    return found if best is None else best
 
 
 def _interpolated(

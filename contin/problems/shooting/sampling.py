@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
@@ -55,7 +56,8 @@ def sampled(problem: Any, z: Array) -> Profile:
 def extremes(problem: Any, rows: Array) -> tuple[Array, Array]:
     """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each.
 
-    Looked for among equal times, then among times between the neighbours of each extreme, there by a parabola.
+    Looked for among equal times and the crossings of switching surfaces, where a solution may have a corner; then among
+    times between the neighbours of each extreme, and there by a parabola, except across a crossing.
     """
     found = [_extremes(problem, z) for z in rows]
     width = len(problem.system.state_names) + len(problem.system.observable_names)
@@ -64,18 +66,43 @@ def extremes(problem: Any, rows: Array) -> tuple[Array, Array]:
 
 
 def _extremes(problem: Any, z: Array) -> tuple[Array, Array]:
-    values = _functions(problem, z, np.arange(SAMPLES) / SAMPLES)
+    crossed = crossings(problem, z)
+    times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossed)
+    values = _functions(problem, z, times)
     if not np.all(np.isfinite(values)):
         nothing = np.full(values.shape[1], np.nan)
         return nothing, nothing
-    places = np.concatenate([np.argmin(values, axis=0), np.argmax(values, axis=0)]) / SAMPLES
+    places = times[np.concatenate([np.argmin(values, axis=0), np.argmax(values, axis=0)])]
     around = np.linspace(-1.0, 1.0, FINER) / SAMPLES
-    times = (places[:, None] + around) % 1.0
-    wanted, back = np.unique(times, return_inverse=True)
-    fine = _functions(problem, z, wanted)[back.reshape(times.shape)]  # (2 k, FINER, k)
+    finer = (places[:, None] + around) % 1.0
+    wanted, back = np.unique(finer, return_inverse=True)
+    fine = _functions(problem, z, wanted)[back.reshape(finer.shape)]  # (2 k, FINER, k)
     k = values.shape[1]
     own = fine[np.arange(2 * k), :, np.tile(np.arange(k), 2)]
-    return -_top(-own[:k]), _top(own[k:])
+    own[:k] *= -1.0
+    smooth = _smooth_at(finer, np.argmax(own, axis=1), crossed)
+    tops = np.maximum(_top(own, smooth), np.concatenate([-values.min(axis=0), values.max(axis=0)]))
+    return -tops[:k], tops[k:]
+
+
+def crossings(problem: Any, z: Array) -> Array:
+    """Scaled times in [0, 1) at which the orbit crosses switching surfaces."""
+    if not problem.system.n_switches:
+        return np.empty(0)
+    period = Nodes.of(z, problem.n).period
+    found = np.concatenate([f.crossings[:, 0] for f in flights(problem, z, np.empty(0))]) / period
+    return np.asarray(np.unique(found[(found >= 0.0) & (found < 1.0)]))
+
+
+def _smooth_at(times: Array, best: NDArray[np.int64], crossed: Array) -> NDArray[np.bool_]:
+    """True where no surface is crossed between the neighbours of the best of each row's times."""
+    rows = np.arange(len(times))
+    middle = np.clip(best, 1, times.shape[1] - 2)
+    low, high = times[rows, middle - 1], times[rows, middle + 1]
+    if not len(crossed):
+        return np.ones(len(times), dtype=bool)
+    between = (crossed[None] >= low[:, None]) & (crossed[None] <= high[:, None])
+    return np.asarray(~between.any(axis=1) & (low < high))
 
 
 def _functions(problem: Any, z: Array, times: Array) -> Array:
@@ -87,15 +114,15 @@ def _functions(problem: Any, z: Array, times: Array) -> Array:
     return np.hstack([u, np.asarray(system.observables(np.ascontiguousarray(u), p)).reshape(len(u), -1)])
 
 
-def _top(values: Array) -> Array:
-    """Largest value of every row of equally spaced samples, between them by a parabola."""
+def _top(values: Array, smooth: NDArray[np.bool_]) -> Array:
+    """Largest value of every row of equally spaced samples, between them by a parabola where it is smooth there."""
     best = np.clip(np.argmax(values, axis=1), 1, values.shape[1] - 2)
     rows = np.arange(len(values))
     a, b, c = (values[rows, best + d] for d in (-1, 0, 1))
     bend = a - 2.0 * b + c
     shift = np.clip(0.5 * (a - c) / np.where(bend < 0.0, bend, -1.0), -1.0, 1.0)
     largest = np.maximum(np.maximum(a, b), c)
-    return np.asarray(np.where((bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
+    return np.asarray(np.where(smooth & (bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
 
 
 def why_not(problem: Any, z: Array) -> str:
