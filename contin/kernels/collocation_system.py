@@ -221,6 +221,47 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
 
     out : node values (node-major), then T, then p. Where has_local is False the intervals' right-hand sides are zero.
     """
+    s_right_last = s.right_last
+    s_last_right_block = s.last_right_block
+    s_last_border_right = s.last_border_right
+    s_points = s.points
+    intervals = s_points.shape[1] - 1
+    if has_local:
+        reduce_right(s, n, m)
+    else:
+        clear_right(s, n, m)
+    for q in range(2):
+        s_right_last[n + q] += border[q]
+    for c in range(n):
+        for r in range(n):
+            s_right_last[r] -= s_last_right_block[r, c] * jump[c]
+        for q in range(2):
+            s_right_last[n + q] -= s_last_border_right[q, c] * jump[c]
+    lu_solve(s.last, s.last_pivots, s_right_last)
+    for k in range(n):
+        s_points[k, 0] = s_right_last[k]
+        s_points[k, intervals] = sign_of_end * s_right_last[k] + jump[k]
+    expand(s, n, m, s_right_last[n], s_right_last[n + 1], out)
+
+
+@kernel
+def clear_right(s, n, m):
+    """Right-hand sides of the intervals: zero."""
+    s_right_local = s.right_local
+    s_right_levels = s.right_levels
+    s_right_last = s.right_last
+    for i in range(s.points.shape[1] - 1):
+        for r in range(m * n + 2):
+            s_right_local[r, i] = 0.0
+        for r in range(2 * n + 2):
+            s_right_levels[r, i] = 0.0
+    for r in range(n + 2):
+        s_right_last[r] = 0.0
+
+
+@kernel
+def reduce_right(s, n, m):
+    """Eliminate s.right_local (collocation rows; those of the borders are taken as zero) into s.right_last (n + 2,)."""
     s_local = s.local
     s_depth = s.depth
     s_right_local = s.right_local
@@ -230,10 +271,53 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     s_levels = s.levels
     s_level_pivots = s.level_pivots
     s_right_last = s.right_last
-    s_last_right_block = s.last_right_block
-    s_last_border_right = s.last_border_right
-    s_last = s.last
-    s_last_pivots = s.last_pivots
+    s_work = s.work
+    dense = n > LANES
+    intervals = s.points.shape[1] - 1
+    inner = (m - 1) * n
+    level_count = s_depth[0, 69]
+    for q in range(2):
+        for i in range(intervals):
+            s_right_local[m * n + q, i] = 0.0
+    if dense:
+        eliminate_right_dense(s_local, inner, 0, intervals, s_local_pivots, s_right_local, s_work)
+    else:
+        eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
+    for r in range(n + 2):
+        for i in range(intervals):
+            s_right_blocks[r, i] = s_right_local[inner + r, i]
+    for level in range(level_count):
+        first = s_depth[0, level]
+        pairs = s_depth[1, level]
+        count = s_depth[2, level]
+        for j in range(pairs):
+            k = first + j
+            for r in range(n):
+                s_right_levels[r, k] = s_right_blocks[r, 2 * j]
+                s_right_levels[n + r, k] = s_right_blocks[r, 2 * j + 1]
+            for q in range(2):
+                s_right_levels[2 * n + q, k] = s_right_blocks[n + q, 2 * j] + s_right_blocks[n + q, 2 * j + 1]
+        if dense:
+            eliminate_right_dense(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels, s_work)
+        else:
+            eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
+        for r in range(n + 2):
+            for j in range(pairs):
+                s_right_blocks[r, j] = s_right_levels[n + r, first + j]
+            if count % 2 == 1:
+                s_right_blocks[r, pairs] = s_right_blocks[r, count - 1]
+    for r in range(n + 2):
+        s_right_last[r] = s_right_blocks[r, 0]
+
+
+@kernel
+def expand(s, n, m, period, parameter, out):
+    """Everything between u(0) and u(1), which stand in s.points, from the reduced right-hand sides: out as `solve`."""
+    s_local = s.local
+    s_depth = s.depth
+    s_right_local = s.right_local
+    s_right_levels = s.right_levels
+    s_levels = s.levels
     s_points = s.points
     s_known = s.known
     s_nodes = s.nodes
@@ -242,60 +326,6 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     intervals = s_points.shape[1] - 1
     inner = (m - 1) * n
     level_count = s_depth[0, 69]
-    if has_local:
-        for q in range(2):
-            for i in range(intervals):
-                s_right_local[m * n + q, i] = 0.0
-        if dense:
-            eliminate_right_dense(s_local, inner, 0, intervals, s_local_pivots, s_right_local, s_work)
-        else:
-            eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
-        for r in range(n + 2):
-            for i in range(intervals):
-                s_right_blocks[r, i] = s_right_local[inner + r, i]
-        for level in range(level_count):
-            first = s_depth[0, level]
-            pairs = s_depth[1, level]
-            count = s_depth[2, level]
-            for j in range(pairs):
-                k = first + j
-                for r in range(n):
-                    s_right_levels[r, k] = s_right_blocks[r, 2 * j]
-                    s_right_levels[n + r, k] = s_right_blocks[r, 2 * j + 1]
-                for q in range(2):
-                    s_right_levels[2 * n + q, k] = s_right_blocks[n + q, 2 * j] + s_right_blocks[n + q, 2 * j + 1]
-            if dense:
-                eliminate_right_dense(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels, s_work)
-            else:
-                eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
-            for r in range(n + 2):
-                for j in range(pairs):
-                    s_right_blocks[r, j] = s_right_levels[n + r, first + j]
-                if count % 2 == 1:
-                    s_right_blocks[r, pairs] = s_right_blocks[r, count - 1]
-        for r in range(n + 2):
-            s_right_last[r] = s_right_blocks[r, 0]
-    else:
-        for i in range(intervals):
-            for r in range(m * n + 2):
-                s_right_local[r, i] = 0.0
-            for r in range(2 * n + 2):
-                s_right_levels[r, i] = 0.0
-        for r in range(n + 2):
-            s_right_last[r] = 0.0
-    for q in range(2):
-        s_right_last[n + q] += border[q]
-    for c in range(n):
-        for r in range(n):
-            s_right_last[r] -= s_last_right_block[r, c] * jump[c]
-        for q in range(2):
-            s_right_last[n + q] -= s_last_border_right[q, c] * jump[c]
-    lu_solve(s_last, s_last_pivots, s_right_last)
-    for k in range(n):
-        s_points[k, 0] = s_right_last[k]
-        s_points[k, intervals] = sign_of_end * s_right_last[k] + jump[k]
-    period = s_right_last[n]
-    parameter = s_right_last[n + 1]
     for level in range(level_count - 1, -1, -1):
         first = s_depth[0, level]
         beyond = first + s_depth[1, level]

@@ -124,6 +124,11 @@ class CompiledSystem:
         return self._address(f"form{order}")
 
     @property
+    def gradient_address(self) -> Address:
+        """(u, p, v, w, H): w = Df[v], H = D^2f[v, .] (n, n + p_size)"""
+        return self._address("gradient")
+
+    @property
     def second_address(self) -> Address:
         """(u, p, v, w, out)"""
         return self.form(2)

@@ -1,48 +1,52 @@
-"""The equations of a curve of special orbits: collocation and one bordered scalar, minimally augmented and sparse.
+"""Curves of special orbits in two parameters: unknowns, borders, and Newton by `contin.kernels.special_orbits`.
 
-z = (u at the nodes, T, h_1 .. h_N, [theta], second parameter, first parameter). The boundary-value problem F = 0 of
-`contin.problems.orbits.linear` is joined by g(z) = 0 from [B b; c^* 0] [v; g] = [0; 1], which says that
-
-    LPC   B = F_(u, T)
-    PD    B = the variational equation with v(1) = -v(0)
-    NS    B = the variational equation with v(1) = exp(i theta) v(0): two real equations, theta unknown
-
-is singular; dg = -w^* (dB) v (Griewank and Reddien 1984; Doedel, Govaerts and Kuznetsov 2003). Null vectors are no
-unknowns, so a step costs little more than one of the family itself.
+z = (u at the nodes, T, h_1 .. h_N, [further unknown], second parameter, first parameter). The further unknown of a curve
+of tori is cos(theta), exp(+-i theta) the critical multipliers; it may leave [-1, 1] (neutral saddles, beyond R1 and
+R2). That of a curve of branch points is an unfolding: the orbit closes up to a multiple of a fixed jump, zero where a
+symmetry forces the branch points.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbits.defining import Bordered
 from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.problem import OrbitProblem
 
-
-@dataclass(eq=False)
-class _Memory:
-    """Borders and the phase's reference, kept from the start of a chunk to the next one."""
-
-    b: NDArray[Any]
-    c: NDArray[Any]
-    reference: Array
-    scale: Array
+KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
+STILL = 1e-8  # a part of the unit tangent this small has no direction
 
 
 @dataclass(frozen=True, eq=False)
-class Vectors:
-    """Null vectors of B and the scalar g at a point."""
+class Corrected:
+    """A point of the curve: z, unit tangent (scaled), multipliers, and how hard it was."""
 
-    right: NDArray[Any]
-    left: NDArray[Any]
-    g: complex
+    z: Array
+    tangent: Array
+    multipliers: NDArray[np.complex128]
+    iterations: int
+    first_correction: float
+    slope: float  # s part of y[1], see `contin.kernels.special_orbits`
+    speed: float  # signed length of the tangent's part in the parameters, see `OrbitCurve._speed`
+
+
+@dataclass(eq=False)
+class _Work:
+    """Memory of the kernel for one mesh, and the frame that the curve's equations are written in."""
+
+    mesh: Array
+    points: Any
+    factors: Any
+    scratch: Any
+    memory: Any
+    frame: Any
+    settled: bool = False
+    normals: list[tuple[Array, Array]] = field(default_factory=list)  # (parameters, unit normal of the curve there)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +56,7 @@ class OrbitCurve:
     type: str
     orbits: OrbitProblem
     second: int
-    _memory: dict[str, _Memory] = field(default_factory=dict)
+    _works: dict[str, _Work] = field(default_factory=dict)
 
     @property
     def first(self) -> int:
@@ -60,21 +64,25 @@ class OrbitCurve:
 
     @property
     def extra(self) -> int:
-        """Scalar unknowns beside the orbit: theta."""
-        return int(self.type == "NS")
+        """Scalar unknowns beside the orbit."""
+        return int(self.type in ("NS", "BPC"))
 
     # -- layout -------------------------------------------------------------------------------------------------------
 
-    def join(self, orbit: Array, q: float, theta: float = 0.0) -> Array:
+    def join(self, orbit: Array, q: float, further: float = 0.0) -> Array:
         """z from an orbit's own vector (u, T, h, p)."""
-        return np.concatenate([orbit[:-1], [theta] * self.extra, [q, orbit[-1]]])
+        return np.concatenate([orbit[:-1], [further] * self.extra, [q, orbit[-1]]])
 
     def orbit(self, z: Array) -> Array:
         """(u, T, h, p), also of a metric or tangent."""
         return np.append(z[: -2 - self.extra], z[-1])
 
-    def theta(self, z: Array) -> float:
+    def further(self, z: Array) -> float:
+        """cos(theta) or the unfolding; 0 where there is neither."""
         return float(z[-3]) if self.extra else 0.0
+
+    def theta(self, z: Array) -> float:
+        return float(np.arccos(np.clip(z[-3], -1.0, 1.0))) if self.type == "NS" else 0.0
 
     def at(self, z: Array) -> OrbitProblem:
         """The orbits' problem at the second parameter's value in z."""
@@ -82,84 +90,190 @@ class OrbitCurve:
         base[self.second] = z[-2]
         return replace(self.orbits, base=base)
 
-    def across(self, z: Array) -> OrbitProblem:
-        """The same with the second parameter free."""
-        base = self.orbits.base.copy()
-        base[self.first] = z[-1]
-        return replace(self.orbits, base=base, active=self.second)
-
     def profile(self, z: Array) -> Profile:
         return self.orbits.profile(self.orbit(z))
 
     # -- equations ----------------------------------------------------------------------------------------------------
 
-    def settle(self, z: Array, scale: Array) -> None:
-        """Borders and phase reference that fit at z."""
-        orbit = self.orbit(z)
-        linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
-        bordered = Bordered.of(self._matrix(linear, self.theta(z)), 1)
-        self._memory["now"] = _Memory(bordered.b, bordered.c, orbit, scale)
+    def correct(
+        self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float, exact: bool = True
+    ) -> Corrected | str:
+        """Newton on the plane <tangent, (z - z0) / scale> = length; a string says why it failed.
 
-    def _held(self, z: Array, scale: Array) -> _Memory:
-        known = self._memory.get("now")
-        if known is None or not np.array_equal(self._mesh(known.reference), self._mesh(self.orbit(z))):
+        `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
+        tolerance only measures at `guess`.
+        """
+        from contin.kernels import special_orbits as kernel
+
+        work = self._work(z0, scale)
+        n = self.orbits.n
+        out_z, out_t = np.empty(z0.size), np.empty(z0.size)
+        re, im, info = np.empty(n), np.empty(n), np.zeros(3)
+        status = int(kernel.correct_special(
+            self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame, work.memory,
+            z0, tangent, scale, self._sizes(z0, scale), length, guess, tolerance, exact, out_z, out_t, re, im, info,
+        ))  # fmt: skip
+        if status < 0:
+            return "not finite" if status == kernel.NOT_FINITE else "no convergence"
+        found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0)
+        return replace(found, speed=self._speed(work, found, scale)) if self.type == "LPC" else found
+
+    def _sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes."""
+        n, m = self.orbits.n, self.orbits.points
+        count = (z.size - n - 3 - self.extra) // (m * n + 1)
+        h = z[(count * m + 1) * n + 1]
+        weight = h * self._first_weight
+        return np.asarray(scale[:n] * np.sqrt(weight / n))
+
+    @property
+    def _first_weight(self) -> float:
+        from contin.kernels.collocation_basis import basis
+
+        return float(basis(self.orbits.points).node_weights[0])
+
+    @property
+    def _constants(self) -> Any:
+        from contin.kernels.special_orbits import Curve
+
+        return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
+
+    def _work(self, z: Array, scale: Array) -> _Work:
+        profile_size = (z.size - self.orbits.n - 3 - self.extra) // (self.orbits.points * self.orbits.n + 1)
+        nodes = (profile_size * self.orbits.points + 1) * self.orbits.n
+        mesh = z[nodes + 1 : nodes + 1 + profile_size]
+        known = self._works.get("now")
+        if known is None or not np.array_equal(known.mesh, mesh):
+            known = self._works["now"] = self._new_work(z, mesh.copy(), [] if known is None else known.normals)
+        if not known.settled:
+            known.settled = True
             self.settle(z, scale)
-        return self._memory["now"]
+        return known
 
-    def _mesh(self, orbit: Array) -> Array:
-        return self.orbits.profile(orbit).h
+    def _new_work(self, z: Array, mesh: Array, normals: list[tuple[Array, Array]]) -> _Work:
+        from contin.kernels import special_orbits as kernel
+        from contin.kernels.collocation_march import new_memory
 
-    def _matrix(self, linear: OrbitLinear, theta: float) -> Any:
+        n, m, count = self.orbits.n, self.orbits.points, len(mesh)
+        p = self.at(z).full_parameters(z)
+        free = n - 1 if self.orbits.autonomous else n
+        size = (count * m + 1) * n + count + 2
+        points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
+        memory = kernel.new_curve_memory(KINDS[self.type], n, m, count, p.size)  # type: ignore[no-untyped-call]
+        frame = kernel.Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
+        return _Work(mesh, points, factors, scratch, memory, frame, normals=normals)
+
+    # -- borders ------------------------------------------------------------------------------------------------------
+
+    def settle(self, z: Array, scale: Array) -> None:
+        """A frame that fits at z: directions of the parameters, rows and jumps from singular vectors."""
+        work = self._work(z, scale)
+        frame, n = work.frame, self.orbits.n
+        widths = scale[[-1, -2]]
+        if not frame.across.any():
+            frame.across[:], frame.along[:] = (widths[0], 0.0), (0.0, widths[1])
+            generator = np.random.default_rng(5)
+            for border in (frame.rows, frame.jump, frame.start):
+                border[:] = generator.normal(size=border.shape)
+        sizes = self._sizes(z, scale)
+        position = (len(work.mesh) * self.orbits.points + 1) * n
+        units = np.concatenate([sizes, [scale[position], 1.0]])
+        for _ in range(2):
+            measured = self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
+            self._borders(work, units, self.further(z))
+            if self.type != "LPC":
+                break
+            if not isinstance(measured, str):
+                self._turn(work, widths, np.array([1.0, -float(work.memory.y[1, position + 1])]))
+
+    def _borders(self, work: _Work, units: Array, further: float) -> None:
+        """Rows, jumps and start vectors from the reduced matrices of the last linearisation."""
+        n, frame, end = self.orbits.n, work.frame, work.factors.end
+        left, right = end[:n, :n], end[:n, n : 2 * n]
+        sizes = units[:n]
+        whole = np.zeros((n + 1, n + 2))
+        whole[:, :n] = end[: n + 1, :n] + end[: n + 1, n : 2 * n]
+        whole[:, n:] = end[: n + 1, 2 * n :]
+        whole[n, n:] += work.memory.corner[0]
+        whole *= units
+        whole[:n] = np.linalg.solve(right * sizes, whole[:n])  # rows: what the jump u(1) - u(0) would have to be
+        whole[n] /= max(float(np.linalg.norm(whole[n])), 1e-300)
+        matrix = whole[:, : n + 1] if self.type == "LPC" else whole
+        vectors, _, null = np.linalg.svd(matrix)
+        frame.rows[:] = 0.0
+        for k in range(2 if self.type == "BPC" else 1):
+            frame.rows[k, : matrix.shape[1]] = null[-1 - k] / units[: matrix.shape[1]]
+        if self.type == "BPC":
+            frame.jump[:, 0] = vectors[:n, -1] * sizes
+        if self.type in ("PD", "NS"):
+            monodromy = -np.linalg.solve(right * sizes, left * sizes)
+            one = np.eye(n)
+            critical = monodromy + one
+            if self.type == "NS":
+                critical = monodromy @ monodromy - 2.0 * further * monodromy + one
+            vectors, _, null = np.linalg.svd(critical)
+            for k in range(min(2, n)):
+                frame.jump[:, k] = vectors[:, -1 - k] * sizes
+                frame.start[:, k] = null[-1 - k] / sizes
+
+    def _turn(self, work: _Work, widths: Array, direction: Array) -> None:
+        """New directions of the parameters: `direction` in the basis (across, along), scaled."""
+        frame = work.frame
+        across = (direction[0] * frame.across + direction[1] * frame.along) / widths
+        across /= float(np.linalg.norm(across))
+        frame.across[:] = across * widths
+        frame.along[:] = np.array([-across[1], across[0]]) * widths
+
+    def follow(self, found: Corrected, scale: Array) -> None:
+        """Carry the frame on to a new point, which was corrected last."""
+        work = self._works["now"]
         if self.type == "LPC":
-            return linear.jacobian[:, :-1]
-        return linear.variational(-1.0 if self.type == "PD" else complex(np.exp(1j * theta)))
-
-    def linear(self, z: Array, scale: Array) -> tuple[OrbitLinear, OrbitLinear]:
-        """The orbit's equations with the first, and with the second parameter free."""
-        held = self._held(z, scale)
-        first, second = self.orbit(z), self.orbit(z)
-        second[-1] = z[-2]
-        metric, other = self.orbit(scale), self.orbit(scale)
-        other[-1] = scale[-2]
-        return (
-            OrbitLinear(self.at(z), first, metric, held.reference),
-            OrbitLinear(self.across(z), second, other, held.reference),
-        )
-
-    def vectors(self, linear: OrbitLinear, z: Array, scale: Array) -> Vectors:
-        held = self._held(z, scale)
-        v, g, w = Bordered.with_borders(self._matrix(linear, self.theta(z)), held.b, held.c).solve()
-        return Vectors(v[:, 0], w[:, 0], complex(g[0, 0]))
-
-    def linearise(self, z: Array, scale: Array) -> tuple[Array, Any]:
-        """Scaled equations (m,) and their sparse Jacobian (m, m + 1) by x = (u, T, [theta], second, first)."""
-        from scipy import sparse
-
-        first, second = self.linear(z, scale)
-        null = self.vectors(first, z, scale)
-        by_first, by_second = first.jacobian, second.jacobian[:, -1]
-        gradient, slope = self._gradient(first, null), self._gradient(second, null)[-1]
-        middle = [] if not self.extra else [sparse.csc_matrix((first.nu + 1, 1))]
-        top = sparse.hstack([by_first[:, :-1], *middle, by_second, by_first[:, -1]])
-        if self.type != "NS":
-            row = np.concatenate([gradient[:-1], [slope], gradient[-1:]]).real[None, :]
-            return np.append(first.residual, null.g.real), sparse.vstack([top, row], format="csc")
-        rho = complex(np.exp(1j * self.theta(z)))
-        turn = -(null.left.conj() @ first.variational_by_angle(rho, null.right)) * float(scale[-3])
-        row = np.concatenate([gradient[:-1], [turn, slope], gradient[-1:]])
-        equations = np.concatenate([first.residual, [null.g.real, null.g.imag]])
-        return equations, sparse.vstack([top, np.array([row.real, row.imag])], format="csc")
-
-    def _gradient(self, linear: OrbitLinear, null: Vectors) -> NDArray[Any]:
-        """dg by (u, T, the free parameter)."""
+            work.normals.append((self._place(found.z, scale), self._normal(work, found, scale)))
+        frame, n, widths = work.frame, self.orbits.n, scale[[-1, -2]]
+        position = (len(work.mesh) * self.orbits.points + 1) * n
+        y = work.memory.y
         if self.type == "LPC":
-            return np.asarray(-(null.left @ linear.hessian(np.append(null.right, 0.0))))
-        return np.asarray(-(null.left.conj() @ linear.hessian(null.right, variational=True)))
+            self._turn(work, widths, np.array([1.0, -float(y[1, position + 1])]))
+        else:
+            part = found.tangent[[-1, -2]]
+            if float(np.linalg.norm(part)) > STILL:
+                now = np.array([frame.across @ (part / widths), frame.along @ (part / widths)])
+                self._turn(work, widths, now if now[0] >= 0.0 else -now)
+        if self.type == "BPC":
+            return
+        sizes = self._sizes(found.z, scale)
+        units = np.concatenate([sizes, [scale[position], 1.0]])
+        row = np.concatenate([y[2, :n], y[2, position : position + 2]]) / units
+        if self.type == "LPC":
+            row[-1] = 0.0
+        frame.rows[0] = row / units / float(np.linalg.norm(row))
+        if self.type == "PD":
+            start = work.memory.v[0, :n] / sizes
+            frame.start[:, 0] = start / sizes / float(np.linalg.norm(start))
 
-    def fold_coefficient(self, z: Array) -> float:
-        """w . F_xx v v / |..| of a fold of orbits, in the orientation of the borders: it vanishes at a CPC."""
-        scale = self._memory["now"].scale
-        linear, _ = self.linear(z, scale)
-        null = self.vectors(linear, z, scale)
-        second = linear.hessian(np.append(null.right, 0.0)) @ np.append(null.right, 0.0)
-        return float(null.left @ second) / (float(np.linalg.norm(null.left)) * float(np.linalg.norm(null.right)) ** 2)
+    def _speed(self, work: _Work, found: Corrected, scale: Array) -> float:
+        """Component of the tangent along the curve in the plane of the parameters, with a sense that never jumps.
+
+        (p, q)' is normal to (w F_p, w F_q), w the left null vector, a direction that turns continuously along a curve
+        of folds; the component vanishes at a cusp of cycles, where both parameters turn.
+        """
+        normal = self._normal(work, found, scale)
+        if not work.normals:
+            work.normals.append((self._place(found.z, scale), normal))
+        part = found.tangent[[-1, -2]]
+        return float(normal[0] * part[1] - normal[1] * part[0])
+
+    def _normal(self, work: _Work, found: Corrected, scale: Array) -> Array:
+        """Unit normal of the curve in the scaled plane of the parameters, in the sense of the nearest point known."""
+        normal = (work.frame.across - found.slope * work.frame.along) / scale[[-1, -2]]
+        normal = normal / float(np.linalg.norm(normal))
+        if not work.normals:
+            return np.asarray(normal)
+        place = self._place(found.z, scale)
+        near = min(work.normals, key=lambda known: float(np.abs(known[0] - place).sum()))
+        return np.asarray(normal if float(near[1] @ normal) >= 0.0 else -normal)
+
+    def _place(self, z: Array, scale: Array) -> Array:
+        """Parameters and period, which tell points of a curve apart."""
+        position = (self._works["now"].mesh.size * self.orbits.points + 1) * self.orbits.n
+        return np.asarray(z[[-1, -2, position]] / scale[[-1, -2, position]])

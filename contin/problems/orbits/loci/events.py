@@ -1,8 +1,9 @@
-"""Points of codimension two on curves of special orbits, told by the other multipliers and by theta.
+"""Points of codimension two on curves of special orbits, told by the other multipliers and by the curve itself.
 
     on LPC   R1 (a third multiplier 1), LPPD, LPNS, CPC (both parameters turn: the fold's coefficient vanishes)
+    on BPC   R1, LPPD, LPNS of the multipliers beside the critical one
     on PD    R2 (a second multiplier -1), LPPD, PDNS
-    on NS    R1, R2, R3, R4 (theta = 0, pi, 2 pi/3, pi/2), LPNS, PDNS, NSNS
+    on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from contin.continuation.problem import Frame, Sample, Verified
 # test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
 NAMES: Final = {
     "LPC": ("LPNS", "LPPD", "R1", "CPC"),
+    "BPC": ("LPNS", "LPPD", "R1"),
     "PD": ("PDNS", "R2", "LPPD"),
     "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4"),
 }
 STEPS: Final = 40
 ACCURATE: Final = 1e-11  # scaled arclength
 NEUTRAL: Final = ""
+DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
 
 def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -37,22 +40,38 @@ def watch(locus: str, type_: str) -> int:
     return 2 + NAMES[locus].index(type_)
 
 
-def tests_of(locus: str, values: NDArray[np.complex128], theta: float, coefficient: float) -> tuple[Array, int]:
-    """Test functions of the multipliers that are not critical, and how many of them are unstable."""
+def critical(locus: str, further: float) -> tuple[complex, ...]:
+    """The multipliers that are critical along a curve; of NS a pair with product 1 and sum 2 `further`."""
+    if locus in ("LPC", "BPC"):
+        return (1.0,)
+    if locus == "PD":
+        return (-1.0,)
+    root = np.sqrt(complex(further * further - 1.0))
+    return complex(further + root), complex(further - root)
+
+
+def tests_of(locus: str, others: NDArray[np.complex128], further: float, speed: float) -> tuple[Array, int]:
+    """Tests 0, 1 (not used) and those of the multipliers that are not critical; how many of them are unstable."""
     from contin.kernels.tests_of_stability import map_tests
 
-    four = np.zeros(4)
-    re, im = np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag)
-    count = int(map_tests(re, im, four)) if values.size else 0
-    real = values[values.imag == 0.0].real
-    ones = float(np.prod(np.sign(real - 1.0)) * np.min(np.abs(values - 1.0) / (1.0 + np.abs(values)), initial=1.0))
-    pairs, flips = (four[2], four[3]) if values.size else (1.0, 1.0)
-    own = {
-        "LPC": [coefficient],
-        "PD": [],
-        "NS": [np.sin(0.5 * theta), np.cos(0.5 * theta), np.cos(theta) + 0.5, np.cos(theta)],
-    }[locus]
-    return np.array([pairs, flips, ones, *own]), count
+    tests = np.ones(2 + len(NAMES[locus]))
+    four = np.ones(4)
+    count = 0
+    if others.size:
+        count = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
+        sign = 1.0
+        for value in others:
+            if value.imag == 0.0 and value.real < 1.0:
+                sign = -sign
+        tests[4] = sign * float(np.min(np.abs(others - 1.0) / (1.0 + np.abs(others))))
+    tests[2], tests[3] = (four[2] if others.size > 1 else 1.0), four[3]
+    if locus == "LPC":
+        tests[5] = speed
+    elif locus == "NS":
+        tests[5:] = further - 1.0, further + 1.0, further + 0.5, further
+    elif locus == "PD":
+        tests[2:5] = tests[2], tests[3], tests[4]
+    return tests, count
 
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
@@ -63,9 +82,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: its test function has no zero nearby"
     if type_ in ("LPNS", "PDNS", "NSNS") and not _complex_pair(problem, found):
         return NEUTRAL
+    if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
+        return NEUTRAL
     error = 10.0 * ACCURATE * float(frame.scale[-1])
-    values = problem.multipliers(found.z)
-    return Verified(type_, found.z, abs(float(found.tests[index])), error, values, found.unstable)
+    return Verified(type_, found.z, abs(float(found.tests[index])), error, found.eigenvalues, found.unstable)
 
 
 def _zero(problem: Any, near: Sample, frame: Frame, index: int) -> Sample | None:
@@ -113,7 +133,5 @@ def _complex_pair(problem: Any, sample: Sample) -> bool:
     values = problem.others(sample.eigenvalues, sample.z)
     if len(values) < 2:
         return False
-    gaps = [
-        (abs(values[i] * values[j] - 1.0), abs(values[i].imag)) for i in range(len(values)) for j in range(i)
-    ]
+    gaps = [(abs(values[i] * values[j] - 1.0), abs(values[i].imag)) for i in range(len(values)) for j in range(i)]
     return bool(min(gaps)[1] > 1e-9)

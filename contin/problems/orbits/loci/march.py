@@ -1,75 +1,95 @@
-"""What the Python march needs of a curve of special orbits: sparse LU factors of its equations with a tangent."""
+"""The march along a curve of special orbits: one kernel call a step, step control in Python."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.march import GROWTH
+from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.settings import Settings
+from contin.problems.orbits.loci.curve import Corrected
+
+WANTED = 0.02  # first correction (scaled) that the step control aims at
+SMALL = 2e-3  # relative amplitude down to which orbits that shrink are followed
 
 
-@dataclass(frozen=True, eq=False)
-class OrbitLocusLinearisation:
-    """Factors of [J; t^T] in the unknowns x; the mesh, which is part of z, does not move."""
+def march(
+    problem: Any, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    settings: Settings,
+) -> Chunk:  # fmt: skip
+    """As `contin.continuation.march.march`; the chunk ends with RESCALE where the orbits shrink to a point."""
+    curve, scale = problem.curve, frame.scale
+    cos_max, target_angle = np.cos(np.radians(settings.max_angle)), np.radians(settings.max_angle) / 2.5
+    rows, lengths, evaluations = [problem.measured(origin, frame)], [0.0], 0
+    old, h, h_previous = before, step, length if before is not None else 0.0
+    walls = problem.walls
 
-    equations: Array
-    factors: Any
-    where: NDArray[np.intp]  # places of x in z
-    size: int  # of z
+    def chunk(stop: Stop, next_step: float) -> Chunk:
+        return Chunk(
+            np.array([r.z for r in rows]), np.array([r.tangent for r in rows]), np.array([r.tests for r in rows]),
+            np.array([r.unstable for r in rows]), np.array([r.eigenvalues for r in rows]), np.array(lengths), stop,
+            next_step, 0.0, 0, evaluations,
+        )  # fmt: skip
 
-    @cached_property
-    def residual(self) -> Array:
-        return np.concatenate([self.equations, np.zeros(self.size - 1 - self.equations.size)])
-
-    @cached_property
-    def sign(self) -> float:
-        diagonal = np.sign(self.factors.U.diagonal())
-        return float(np.prod(diagonal)) * _parity(self.factors.perm_r) * _parity(self.factors.perm_c)
-
-    @cached_property
-    def log_determinant(self) -> float:
-        with np.errstate(divide="ignore"):
-            return float(np.sum(np.log(np.abs(self.factors.U.diagonal()))))
-
-    def solve(self, right: Array) -> Array:
-        out = np.zeros(self.size)
-        out[self.where] = self.factors.solve(np.append(right[: self.equations.size], right[-1]))
-        return out
-
-
-def _parity(permutation: NDArray[np.int32]) -> float:
-    """+1 for an even permutation, -1 for an odd one."""
-    order, seen, sign = permutation.tolist(), [False] * len(permutation), 1.0
-    for start in range(len(order)):
-        k, length = start, 0
-        while not seen[k]:
-            seen[k], k, length = True, order[k], length + 1
-        if length and length % 2 == 0:
-            sign = -sign
-    return sign
-
-
-def linearisation(curve: Any, z: Array, tangent: Array, scale: Array) -> OrbitLocusLinearisation | None:
-    """At z, with the border row `tangent`; None where the equations are not finite or the matrix is singular."""
-    from scipy import sparse
-    from scipy.sparse.linalg import splu
-
-    try:
-        equations, jacobian = curve.linearise(z, scale)
-        where = places(curve, z)
-        if not (np.all(np.isfinite(equations)) and np.all(np.isfinite(jacobian.data))):
-            return None
-        factors = splu(sparse.vstack([jacobian, tangent[where][None, :]], format="csc"))
-    except (RuntimeError, ValueError):  # SuperLU: exactly singular, or not finite
-        return None
-    return OrbitLocusLinearisation(equations, factors, where, z.size)
+    while len(rows) <= limit:
+        last = rows[-1]
+        while True:
+            guess = last.z + scale * _predicted(last, old, h, h_previous, scale)
+            found = curve.correct(last.z, last.tangent, h, guess, scale, settings.newton_tolerance, exact=False)
+            evaluations += 1
+            reason = found if isinstance(found, str) else _refused(problem, last, found, h, cos_max, scale, settings)
+            if reason is None:
+                break
+            if h <= settings.min_step or (reason == "beyond a point" and h < SMALL):
+                if reason == "beyond a point":
+                    return chunk(Stop.RESCALE, h)
+                return chunk(Stop.NOT_FINITE if reason == "not finite" else Stop.CORRECTOR, h)
+            h = max(0.5 * h, settings.min_step)
+        assert isinstance(found, Corrected)
+        evaluations += found.iterations
+        sample = problem.sample(found)
+        curve.follow(found, scale)
+        rows.append(sample)
+        lengths.append(h)
+        angle = float(np.arccos(min(float(last.tangent @ sample.tangent), 1.0)))
+        factor = min(GROWTH, target_angle / angle if angle > 0.0 else GROWTH)
+        if found.first_correction > 0.0:
+            factor = min(factor, float((WANTED / found.first_correction) ** (1 / 3)))
+        h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
+        if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
+            return chunk(Stop.BOUND, h)
+        if sample.unstable != last.unstable or bool(np.any(sample.tests[2:] * last.tests[2:] < 0.0)):
+            return chunk(Stop.EVENT, h)
+        old, h_previous = last, h_used
+    return chunk(Stop.LIMIT, h)
 
 
-def places(curve: Any, z: Array) -> NDArray[np.intp]:
-    """Positions of x = (u, T, [theta], second, first) in z."""
-    nu = curve.profile(z).u.size
-    return np.append(np.arange(nu + 1), np.arange(z.size - 2 - curve.extra, z.size))
+def _predicted(last: Sample, old: Sample | None, h: float, h_previous: float, scale: Array) -> Array:
+    """Scaled step on the cubic through the last two points with their tangents, onto the plane at distance h."""
+    ahead = h * last.tangent
+    if old is None or h_previous == 0.0:
+        return ahead
+    chord = (last.z - old.z) / scale
+    reach = float(np.linalg.norm(chord))
+    t = h / reach
+    bend = reach * (2.0 * last.tangent + old.tangent) - 3.0 * chord
+    twist = reach * (last.tangent + old.tangent) - 2.0 * chord
+    ahead = ahead + t * t * (bend + t * twist)
+    return np.asarray(ahead + (h - float(ahead @ last.tangent)) * last.tangent)
+
+
+def _refused(
+    problem: Any, last: Sample, found: Corrected, h: float, cos_max: float, scale: Array, settings: Settings
+) -> str | None:
+    """Why a corrected point is not taken."""
+    moved = float(np.linalg.norm((found.z - last.z) / scale))
+    if moved > 2.0 * h + 10.0 * settings.newton_tolerance:
+        return "not the curve that the step set out on"
+    if problem.turned_over(last.z, found.z):
+        return "beyond a point"
+    if not float(last.tangent @ found.tangent) >= cos_max:
+        return "too sharp a turn"
+    return None

@@ -11,21 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as python_march
 from contin.continuation.branch import End, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.events import _targets, _without_critical
-from contin.problems.orbits.layout import extrema, make_scale
+from contin.problems.orbits.layout import extrema
 from contin.problems.orbits.loci import events
-from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.march import OrbitLocusLinearisation, linearisation
+from contin.problems.orbits.loci.curve import Corrected, OrbitCurve
+from contin.problems.orbits.loci.march import march
 from contin.problems.orbits.loci.renewal import renew
 
-ANGLE_SCALE = np.pi  # of theta in the metric
-SMALL = 1e-3  # relative amplitude below which an orbit is its Hopf point
+SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
+PROBE_TOLERANCE = 1e-10
+
 
 @dataclass(frozen=True, eq=False)
 class OrbitLocusProblem:
@@ -36,7 +35,7 @@ class OrbitLocusProblem:
     first_bounds: tuple[float, float] = (-np.inf, np.inf)
 
     kind = "locus"
-    maximum_chunk = 10  # a step takes some 10 ms
+    maximum_chunk = 40  # a step takes about 1 ms
 
     @property
     def locus(self) -> str:
@@ -85,50 +84,63 @@ class OrbitLocusProblem:
             w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)
         )
         own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
-        return self.curve.join(own, second, ANGLE_SCALE)
+        return self.curve.join(own, second, 1.0)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        """The curve's own tangent: the null vector of its equations, bordered by a vector that is not orthogonal."""
+        """The curve's own tangent."""
         self.curve.settle(z, scale)
-        generator = np.random.default_rng(3)
-        border = generator.normal(size=z.size)
-        for _ in range(2):
-            here = linearisation(self.curve, z, border / np.linalg.norm(border), scale)
-            if here is None:
-                raise InputError(f"the curve of {self.locus} cannot be followed from here: its equations are singular")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / np.linalg.norm(border)]
+        guide = np.zeros(z.size)
+        guide[-1] = 1.0
+        found = self.curve.correct(z, guide, 0.0, z, scale, np.inf)
+        if isinstance(found, str):
+            raise InputError(f"the curve of {self.locus} cannot be followed from here: its equations are singular")
+        return [found.tangent]
+
+    def measured(self, sample: Sample, frame: Frame) -> Sample:
+        """The same point with its tests and tangent anew."""
+        self.curve.settle(sample.z, frame.scale)
+        found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf)
+        if isinstance(found, str):
+            return sample
+        self.curve.follow(found, frame.scale)
+        return replace(self.sample(found), tangent=sample.tangent if sample.tests.size else found.tangent)
+
+    def sample(self, found: Corrected) -> Sample:
+        """Tests, number of unstable multipliers (critical ones not counted) and all multipliers."""
+        values, further = found.multipliers, self.curve.further(found.z)
+        tests, count = events.tests_of(self.locus, self.others(values, found.z), further, found.speed)
+        return Sample(found.z, found.tangent, tests, count, values)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        self.curve.settle(origin.z, frame.scale)
-        return python_march.march(
-            self, origin, before, length, frame, step, min(limit, self.maximum_chunk), bounds, settings, None
-        )
+        return march(self, origin, before, length, frame, step, min(limit, self.maximum_chunk), settings)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(self, base, length, guess, frame, settings)
+        tolerance = min(settings.tolerance, PROBE_TOLERANCE)
+        found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
+        return None if isinstance(found, str) else self.sample(found)
 
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLocusLinearisation | None:
-        """For the march in Python."""
-        return linearisation(self.curve, z, tangent, scale)
-
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        """Tests from index 2 on, unstable multipliers (critical ones not counted), all multipliers."""
-        values = self.multipliers(z)
-        coefficient = self.curve.fold_coefficient(z) if self.locus == "LPC" else 0.0
-        tests, count = events.tests_of(self.locus, self.others(values, z), self.curve.theta(z), coefficient)
-        return tests, count, values
+    def turned_over(self, before: Array, after: Array) -> bool:
+        """True where the orbit between these has shrunk to a point: seen from its mean it lies on the other side."""
+        if self.curve.orbits.winding.any():
+            return False
+        nodes = self.curve.profile(before).u.size
+        n = self.curve.orbits.n
+        a, b = (z[:nodes].reshape(-1, n) for z in (before, after))
+        return float(np.sum((a - a.mean(axis=0)) * (b - b.mean(axis=0)))) < 0.0
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return self.curve.at(z).multipliers(self.curve.orbit(z))
 
     def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
         """The multipliers without the trivial and the critical ones."""
-        rest = values[1:] if self.curve.orbits.autonomous else values
-        return _without_critical(rest, self.locus, self.curve.theta(z))
+        left = list(values[1:] if self.curve.orbits.autonomous else values)
+        for target in events.critical(self.locus, self.curve.further(z)):
+            if left:
+                left.pop(min(range(len(left)), key=lambda k: abs(left[k] - target)))
+        return np.array(left, complex)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return self.at_unknown(-1, guess, value, scale)
@@ -138,7 +150,7 @@ class OrbitLocusProblem:
         fixed[index] = 1.0
         z0 = guess.copy()
         z0[index] = value
-        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, 1e-12)
+        found = self.curve.correct(z0, fixed, 0.0, z0, scale, 1e-12, exact=False)
         if isinstance(found, str):
             return None
         z = found.z.copy()
@@ -196,7 +208,8 @@ class OrbitLocusProblem:
         for k, name in enumerate(functions):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
         if self.locus == "NS":
-            columns["theta"] = z[:, -3].copy()
+            columns["cos.theta"] = z[:, -3].copy()
+            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         return columns
 
     def _functions(self, u: Array, row: Array) -> Array:
@@ -234,5 +247,3 @@ class OrbitLocusProblem:
             f"{point.branch}.{point.label}: curves through {point.type} are not started from here; start them from an "
             "LPC, PD or NS of a family of orbits"
         )
-
-__all__ = ["OrbitLocusProblem", "_targets", "make_scale"]

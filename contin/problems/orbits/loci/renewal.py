@@ -35,8 +35,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
         h = chosen.h
     if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
         return Renewal(scale, origin, before, None)
-    theta = float(scale[-3]) if curve.extra else 0.0
-    renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), theta)
+    renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), 1.0)
 
     def moved(sample: Sample) -> Sample:
         inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
@@ -44,7 +43,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
         share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
         rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
         t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
-        z = curve.join(there.z, float(sample.z[-2]), curve.theta(sample.z))
+        z = curve.join(there.z, float(sample.z[-2]), curve.further(sample.z))
         return replace(sample, z=z, tangent=t / np.linalg.norm(t))
 
     here = moved(origin)

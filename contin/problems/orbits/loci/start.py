@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
@@ -29,5 +31,6 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         orbits = problem
     curve = OrbitCurve(point.type, orbits, second)
     q = orbits.base[second]
-    z = curve.join(orbit, float(q), float(point.vectors.get("theta", 0.0)))
+    further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    z = curve.join(orbit, float(q), further)
     return [Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label))]

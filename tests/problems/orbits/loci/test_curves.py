@@ -59,7 +59,7 @@ def test_tori_of_two_oscillators_are_born_on_the_diagonal_with_the_angle_of_the_
 
 
 def angle(branch):
-    return branch.columns["theta"]
+    return np.arccos(branch.columns["cos.theta"])
 
 
 def test_a_user_of_a_point_without_a_curve_is_told_which_points_have_one(bautin):
