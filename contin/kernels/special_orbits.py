@@ -1,4 +1,4 @@
-"""Special orbits in two parameters: Newton on the orbit's equations together with a bordered scalar, in one kernel call.
+"""Special orbits in two parameters: Newton on an orbit's equations with a bordered scalar, in one kernel call.
 
 F(u, T, p, q) = 0 is the boundary-value problem of `contin.kernels.collocation`; q is a second parameter. With (s, r)
 coordinates of the parameters' plane, (p, q) = s `across` + r `along`, and G(u, T, s, r) = 0 that a matrix is singular:
@@ -97,9 +97,9 @@ def new_curve_memory(kind, n, m, intervals, p_size):
         np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),
         np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 3), np.zeros((2, 4, n + 2)),
         np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(nu + intervals + 2),
-        np.ones(nu + intervals + 2), np.zeros(nu + intervals + 2), np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 4)), np.zeros(2),
-        np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size), np.zeros((n, n + p_size)), np.zeros(n),
-        np.zeros(1), np.zeros((1, n + p_size)),
+        np.ones(nu + intervals + 2), np.zeros(nu + intervals + 2), np.zeros(n), np.zeros(2), np.zeros((2, 2)),
+        np.zeros((2, 4)), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size),
+        np.zeros((n, n + p_size)), np.zeros(n), np.zeros(1), np.zeros((1, n + p_size)),
     )  # fmt: skip
 
 
@@ -327,7 +327,6 @@ def linearise(e, c, w, s, f, o, q, extra):
     n, m = e.n, e.m
     z, y, v, G, dG, jump, border, corner, x = o.z, o.y, o.v, o.G, o.dG, o.jump, o.border, o.corner, o.x
     kind = c.kind
-    last = z.size - 1
     intervals = w.h.size
     nu = (intervals * m + 1) * n
     autonomous = e.forcing == 0
@@ -376,7 +375,7 @@ def linearise(e, c, w, s, f, o, q, extra):
         x[n + 1] = 1.0 if j == 2 else 0.0
         x[n + 2] = 0.0 if j == 2 else 1.0
         _finish(s, n, m, f, o, 0.0, False, j)
-    if kind == PD or kind == NS:
+    if kind in (PD, NS):
         if not _null(e, c, s, f, o, extra):
             return FAILED
     elif kind == LPC:
@@ -386,12 +385,12 @@ def linearise(e, c, w, s, f, o, q, extra):
         G[1] = y[3, nu + 2]
     for j in range(count):
         _spread(y, j, n, m, o.node, o.at, e.values, j)
-    passes = 1 if kind == LPC or kind == PD else 2
+    passes = 1 if kind in (LPC, PD) else 2
     for a in range(passes):
         which = 2 + a
         by_period = 0.0
         by_s = 0.0
-        if kind == LPC or kind == BPC:
+        if kind in (LPC, BPC):
             by_period = y[which, nu]
             by_s = y[which, nu + 1]
         else:
@@ -414,7 +413,7 @@ def linearise(e, c, w, s, f, o, q, extra):
             for j in range(n):  # v(1) is the second function at 0
                 o.reduced[1, 3, r] -= 2.0 * s.end[r, n + j] * v[1, j]
     for j in range(4 if kind == NS else count):
-        if kind == LPC or kind == BPC:
+        if kind in (LPC, BPC):
             for a in range(passes):
                 for r in range(n + 1):
                     x[r] = o.reduced[a, j, r]
@@ -449,7 +448,7 @@ def along_y(c, f, o, row, j, nu, intervals):
     """Component j of the change of z that y[row] stands for (row 3 of NS: of k alone)."""
     change = 0.0
     kind = c.kind
-    size = nu + 1 + intervals + 2 + (1 if kind == NS or kind == BPC else 0)
+    size = nu + 1 + intervals + 2 + (1 if kind in (NS, BPC) else 0)
     if kind == NS and row == 3:
         change = 1.0 if j == size - 3 else 0.0
     elif j <= nu:
@@ -467,7 +466,7 @@ def tangent_of(c, f, o, nu, intervals, scale, guide, out_t):
     """Unit tangent of the curve into out_t, along `guide`; False where it is not defined."""
     g, dG, size = o.null_combination, o.dG, scale.size
     last = 3
-    if c.kind == LPC or c.kind == PD:
+    if c.kind in (LPC, PD):
         last = 2
         g[0] = -dG[0, 2]
         g[1] = dG[0, 1]
@@ -507,7 +506,6 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
     size = scale.size
     intervals = w.h.size
     nu = (intervals * m + 1) * n
-    further = 1 if c.kind == NS or c.kind == BPC else 0
     z = o.z
     last = z.size - 1
     for j in range(size):

@@ -1,9 +1,9 @@
 """Curves of special orbits in two parameters: unknowns, borders, and Newton by `contin.kernels.special_orbits`.
 
-z = (u at the nodes, T, h_1 .. h_N, [further unknown], second parameter, first parameter). The further unknown of a curve
-of tori is cos(theta), exp(+-i theta) the critical multipliers; it may leave [-1, 1] (neutral saddles, beyond R1 and
-R2). That of a curve of branch points is an unfolding: the orbit closes up to a multiple of a fixed jump, zero where a
-symmetry forces the branch points.
+z = (u at the nodes, T, h_1 .. h_N, [further unknown], second parameter, first parameter). The further unknown of a
+curve of tori is cos(theta), exp(+-i theta) the critical multipliers; it may leave [-1, 1] (neutral saddles, beyond R1
+and R2). That of a curve of branch points is an unfolding: the orbit closes up to a multiple of a fixed jump, zero where
+a symmetry forces the branch points.
 """
 
 from __future__ import annotations
