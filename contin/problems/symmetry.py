@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.problems.maps.iterate import IteratedSystem
 
 STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
+CYCLE_STEP = 1e-6  # the same of a cycle's points, which iterates drive apart
 AGREES = 1e-5
 
 
@@ -54,13 +55,14 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
     size = float(np.max(np.abs(direction[:-1]), initial=0.0))
     if size == 0.0:
         return ()
+    step = STEP if not isinstance(problem.system, IteratedSystem) else CYCLE_STEP
     for name in names:
-        rows = apply_symmetry(problem, name, np.stack([z, z + STEP * direction, z - STEP * direction]))
+        rows = apply_symmetry(problem, name, np.stack([z, z + step * direction, z - step * direction]))
         for image in _shifts(problem, rows):
             fixed = _wrapped(image[0] - z, problem.angle_periods)
             if np.any(np.abs(fixed) > AGREES * np.maximum(np.abs(z), size)):
                 continue
-            moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * STEP)
+            moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * step)
             turned = bool(np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size))
             if turned and abs(direction[-1]) <= AGREES * abs(direction).max():
                 found.append(name)

@@ -162,7 +162,8 @@ class IteratedSystem:
             bent = self.base.gradient(x, p, along)
             second = _after(bent, slope) + matrix[:, : self.n] @ second
             slope = _after(matrix, slope)
-            along = np.concatenate([matrix @ along, along[self.n :]])
+            with np.errstate(over="ignore", invalid="ignore"):
+                along = np.concatenate([matrix @ along, along[self.n :]])
             x = value
         return second
 
@@ -181,8 +182,9 @@ def iterate(system: Any, times: int) -> Any:
 def _after(matrix: NDArray[Any], slope: Array) -> NDArray[Any]:
     """[f_u f_p] applied to (A, parameters as they are): f_u A + [0 f_p]."""
     n = len(matrix)
-    result: NDArray[Any] = matrix[:, :n] @ slope
-    result[:, n:] += matrix[:, n:]
+    with np.errstate(over="ignore", invalid="ignore"):  # a point that escapes has no derivatives, and says so
+        result: NDArray[Any] = matrix[:, :n] @ slope
+        result[:, n:] += matrix[:, n:]
     return result
 
 

@@ -45,6 +45,22 @@ def rounding(linear: Linear, value: complex, q: Vector) -> float:
     return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
 
 
+def rounding_of_fold(problem: Any, z: Array, q: Vector) -> float:
+    """How much the parameter of a fold moves when F is rounded: |<p, e>| / |<p, F_p>|.
+
+    e has random entries of half a unit in the last place of the largest terms of F, which for a discretised derivative
+    are n^2 times larger than F's own.
+    """
+    generator = np.random.default_rng(6)
+    linear = problem.linear(z)
+    project = projector(linear, normalise(q))
+    size = linear.magnitude(np.abs(z[:-1]))
+    slope = abs(complex(project(problem.parameter_slope(z))[1]))
+    noise = 0.5 * np.finfo(float).eps * generator.uniform(-1.0, 1.0, (SAMPLES, problem.n))
+    moved = max(abs(complex(project(size * row)[1])) for row in noise)
+    return moved / slope if slope > 0.0 else np.inf
+
+
 def state(v: Vector) -> Vector:
     """A direction in which only the states move."""
     return np.append(v, 0.0)

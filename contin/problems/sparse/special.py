@@ -184,6 +184,7 @@ def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
     q = at.tangent[:-1] * frame.scale[:-1]
     form = forms.fold(problem, at.z, q)
+    error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
         return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"

@@ -1,5 +1,7 @@
 """Maps with a symmetry, or an invariant area: cycles that a symmetry shifts, double multipliers."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -44,3 +46,27 @@ def test_an_area_preserving_map_doubles_where_its_multiplier_is_minus_1_twice():
     q1 = q + p1
     np.testing.assert_allclose(p1 + k * np.sin(q1), p, atol=1e-8)
     assert abs(q1[-1] - q[-1]) > 0.1
+
+
+def test_coupled_logistic_maps_cascade_in_step_and_out_of_step():
+    """x' = (1 - e) f(x) + e f(y) and the same for y, f = r x (1 - x). On x = y the multipliers of a cycle are the
+    logistic map's mu and (1 - 2 e)^period mu: doublings where either is -1, the second one out of step."""
+    f, g, e = "r*x*(1 - x)", "r*y*(1 - y)", 0.1
+    model = contin.Model(
+        "coupled", kind="map", states={"x": 0.7, "y": 0.7}, parameters={"r": 2.8, "e": e},
+        equations={"x": f"(1 - e)*{f} + e*{g}", "y": f"(1 - e)*{g} + e*{f}"}, symmetries={"swap": {"x": "y", "y": "x"}},
+    )  # fmt: skip
+    steady = contin.continuation(contin.equilibrium(model), "r", (2.5, 3.66))
+    at = [point.values["r"] for point in steady.points]
+    assert [point.type for point in steady.points] == ["PD", "PD"]
+    assert at == pytest.approx([3, 2 + 1 / (1 - 2 * e)], abs=1e-11)  # mu = 2 - r
+    two = contin.continuation(steady["PD1"].switch(), "r", (2.5, 3.66))
+    transverse = 1 + math.sqrt(5 + 1 / (1 - 2 * e) ** 2)  # mu = 4 + 2 r - r^2
+    assert [point.values["r"] for point in two.points] == pytest.approx([1 + math.sqrt(6), transverse], abs=1e-10)
+    diagram = contin.diagram(model, "r", (2.5, 3.66), budget={"branches": 24})
+    broken = [branch for branch in diagram if branch.name.endswith("/BP1")]
+    assert len(broken) >= 3  # cycles of periods 2, 4 and 8 that the exchange shifts by half their period lose it
+    for branch in broken:
+        [image] = [other for other in diagram if other.name == f"{branch.name}~swap"]
+        assert branch.ends[0].reason == "start"
+        np.testing.assert_array_equal(image.columns["x"], branch.columns["y"])
