@@ -7,6 +7,7 @@ import time
 STARTED = time.perf_counter()  # before any import of ours: reports count imports too
 
 import sys  # noqa: E402
+import warnings  # noqa: E402
 from collections.abc import Sequence  # noqa: E402
 from pathlib import Path  # noqa: E402
 from typing import Annotated, Optional  # noqa: E402
@@ -310,11 +311,18 @@ def schema(
     raise typer.Exit(print_schema(what))
 
 
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    """Without the line of code that makes it, which is none of the user's."""
+    sys.stderr.write(f"warning: {message}\n")
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input ends with one message and exit code 2, never with a traceback."""
     listen()
     try:
-        app(arguments, prog_name="contin")
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            app(arguments, prog_name="contin")
     except ContinError as error:
         sys.stderr.write(f"{error}\n")
         raise SystemExit(BAD_INPUT) from None

@@ -1,6 +1,7 @@
 """The other commands, and what starting the command costs."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -145,3 +146,27 @@ def test_the_schema_of_results_is_the_one_the_results_follow(capsys, saved):
     assert call("schema", "result") == 0
     jsonschema.validate(results(saved / "r.json"), json.loads(capsys.readouterr().out))
     assert call("schema", "model of a car") == 2
+
+
+def test_a_broken_package_of_models_is_a_warning_in_words_and_the_run_goes_on(tmp_path):
+    """Two packages offer `decay`; one of them cannot be imported."""
+    for name, target in (("broken", "broken_models:make"), ("whole", "whole_models:make")):
+        metadata = tmp_path / f"{name}_models-1.0.dist-info"
+        metadata.mkdir()
+        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}-models\nVersion: 1.0\n")
+        (metadata / "entry_points.txt").write_text(f"[contin.models]\ndecay = {target}\n")
+    (tmp_path / "broken_models.py").write_text("raise RuntimeError('licence expired')\n")
+    (tmp_path / "whole_models.py").write_text(
+        "import contin\ndef make():\n"
+        "    return contin.Model('decay', states={'x': 1}, parameters={'p': 1}, equations={'x': 'p - x'})\n"
+    )
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    done = subprocess.run(
+        [sys.executable, "-m", "contin", "diagram", "decay", "p", "0", "1", "--json", "out.json", "--quiet"],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert done.stderr == (
+        "warning: models 'decay' of the package broken-models cannot be loaded: RuntimeError: licence expired\n"
+    )
+    assert len(results(tmp_path / "out.json")["branches"]) == 1
