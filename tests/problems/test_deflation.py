@@ -111,24 +111,26 @@ def test_the_explorer_reaches_a_disconnected_branch():
 
 
 def test_the_isola_of_the_cubic_autocatalator_in_a_stirred_tank():
-    """Gray and Scott (1983): a' = (1 - a)/t - a b^2, b' = -b/t + a b^2 - k b. The reacting states are an isola, apart from
-    a = 1, b = 0: folds where t = 4 (1 + k t)^2, Hopf point at b = sqrt(k), (1 + k t)^2 = sqrt(k) t (the larger root)."""
+    """Gray and Scott (1983): the reacting states form an isola in the residence time t, apart from a = 1, b = 0.
+
+    Folds where t = 4 (1 + k t)^2; Hopf point at b = sqrt(k), (1 + k t)^2 = sqrt(k) t (the larger root).
+    """
     k = 0.04
     model = contin.Model(
-        "autocatalator", states={"a": 1.0, "b": 0.0}, parameters={"t": 50.0, "k": k},
-        equations={"a": "(1 - a)/t - a*b^2", "b": "-b/t + a*b^2 - k*b"},
+        "autocatalator", states={"a": 1.0, "b": 0.0}, parameters={"tau": 50.0, "k": k},
+        equations={"a": "(1 - a)/tau - a*b^2", "b": "-b/tau + a*b^2 - k*b"},
     )  # fmt: skip
     box = {"a": (0, 1), "b": (0, 1)}
     assert len(contin.find_equilibria(model, box)) == 3
-    diagram = contin.diagram(model, "t", (1, 400), start="all", box=box, orbits=False)
+    diagram = contin.diagram(model, "tau", (1, 400), start="all", box=box, orbits=False)
     assert len(diagram) == 2
     [isola] = [branch for branch in diagram if branch.points]
     assert {end.reason for end in isola.ends} == {"closed"}
-    folds = sorted(point.values["t"] for point in isola.points if point.type == "LP")
+    folds = sorted(point.values["tau"] for point in isola.points if point.type == "LP")
     np.testing.assert_allclose(folds, np.sort(np.roots([4 * k**2, 8 * k - 1, 4]).real), rtol=1e-10)
     [hopf] = [point for point in isola.points if point.type == "HB"]
     expected = max(np.roots([k**2, 2 * k - np.sqrt(k), 1]).real)
-    assert (hopf.values["t"], hopf.values["b"]) == pytest.approx((expected, np.sqrt(k)), rel=1e-10)
+    assert (hopf.values["tau"], hopf.values["b"]) == pytest.approx((expected, np.sqrt(k)), rel=1e-10)
 
 
 def test_boxes_are_checked():
