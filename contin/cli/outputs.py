@@ -27,6 +27,8 @@ def writable(json: str | None, outputs: Mapping[str, Path]) -> None:
             raise InputError(f"--json {json}: is a folder; name a file")
         if not path.parent.is_dir():
             raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
+        if not path.exists() and not os.access(path.parent, os.W_OK):
+            raise InputError(f"--json {json}: the folder {path.parent} may not be written to")
     for kind, path in outputs.items():
         above = next(folder for folder in path.absolute().parents if folder.exists())
         if not above.is_dir():
