@@ -24,7 +24,8 @@ outputs: {plot: a.png, save: a.contin, json: a.json, x: B, y: x}
 """
 PIECES = st.sampled_from(
     [": ", "\n", "  ", "- ", "{", "}", "[", "]", "&a ", "*a", "!!python/name:os.system ", "|", "'", '"', "#", "~",
-     "<<: ", "1e999", "\t", "x", "line.HB1", "../x.png", "/etc/passwd", "parameter", "null", "true", "nan", "-", "9" * 400]
+     "<<: ", "1e999", "\t", "x", "line.HB1", "../x.png", "/etc/passwd", "parameter", "null", "true", "nan",
+     "-", "9" * 400]
 )  # fmt: skip
 VALUES = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("rest"), st.just("B")),
