@@ -133,6 +133,11 @@ def simulate(
     method: Annotated[str, typer.Option("--method", help="DOP853; for stiff flows Radau, LSODA or BDF.")] = "DOP853",
     rtol: Annotated[float, typer.Option("--rtol", help="Relative tolerance.")] = 1e-9,
     box: Annotated[float, typer.Option("--box", help="Stop where a state exceeds this.")] = 1e100,
+    budget: Annotated[int, typer.Option("--budget", help="Most steps of the integrator.")] = 50_000_000,
+    until: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--until", metavar="CONDITION", help="Stop where it becomes true, e.g. 'x > 2 and y < 0'."),
+    ] = None,
     csv: Annotated[Optional[Path], typer.Option("--csv", help="Write the table.")] = None,  # noqa: UP045
     plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,  # noqa: UP045
     x: Annotated[Optional[str], typer.Option("--x", "-x", help="Horizontal axis of the portrait.")] = None,  # noqa: UP045
@@ -148,6 +153,7 @@ def simulate(
         simulate_model(
             model, start, states or [], sets or [], out, quiet,
             time=time, transient=transient, samples=samples, method=method, rtol=rtol, box=box,
+            budget=budget, until=until,
         )
     )  # fmt: skip
 

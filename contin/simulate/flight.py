@@ -16,6 +16,9 @@ RTOL, ATOL = 1e-10, 1e-12
 CHUNK = 20_000  # steps between two looks at Ctrl-C
 BUDGET = 5_000_000
 STEPS_A_PERIOD = 16  # at least, where formulas may switch with the time, which no error estimate sees
+STIFF_CHUNKS = 5  # so many times in succession the step is limited by stability, not by accuracy: the model is stiff
+STABLE = 2.0  # the step times the fastest decay rate, beyond which that is so (DOP853 is stable to about 6)
+LONG = 20 * CHUNK  # steps; what takes less is not worth another method
 CROSSINGS = 4096  # that many of the last crossings are kept
 DONE, ESCAPED, SLIDING, STOPPED = "done", "escaped", "sliding", "stopped"
 
@@ -108,19 +111,34 @@ def fly(
     samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
     ring, counts = np.zeros((CROSSINGS, 2)), np.zeros(7, np.int64)
     controls = np.array([start, start + duration, 0.0, max_step, rtol, atol, box, 0.0, 0.0, 0.0])
-    started = False
+    started, stiff, left = False, 0, 0.0
     while True:
         status = kernel.fly(flow, memory, y, controls, CHUNK, started, wanted, samples, found, ring, counts)
         started = True
         if status != kernel.STEPS or counts[2] > budget:
             break
-    outcome, why = _outcome(system, status, y, memory, counts, budget, box)
+        left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
+        stiff = stiff + 1 if left > LONG and is_stiff(system, y[:n], memory.p, float(controls[2])) else 0
+        if stiff >= STIFF_CHUNKS:
+            break
+    outcome, why = _outcome(system, status, y, memory, counts, budget, box, float(controls[0]))
+    if stiff >= STIFF_CHUNKS:
+        why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF"
     crossed = int(counts[4])
     order = np.arange(max(0, crossed - CROSSINGS), crossed) % CROSSINGS
     return Flight(
         n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, ring[order], crossed,
         int(counts[5]), int(counts[2]), outcome, why,
     )  # fmt: skip
+
+
+def is_stiff(system: Any, u: Array, p: Array, h: float) -> bool:
+    """True where the step times the fastest decay rate is near the limit of the method's stability."""
+    full = np.append(p[: system.m], p[-1]) if system.is_forced else p[: system.m]
+    jacobian = np.asarray(system.jacobian(u, np.ascontiguousarray(full))[1])[:, : system.n]
+    if not np.all(np.isfinite(jacobian)):
+        return False
+    return bool(-h * float(np.linalg.eigvals(jacobian).real.min()) > STABLE)
 
 
 def forcing_period(system: Any, p: Array) -> float:
@@ -138,7 +156,7 @@ def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
 
 
 def _outcome(
-    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: float
+    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: float, t: float
 ) -> tuple[str, str]:
     from contin.kernels.piecewise import flight as kernel
 
@@ -147,7 +165,7 @@ def _outcome(
     n = system.n
     if status == kernel.ESCAPED:
         k = int(np.argmax(np.abs(y[:n])))
-        return ESCAPED, f"left the box: |{system.state_names[k]}| exceeds {box:.6g}"
+        return ESCAPED, f"left the box at t = {t:.6g}: |{system.state_names[k]}| exceeds {box:.6g}"
     if status == kernel.SLIDING:
         surface = system.pieces.name(int(counts[6]))
         return SLIDING, (
@@ -160,9 +178,8 @@ def _outcome(
         return STOPPED, str(explained)
     if status == kernel.STEPS:
         return STOPPED, (
-            f"{budget} steps were not enough: the model may be stiff (method Radau, LSODA or BDF of `contin simulate`)"
+            f"{budget} steps were not enough; a stiff model needs the method Radau, LSODA or BDF"
         )
     return STOPPED, (
-        "the step became too small: a singularity, a solution that escapes, or a stiff model (method Radau, LSODA or "
-        "BDF of `contin simulate`)"
+        "the step became too small: a singularity, a solution that escapes, or a stiff model (method Radau, LSODA, BDF)"
     )

@@ -10,22 +10,23 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.simulate.flight import DONE, fly
+from contin.simulate.flight import DONE, ESCAPED, fly
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
 RTOL: Final = 1e-9
 SAMPLES: Final = 5000  # so that fast oscillations are drawn as curves
-BUDGET: Final = 1_000_000  # steps; more are a sign of a stiff model
-LONGEST_MAP: Final = 10_000_000
+BUDGET: Final = 50_000_000  # steps: a minute or two
+EVENT: Final = "event"
+NO_EVENT: Final = "no event"
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """States (T, n) and observables (T, k) at times t (T,).
 
-    outcome : done, escaped (from the box), sliding or stopped; `why` in words, `end_time` when. `crossings` counts the
-    switching surfaces crossed, `steps` the integrator's steps.
+    outcome : done, event (`until` became true), no event (it did not), escaped (from the box), sliding or stopped;
+    `why` in words, `end_time` when. `crossings` counts the switching surfaces crossed, `steps` the integrator's steps.
     """
 
     model: Any
@@ -42,7 +43,7 @@ class Simulation:
 
     @property
     def complete(self) -> bool:
-        return self.outcome == DONE
+        return self.outcome in (DONE, EVENT)
 
     @property
     def columns(self) -> dict[str, Array]:
@@ -53,16 +54,20 @@ class Simulation:
         return columns
 
     def __str__(self) -> str:
+        if self.outcome in (NO_EVENT, ESCAPED):
+            return self.why
         if not self.complete:
             return f"stopped at t = {self.end_time:.6g}: {self.why}"
         crossed = f", {self.crossings} switching surfaces crossed" if self.crossings else ""
-        return f"{self.method}: {self.steps} steps to t = {self.end_time:.6g}{crossed}"
+        reached = f"{self.why} at t = {self.end_time:.12g}" if self.outcome == EVENT else f"t = {self.end_time:.6g}"
+        note = f" ({self.why})" if self.outcome == DONE and self.why else ""
+        return f"{self.method}: {self.steps} steps to {reached}{crossed}{note}"
 
 
 def simulate(
     model: Any, start: str | Mapping[str, Any] | None = None, parameters: Mapping[str, Any] | None = None, *,
     time: float = 100.0, transient: float = 0.0, samples: int = SAMPLES, method: str = "DOP853", rtol: float = RTOL,
-    atol: float | None = None, box: float = 1e100, budget: int = BUDGET,
+    atol: float | None = None, box: float = 1e100, budget: int = BUDGET, until: str | None = None,
 ) -> Simulation:  # fmt: skip
     """Integrate a model (iterate a map) from a start over `time`, after a `transient` that is not kept.
 
@@ -71,6 +76,7 @@ def simulate(
     method : DOP853 (compiled; piecewise-smooth flows piece by piece), or for stiff flows Radau, LSODA, BDF (scipy, with
     the compiled equations and Jacobian).  rtol, atol : tolerances (atol: 1e-3 rtol by default).
     box : modulus of a state at which the simulation ends as escaped.  budget : most steps of the integrator.
+    until : a condition such as "x > 2 and y < 0"; the simulation ends exactly where it becomes true.
 
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
@@ -85,22 +91,46 @@ def simulate(
         raise InputError(f"samples must be a whole number, 2 or more; got {samples!r}")
     u, p = model.start_point(start, dict(parameters or {}))
     from contin.lowering import compile_system
+    from contin.simulate.iterate import iterated
 
     system = compile_system(model)
     if model.kind == "map":
-        return _iterated(model, system, u, p, time, transient, box)
+        return iterated(model, system, u, p, time, transient, box, until)
     times = np.linspace(transient, transient + time, samples)
-    absolute = 1e-3 * rtol if atol is None else atol
+    options = {"rtol": rtol, "atol": 1e-3 * rtol if atol is None else atol, "box": box}
     if method in STIFF:
-        from contin.simulate.stiff import integrate_stiff
+        from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 
-        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, absolute, box)
+        if until is not None:
+            raise InputError("until: events are located by the method DOP853 only")
+        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, options["atol"], box)
+        why = NONSMOOTH if outcome == DONE and system.n_switches else why
         end, crossings = (float(t[-1]) if len(t) else 0.0), 0
     else:
-        flight = fly(system, u, p, float(times[-1]), times=times, rtol=rtol, atol=absolute, box=box, budget=budget)
-        t, states, steps, outcome, why = flight.t, flight.u, flight.steps, flight.outcome, flight.why
-        end, crossings = flight.end_time, flight.crossed
+        flight, outcome, why = _flown(model, system, u, p, times, until, {**options, "budget": budget})
+        t, states, steps, end, crossings = flight.t, flight.u, flight.steps, flight.end_time, flight.crossed
+        if outcome == EVENT:
+            t, states = np.append(t, end), np.vstack([states, flight.end[None, : system.n]])
     return Simulation(model, method, p, t, states, observed(system, states, p, t), end, steps, crossings, outcome, why)
+
+
+def _flown(
+    model: Any, system: Any, u: Array, p: Array, times: Array, until: str | None, options: dict[str, Any]
+) -> tuple[Any, str, str]:
+    """(flight, outcome, why) of the compiled integrator."""
+    if until is None:
+        flight = fly(system, u, p, float(times[-1]), times=times, **options)
+        return flight, flight.outcome, flight.why
+    from contin.lowering import compile_system
+    from contin.simulate.until import fly_until, with_clock
+
+    clocked = compile_system(with_clock(model, until))
+    flight, came = fly_until(clocked, u, p, float(times[-1]), times=times, **options)
+    if came:
+        return flight, EVENT, until
+    if flight.outcome != DONE:
+        return flight, flight.outcome, flight.why
+    return flight, NO_EVENT, f"the event {until} did not come until t = {flight.end_time:.6g}"
 
 
 def observed(system: Any, states: Array, p: Array, t: Array) -> Array:
@@ -111,22 +141,3 @@ def observed(system: Any, states: Array, p: Array, t: Array) -> Array:
     if system.is_forced:
         rows = np.column_stack([rows, t])
     return np.asarray(system.observables(np.ascontiguousarray(states), rows)).reshape(len(states), -1)
-
-
-def _iterated(model: Any, system: Any, u: Array, p: Array, time: float, transient: float, box: float) -> Simulation:
-    """Every iterate after the transient."""
-    count, skipped = round(time), round(transient)
-    if count + skipped > LONGEST_MAP:
-        raise InputError(f"a map is iterated at most {LONGEST_MAP} times; got {count + skipped}")
-    kept, outcome, why = [u], "done", ""
-    full = np.append(p, 0.0) if system.is_forced else p
-    for k in range(count + skipped):
-        u = system.value(u, full)
-        if not np.all(np.abs(u) <= box):
-            outcome, why = "escaped", f"iterate {k + 1} is not finite, or left the box of {box:.6g}"
-            break
-        kept.append(u)
-    states = np.array(kept[skipped:]).reshape(-1, system.n)
-    t = np.arange(skipped, skipped + len(states), dtype=float)
-    end = float(len(kept) - 1)
-    return Simulation(model, "map", p, t, states, observed(system, states, p, t), end, len(kept) - 1, 0, outcome, why)

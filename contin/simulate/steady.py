@@ -132,7 +132,7 @@ def _iterates(system: Any, p: Array, criterion: Criterion) -> Advance:
             u = system.value(u, p)
             if not np.all(np.abs(u) <= criterion.box):
                 values = observed(system, states[:k], p, np.arange(k, dtype=float))
-                return u, values, float(done + k + 1), "escaped", f"left the box: a state exceeds {criterion.box:.6g}"
+                return u, values, float(done + k + 1), "escaped", "left the box"
             states[k] = u
         return u, observed(system, states, p, np.arange(count, dtype=float)), float(done + count), "done", ""
 

@@ -61,7 +61,8 @@ def integrate_stiff(
     states = solved.y.T if len(solved.t) else np.empty((0, n))
     steps = int(solved.nfev)
     if solved.status == 1:
-        return solved.t, states, steps, "escaped", f"left the box: a state exceeds {box:.6g}"
+        when = float(solved.t_events[0][0])
+        return solved.t, states, steps, "escaped", f"left the box at t = {when:.6g}: a state exceeds {box:.6g}"
     if solved.status < 0:
         return solved.t, states, steps, "stopped", str(solved.message)
     return solved.t, states, steps, "done", ""

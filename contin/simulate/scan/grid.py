@@ -79,20 +79,16 @@ class ScanSpec:
     def conditions(self) -> dict[str, Any]:
         """The classes' conditions, parsed."""
         from contin.model.expression import symbol
-        from contin.model.parser import parse_operand
-        from contin.model.scope import Scope
+        from contin.simulate.condition import condition
 
         statistics = [f"{name}_{what}" for name in self.quantities for what in STATISTICS]
         names = {name: symbol(name) for name in (*self.model.parameter_names, *statistics)}
         parsed = {}
         for label, text in self.classes.items():
             try:
-                operand = parse_operand(text, Scope(names, self.model.functions))
+                parsed[label] = condition(text, names, self.model.functions, f"class {label!r}")
             except ExpressionError as error:
-                raise ExpressionError(f"class {label!r}: {error} (known: {', '.join(statistics)})") from None
-            if not operand.condition:
-                raise InputError(f"class {label!r}: {text!r} is a number, not a condition; write, say, r1_max < 0.1")
-            parsed[label] = operand.node
+                raise ExpressionError(f"{error} (known: {', '.join(names)})") from None
         return parsed
 
     def place(self, job: int) -> tuple[tuple[float, ...], int]:
