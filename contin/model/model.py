@@ -175,14 +175,27 @@ class Model:
             raise NotFiniteError(f"model {self.name}, start: " + explain_not_finite(formulas, values, "state"))
         return u, np.array(list(values.values()), dtype=float)
 
-    def _start(self, start: str | Mapping[str, Any] | None) -> Start:
+    def _start(self, start: Any) -> Start:
         if start is None:
             return Start("", {})
         if isinstance(start, str):
             return self.start(start)
+        if not isinstance(start, Mapping):
+            start = self._listed(start)
         from contin.model.build import start_from_mapping
 
         return start_from_mapping(self, start)
+
+    def _listed(self, values: Any) -> dict[str, float]:
+        """A start given as numbers in the order of the states."""
+        names = self.state_names
+        try:
+            numbers = [float(v) for v in values]
+        except (TypeError, ValueError):
+            raise InputError(f"a start is a name, a mapping of states or a list of {len(names)} numbers") from None
+        if len(numbers) != len(names):
+            raise InputError(f"a start has {len(names)} values ({', '.join(names)}); got {len(numbers)}")
+        return dict(zip(names, numbers, strict=True))
 
     def periods(self, overrides: Mapping[str, Override] | None = None) -> Array:
         """Period of each state (n,), 0 where it is not an angle."""

@@ -18,6 +18,7 @@ BUDGET = 5_000_000
 STEPS_A_PERIOD = 16  # at least, where formulas may switch with the time, which no error estimate sees
 STIFF_CHUNKS = 5  # so many times in succession the step is limited by stability, not by accuracy: the model is stiff
 STABLE = 2.0  # the step times the fastest decay rate, beyond which that is so (DOP853 is stable to about 6)
+SURE, HOPELESS = 10 * CHUNK, 100.0  # after so many steps, so many times the budget still needed: it is not begun
 LONG = 20 * CHUNK  # steps; what takes less is not worth another method
 CROSSINGS = 4096  # that many of the last crossings are kept
 DONE, ESCAPED, SLIDING, STOPPED = "done", "escaped", "sliding", "stopped"
@@ -110,7 +111,7 @@ def fly(
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
     samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
     ring, counts = np.zeros((CROSSINGS, 2)), np.zeros(7, np.int64)
-    controls = np.array([start, start + duration, 0.0, max_step, rtol, atol, box, 0.0, 0.0, 0.0])
+    controls = np.array([start, start + duration, 0.0, max_step, rtol, atol, box, start, 0.0, 0.0, 0.0])
     started, stiff, left = False, 0, 0.0
     while True:
         status = kernel.fly(flow, memory, y, controls, CHUNK, started, wanted, samples, found, ring, counts)
@@ -118,10 +119,15 @@ def fly(
         if status != kernel.STEPS or counts[2] > budget:
             break
         left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
+        if counts[2] > SURE and left > HOPELESS * budget:
+            break
         stiff = stiff + 1 if left > LONG and is_stiff(system, y[:n], memory.p, float(controls[2])) else 0
         if stiff >= STIFF_CHUNKS:
             break
-    outcome, why = _outcome(system, status, y, memory, counts, budget, box, float(controls[0]))
+    crossed_last = counts[4] > 0 and ring[(counts[4] - 1) % CROSSINGS, 0] >= controls[0]
+    if status == kernel.ESCAPED and not carried and not crossed_last:
+        controls[0] = _leave(system, memory.begin, p, float(controls[7]), float(controls[0]), box, rtol, atol, y)
+    outcome, why = _outcome(system, status, y, memory, counts, budget, box, float(controls[0]), left)
     if stiff >= STIFF_CHUNKS:
         why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF"
     crossed = int(counts[4])
@@ -141,6 +147,25 @@ def is_stiff(system: Any, u: Array, p: Array, h: float) -> bool:
     return bool(-h * float(np.linalg.eigvals(jacobian).real.min()) > STABLE)
 
 
+def _leave(
+    system: Any, begin: Array, p: Array, low: float, high: float, box: float, rtol: float, atol: float, y: Array
+) -> float:
+    """When the last step, from `begin` at time `low`, leaves the box; puts the state there into y."""
+    start, inside = low, begin.copy()
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        flight = fly(system, inside, p, middle - start, start=start, rtol=rtol, atol=atol)
+        if flight.outcome == DONE and float(np.abs(flight.end).max()) <= box:
+            low = middle
+        else:
+            high = middle
+            if flight.outcome == DONE:
+                y[:] = flight.end
+    return high
+
+
 def forcing_period(system: Any, p: Array) -> float:
     """Period of a forced model at these parameters."""
     from contin.model.evaluate import evaluate
@@ -156,8 +181,9 @@ def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
 
 
 def _outcome(
-    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: float, t: float
-) -> tuple[str, str]:
+    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: float, t: float,
+    left: float,
+) -> tuple[str, str]:  # fmt: skip
     from contin.kernels.piecewise import flight as kernel
 
     if status in (kernel.DONE, kernel.EVENTS):
@@ -176,6 +202,8 @@ def _outcome(
     explained = system.explain(y[:n], p)
     if explained:
         return STOPPED, str(explained)
+    if status == kernel.STEPS and counts[2] <= budget:
+        return STOPPED, f"{left:.2g} steps would still be needed, far more than the budget of {budget}"
     if status == kernel.STEPS:
         return STOPPED, (
             f"{budget} steps were not enough; a stiff model needs the method Radau, LSODA or BDF"

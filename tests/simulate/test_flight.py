@@ -155,3 +155,76 @@ def test_effort_of_the_pair_of_metronomes():
     flight = fly(system, [2.0, 0.0, 1.3, 0.7], p, 2000.0, rtol=1e-9)
     assert flight.crossed == 2726
     assert flight.steps < 11_000  # measured 9656, of which 1806 are repeated
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_dips_through_a_surface_much_shorter_than_a_step_are_all_found(depth, rtol):
+    # x = cos t is below -(1 - depth) for 2 acos(1 - depth) in each turn
+    system = flow(x="y", y="-x", z="1 if x < -c else 0")
+    flight = fly(system, [1.0, 0.0, 0.0], [1.0 - depth], 20.0 * np.pi, rtol=rtol, atol=1e-3 * rtol)
+    if depth > 100.0 * rtol:  # below, the amplitude's own error decides
+        assert flight.crossed == 20
+    if depth > 1e4 * rtol:
+        assert flight.end[2] == pytest.approx(20.0 * np.arccos(1.0 - depth), rel=1e2 * rtol / depth)
+
+
+def test_a_parabola_of_surface_contacts_is_exact():
+    # x' = 1, surface (x - 1)^2 - d: through it at 1 +- sqrt(d), integrated exactly by the method
+    for d in (1e-2, 1e-6, 1e-10, 1e-14):
+        flight = fly(flow(x="1", z="1 if (x - 1)^2 < c else 0"), [0.0, 0.0], [d], 3.0)
+        assert flight.crossed == 2
+        assert flight.end[1] == pytest.approx(2.0 * np.sqrt(d), rel=1e-6, abs=1e-9)
+
+
+def test_leaving_the_box_is_timed():
+    flight = fly(flow(x="x"), [1.0], [0.0], 100.0, box=10.0)
+    assert flight.end_time == pytest.approx(np.log(10.0), rel=1e-9)
+    assert flight.end[0] == pytest.approx(10.0, rel=1e-9)
+    assert f"left the box at t = {np.log(10.0):.6g}" in flight.why
+
+
+def test_memory_does_not_grow_with_the_time():
+    import tracemalloc
+
+    model = contin.load("metronomes/pair")
+    system = compile_system(model)
+    _, p = model.start_point("in-phase", {})
+    fly(system, [2.0, 0.0, 1.3, 0.7], p, 10.0)
+    peaks = []
+    for time in (2e3, 1e5):  # 1e4 and 5e5 steps
+        tracemalloc.start()
+        fly(system, [2.0, 0.0, 1.3, 0.7], p, time)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 2.0 * peaks[0] < 1e6
+
+
+def test_a_stiff_flow_is_named_before_its_budget_is_used():
+    flight = fly(flow(x="-c*(x - cos(y))", y="1"), [1.0, 0.0], [1e7], 1e3)
+    assert flight.outcome == "stopped"
+    assert "stiff" in flight.why
+    assert flight.steps <= 200_000
+
+
+def test_what_cannot_be_done_within_the_budget_is_not_begun():
+    flight = fly(flow(x="y", y="-x"), [1.0, 0.0], [0.0], 1e100)
+    assert flight.outcome == "stopped"
+    assert "budget" in flight.why
+
+
+def test_a_start_of_the_wrong_length_is_named():
+    with pytest.raises(contin.InputError, match=r"must have 2 values \(x, y\); got 3"):
+        fly(flow(x="y", y="-x"), [1.0, 0.0, 2.0], [0.0], 1.0)
+    with pytest.raises(contin.InputError, match="4 values"):
+        contin.simulate(contin.load("metronomes/pair"), [1.0, 0.0, 2.0])
+
+
+def test_oscillations_below_the_absolute_tolerance_are_still_resolved():
+    # metronomes at rest to 1e-12: no error is left to control, yet every crossing is a crossing
+    model = contin.load("metronomes/pair")
+    system = compile_system(model)
+    _, p = model.start_point("rest", {"beta": 0.98})
+    flight = fly(system, [1e-12, 0.0, -1.1e-12, 1e-13], p, 3000.0, rtol=1e-8, atol=1e-11)
+    assert flight.outcome == "done"
+    assert 3700 < flight.crossed < 4000  # four a turn

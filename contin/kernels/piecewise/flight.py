@@ -13,6 +13,7 @@ from contin.kernels.piecewise.step import attempt, prepare_dense
 from contin.kernels.runge_kutta import GROW, SAFETY, SHRINK, interpolate
 
 DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED = range(7)
+RESOLVED = 3.0  # step times rate: an oscillation has at least two steps a turn
 SHORT_PIECES = 200  # consecutive pieces much shorter than a step: crossings accumulate
 
 
@@ -28,10 +29,24 @@ def initial_step(flow, m, y, rtol, atol):
 
 
 @kernel
+def longest(m, n):
+    """The longest step that resolves what the last one saw: |change of slope| / |change of state| is a rate.
+
+    The error estimate does not see to it where the state is much smaller than the absolute tolerance.
+    """
+    top, bottom = 0.0, 0.0
+    for k in range(n):
+        top += (m.trial[k] - m.begin[k]) ** 2
+        bottom += (m.slopes[STAGES, k] - m.slopes[0, k]) ** 2
+    return RESOLVED * math.sqrt(top / bottom) if bottom > 0.0 and top > 0.0 else math.inf
+
+
+@kernel
 def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
     """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED.
 
-    controls : [t, t_end, h, h_max, rtol, atol, box]; t and h are updated. box: largest modulus of a state (ESCAPED).
+    controls : [t, t_end, h, h_max, rtol, atol, box, t_begin]; t, h and t_begin, the time at m.begin, are updated.
+    box: largest modulus of a state (ESCAPED; m.begin is then the last state inside).
     max_steps : of this call; call again (started = True) to go on: m keeps the modes.
     times, samples (len(times), size) : y wanted at increasing times.  events (K, 1 + size) : crossings of the section.
     crossings (K, 2) : time and surface of the last K crossings, used as a ring.
@@ -39,7 +54,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
     """  # noqa: E501
     t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
     atol, box = controls[5], controls[6]
-    landing = controls[7:]
+    landing = controls[8:]
     n = flow.n
     if not started:
         blocked = settle(flow, m, t, y)
@@ -50,7 +65,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
     rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
     if h <= 0.0:
         h = initial_step(flow, m, y, rtol, atol)
-    rejected, short = False, 0
+    rejected, short, limit = False, 0, math.inf
     for _ in range(max_steps):
         if t >= t_end:
             break
@@ -59,6 +74,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
         if used < 1e-14 * max(abs(t), 1e-300) and t_end - t > used:
             return SMALL
         m.begin[:] = y
+        controls[7] = t
         error = attempt(flow, m, t, used, rtol, atol)
         counts[2] += 1
         if not math.isfinite(error):
@@ -116,6 +132,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
                 if m.g0[j] < 0.0 or j == met:  # on it, to rounding
                     m.g0[j] = max(m.g0[j], 0.0)
         else:
+            limit = longest(m, n)
             y[:] = m.trial
             m.slopes[0, :] = m.slopes[STAGES]
             for j in range(flow.surface_count + 1):
@@ -125,7 +142,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
                 m.g0[j], m.d0[j] = m.g1[j], m.d1[j]
         controls[0] = t
         grown = used * min(max(factor, SHRINK), 1.0 if rejected else GROW)
-        h = grown if used == h or grown > h else h
+        h = min(grown if used == h or grown > h else h, max(limit, SHRINK * used))
         controls[2] = h
         rejected = False
         if counts[1] >= events.shape[0] > 0:

@@ -11,6 +11,7 @@ from contin.kernels.piecewise.flow import crossing_speed, rates, set_mode, slope
 from contin.kernels.piecewise.step import attempt, first_zero, prepare_dense, short_step
 
 BUDGET = 40
+TRIES = 6  # at the place of a minimum that may be negative
 CLOSE = 3e-3  # of the step: from here a step of order 4 lands on the surface to rounding
 TINY = 1e-7  # of the step: ... and from here a step of order 1 does
 TOGETHER = 1e-12  # of the step: surfaces met within this time are met together
@@ -50,7 +51,7 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
     landing[1]: length of the rest, landing[2]: 1 where the surface is only touched. The dense output is
     prepared where it reaches next_sample.
     """
-    low, high = 0.0, h
+    low, high, tries = 0.0, h, 0
     tentative = place < 0.0
     length = abs(place) * h
     landing[2] = 0.0
@@ -59,6 +60,12 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
         slope_at(flow, m, t + length, m.trial, STAGES)
         rates(flow, m, t + length, m.trial, m.slopes[STAGES], m.g1, m.d1)
         if tentative and m.g1[j] >= 0.0:
+            bend = (m.d1[j] - m.d0[j]) / length  # dg/dt is nearly zero here: by how much does g still fall?
+            shift = -m.d1[j] / bend if bend > 0.0 else 0.0
+            tries += 1
+            if m.g1[j] + 0.5 * m.d1[j] * shift < 0.0 and tries < TRIES and TINY * h < length + shift < h:
+                length += shift
+                continue
             landing[0], landing[1] = length, 0.0
             return -1, length
         earlier, fraction = earliest_negative(flow, m, length, j)

@@ -106,21 +106,22 @@ def first_zero(g0, d0, g1, d1):
 
     Minus the place of a minimum where that comes so low that the function may cross zero twice.
     """
-    if g1 >= 0.0 and not (d0 < 0.0 < d1 and g0 > 0.0):
-        return 2.0
-    lowest, place, low, high = math.inf, 1.0, 0.0, 1.0
-    for k in range(1, SCAN + 1):
-        x = k / SCAN
-        value = cubic(x, g0, d0, g1, d1)
-        if value < 0.0:
-            high = x
-            lowest = -1.0
-            break
-        low = x
-        if value < lowest:
-            lowest, place = value, x
-    if lowest >= 0.0:
-        return -place if lowest < NEAR * min(g0, g1) else 2.0
+    low, high = 0.0, 1.0
+    if g1 >= 0.0:
+        if not (d0 < 0.0 < d1 and g0 > 0.0):
+            return 2.0
+        square, cube = 3.0 * (g1 - g0) - 2.0 * d0 - d1, d0 + d1 - 2.0 * (g1 - g0)
+        high = -d0 / (square + math.sqrt(square * square - 3.0 * cube * d0))  # the minimum: d0 < 0 < d1
+        lowest = cubic(high, g0, d0, g1, d1)
+        if lowest >= 0.0:
+            return -high if lowest < NEAR * min(g0, g1) else 2.0
+    else:
+        for k in range(1, SCAN + 1):
+            x = k / SCAN
+            if cubic(x, g0, d0, g1, d1) < 0.0:
+                high = x
+                break
+            low = x
     for _ in range(30):
         x = 0.5 * (low + high)
         if cubic(x, g0, d0, g1, d1) < 0.0:
