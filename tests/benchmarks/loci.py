@@ -1,6 +1,6 @@
 """contin beside AUTO-07p on curves in two parameters, by hand: `python tests/benchmarks/loci.py`.
 
-AUTO's demo ab: the curves of folds and of Hopf points through the first such point of the branch, both programs in steps
+AUTO's demo ab: the curves of folds and Hopf points through the first such point of the branch, both programs in steps
 so short that the step control plays no part, with all detection on. Times are processor times of computing a step,
 medians of several runs, the programs in turn. The folds are asserted in closed form first.
 """

@@ -334,6 +334,12 @@ class LargeProblem:
         text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
         return text
 
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curve in two parameters through a fold or Hopf point."""
+        from contin.problems.sparse.loci.start import loci_of_point
+
+        return loci_of_point(self, point, parameters)
+
     def describe_failure(self, z: Array) -> str:
         u, p = z[:-1], self.full_parameters(z)
         near = self.system.trouble_near(u, p)

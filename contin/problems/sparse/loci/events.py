@@ -1,0 +1,196 @@
+"""Codimension-two points on curves of large systems: tests along the curve, location to full precision, normal forms.
+
+Each test is a smooth function of the arclength with a simple zero at the point: the quadratic coefficient <w, B(v, v)>
+(CP), <w, v> (BT), the real part of an eigenvalue that is followed by Newton (ZH, HH), the first Lyapunov coefficient
+(GH). They are located like the points of a branch, by the secant method on the curve itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.vectors import norm
+from contin.problems.codim2.events import EVENTS
+from contin.problems.sparse import forms as simple
+from contin.problems.sparse.loci import forms
+from contin.problems.sparse.loci.singular import Folds
+from contin.problems.sparse.special import At, refine, secant
+
+RESIDUAL_LIMIT = 1e-7
+REAL = 1e-9  # relative size of an imaginary part that counts
+
+
+def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
+    """Types whose tests change sign."""
+    return [type_ for index, (type_, _) in EVENTS[locus].items() if a.tests[index] * b.tests[index] < 0.0]
+
+
+def split(problem: Any, z: Array) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Leading eigenvalues at a point of the curve; which of them are not the curve's own; all their vectors."""
+    spectrum = problem.curve.spectrum(z)
+    values = spectrum.values
+    kappa = problem.curve.kappa(z)
+    root = np.sqrt(complex(-kappa))
+    own: list[int] = []
+    for target in [root, -root] if problem.locus == "HB" else [0.0]:
+        free = [k for k in range(len(values)) if k not in own]
+        if free:
+            own.append(min(free, key=lambda k: abs(values[k] - target)))
+    return values, np.delete(np.arange(len(values)), own), spectrum.vectors
+
+
+def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+    """Tests from index 2 on, unstable eigenvalues that are not the curve's own, the leading eigenvalues."""
+    values, others, _ = split(problem, z)
+    rest = values[others]
+    largest = float(np.abs(values).max(initial=1e-300))
+    unstable = int(np.sum(rest.real > 1e-13 * largest))
+    pairs = rest[rest.imag > REAL * np.abs(rest)]
+    pair = 1.0
+    if pairs.size:
+        sign = -1.0 if int(np.sum(pairs.real > 0.0)) % 2 else 1.0
+        pair = sign * float(np.min(np.abs(pairs.real) / np.abs(pairs)))
+    if problem.locus == "LP":
+        at = problem.curve.singular(z)
+        if not isinstance(at, Folds):
+            return np.full(4, np.nan), unstable, values
+        return np.array([_quadratic(at, problem.n), _chain(at), pair, 1.0]), unstable, values
+    real = rest[np.abs(rest.imag) <= REAL * np.abs(rest)].real
+    product = 1.0
+    if real.size:
+        sign = -1.0 if int(np.sum(real > 0.0)) % 2 else 1.0
+        product = sign * float(np.abs(real).min()) / largest
+    kappa = problem.curve.kappa(z)
+    typical = float(np.sort(np.abs(rest))[0]) ** 2 if rest.size else 1.0
+    lyapunov = _lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
+    return np.array([kappa / max(typical, 1e-300), product, pair, lyapunov]), unstable, values
+
+
+def _quadratic(at: Folds, n: int) -> float:
+    """<w, B(v, v)>"""
+    v = np.real(at.at.v)
+    return -float(at.slopes(np.append(v, np.zeros(2)))[0])
+
+
+def _chain(at: Folds) -> float:
+    """<w, v>, zero at a Bogdanov-Takens point."""
+    return float(np.real(at.at.functional(np.real(at.at.v))))
+
+
+def _lyapunov(problem: Any, z: Array) -> float:
+    branch, point = problem.curve.branch(z)
+    at = problem.curve.singular(z)
+    form = simple.hopf(branch, point, at.at[0].v, float(np.sqrt(problem.curve.kappa(z))))
+    return float(form["l1"])
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The point of this type near a sample, to full precision; a string says why there is none."""
+    if type_ == "BT" and problem.locus == "HB":
+        return _takens_by_folds(problem, near, frame)
+    measure = _measure(problem, type_, near)
+    if isinstance(measure, str):
+        return f"{type_} not verified: {measure}"
+    found = secant(problem, near, frame, measure)
+    if found is None:
+        return f"{type_} not verified: its test has no zero on the curve nearby"
+    at, left, error, _ = found
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT:
+        return f"{type_} not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    if problem.curve.kappa(at.z) <= 0.0 and problem.locus == "HB":
+        return ""  # a neutral saddle
+    return _described(problem, type_, at.z, residual, error)
+
+
+def _measure(problem: Any, type_: str, near: Sample) -> Callable[[At], float] | str:
+    curve = problem.curve
+
+    if type_ == "CP":
+        return _sized(lambda at: _quadratic(curve.singular(at.z), problem.n), problem, near, type_)
+    if type_ == "BT":
+        return lambda at: _chain(curve.singular(at.z)) / norm(np.real(curve.singular(at.z).at.v)) ** 2
+    if type_ == "GH":
+        return _sized(lambda at: _lyapunov(problem, at.z), problem, near, type_)
+    values, others, vectors = split(problem, near.z)
+    complex_ = type_ == "HH" or problem.locus == "LP"
+    chosen = [k for k in others if (values[k].imag > REAL * abs(values[k])) == complex_ and values[k].imag >= 0.0]
+    if not chosen:
+        return "the eigenvalues that cross are of another kind"
+    k = min(chosen, key=lambda k: abs(values[k].real))
+    value, q = complex(values[k]), vectors[:, k]
+    value, q = (value, q) if complex_ else (complex(value.real), np.real(q).astype(complex))
+    size = abs(value) if complex_ else float(np.abs(values).max())
+
+    def growth(at: At) -> float:
+        nonlocal value, q
+        value, q = refine(curve.linear(at.z), value, q)
+        return value.real / size
+
+    return growth
+
+
+def _sized(test: Callable[[At], float], problem: Any, near: Sample, type_: str) -> Callable[[At], float]:
+    """A test in units of the part of it that does not cancel, so that what the secant leaves is comparable."""
+    size = 1.0
+    if type_ == "CP":
+        at = problem.curve.singular(near.z)
+        v = np.real(at.at.v)
+        image = problem.curve.second_derivative(near.z, v, np.append(v, np.zeros(2)))
+        size = max(abs(float(np.real(at.at.functional(np.abs(image))))), 1e-300)
+    return lambda at: test(at) / size
+
+
+def _takens_by_folds(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+    """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
+    from contin.problems.sparse.loci.curve import LargeCurve
+
+    hopf = problem.curve
+    folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
+    z = np.concatenate([near.z[: problem.n], near.z[-2:]])
+    at = hopf.singular(near.z)
+    folds.start(z, np.real(at.at[0].v))
+    locus = replace(problem, curve=folds)
+    scale = np.delete(frame.scale, -3)
+    tangents = locus.tangents(z, scale)
+    if not tangents:
+        return "BT not verified: the equations are not finite there"
+    start = Sample(z, np.asarray(tangents[0]), np.zeros(6), 0, np.empty(0, complex))
+    found = verify(locus, "BT", start, Frame(scale))
+    if isinstance(found, str):
+        return found
+    placed = np.concatenate([found.z[: problem.n], [0.0], found.z[-2:]])
+    return replace(found, z=placed)
+
+
+def _described(problem: Any, type_: str, z: Array, residual: float, error: float) -> Verified:
+    values, others, vectors = split(problem, z)
+    rest = list(others)
+    own = [k for k in range(len(values)) if k not in rest]
+    count = {"BT": 1 if problem.locus == "LP" else 0, "ZH": 2 if problem.locus == "LP" else 1, "HH": 2}.get(type_, 0)
+    real = type_ == "BT" or (type_ == "ZH" and problem.locus == "HB")
+    kinds = [k for k in rest if (abs(values[k].imag) <= REAL * abs(values[k])) == real]
+    if type_ == "BT":
+        kinds = rest
+    more = sorted(kinds, key=lambda k: abs(values[k].real) if type_ != "BT" else abs(values[k]))[:count]
+    free = [k for k in rest if k not in more]
+    critical = values[[*own, *more]]
+    known: dict[str, Any] = {"critical": critical}
+    pairs = [k for k in [*own, *more] if values[k].imag > REAL * abs(values[k])]
+    known["omegas"] = [float(values[k].imag) for k in pairs]
+    known["pairs"] = [vectors[:, k] for k in pairs]
+    zeros = [k for k in [*own, *more] if k not in pairs and values[k].imag >= 0.0]
+    if problem.locus == "LP":
+        known["null"] = np.real(problem.curve.singular(z).at.v)
+    elif zeros:
+        known["null"] = np.real(vectors[:, zeros[0]])
+    form, vectors_found = forms.normal_form(problem, type_, z, known)
+    unstable = int(np.sum(values[free].real > 0.0))
+    return Verified(type_, z, residual, error, values, unstable, form, known | vectors_found)

@@ -1,0 +1,238 @@
+"""Curves of folds and Hopf points of large systems as a continuation problem in two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.continuation.vectors import norm
+from contin.problems.codim2.events import TEST_OF
+from contin.problems.codim2.events import explain as explain_events
+from contin.problems.sparse.loci import events
+from contin.problems.sparse.loci.curve import CurveLinearisation, LargeCurve
+
+POLISH_BUDGET = 12
+
+
+@dataclass(frozen=True, eq=False)
+class LargeLocus:
+    """See `LargeCurve`; `second_bounds` is the range of the second parameter, that of the first is the engine's."""
+
+    curve: LargeCurve
+    second_bounds: tuple[float, float] = (-np.inf, np.inf)
+    first_bounds: tuple[float, float] = (-np.inf, np.inf)
+
+    kind = "locus"
+    is_map = False
+
+    @property
+    def locus(self) -> str:
+        return self.curve.type
+
+    @property
+    def system(self) -> Any:
+        return self.curve.system
+
+    @property
+    def base(self) -> Array:
+        return self.curve.base
+
+    @property
+    def n(self) -> int:
+        return self.curve.n
+
+    @property
+    def maximum_chunk(self) -> int:
+        return self.curve.origin.maximum_chunk
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        return names[self.curve.first], names[self.curve.second]
+
+    @cached_property
+    def angle_periods(self) -> Array:
+        periods = np.zeros(self.curve.size - 1)
+        periods[: self.n] = self.curve.origin.angle_periods
+        return periods
+
+    def within(self, first: tuple[float, float], second: tuple[float, float]) -> LargeLocus:
+        """The same curve with ranges of both parameters."""
+        return replace(self, first_bounds=first, second_bounds=second)
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        last = self.curve.size - 1
+        return [(last - 1, *self.second_bounds), (last, *self.first_bounds)]
+
+    @cached_property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.ones(self.curve.size, bool)
+
+    @cached_property
+    def growing(self) -> NDArray[np.bool_]:
+        mask = np.ones(self.curve.size, bool)
+        mask[-2:] = False
+        return mask
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.curve.origin.default_range(parameter)
+
+    # evaluation -------------------------------------------------------------------------------------------------------
+
+    def residual(self, z: Array) -> Array:
+        """The curve's equations (N - 1,), unscaled."""
+        return self.curve.residual(z)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> CurveLinearisation | None:
+        return self.curve.linearisation(z, tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        return events.tests_at(self, z)
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        branch, point = self.curve.branch(z)
+        states = branch.initial_scale(point, bounds)
+        low, high = self.second_bounds
+        width = high - low if np.isfinite(high - low) else max(1.0, abs(float(z[-2])))
+        middle = []
+        if self.curve.has_scalar:
+            self.curve.memory.size = max(abs(self.curve.kappa(z)), self._smallest(z))
+            middle = [self.curve.memory.size]
+        return np.concatenate([states[:-1], middle, [width, float(states[-1]) / 2.0]])
+
+    def _smallest(self, z: Array) -> float:
+        """A size for kappa where it is zero: that of the eigenvalues next to the critical ones, squared."""
+        branch, point = self.curve.branch(z)
+        values = np.sort(np.abs(branch.spectrum(point).values))
+        return 1e-2 * float(values[min(2, len(values) - 1)]) ** 2 if values.size else 1.0
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        self.curve.precisely(z)
+        row = np.random.default_rng(5).normal(size=len(z))
+        here = self.linearisation(z, row / norm(row), scale)
+        if here is None:
+            return []
+        t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
+        return [t / norm(t)]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        self.curve.settle(origin.z, origin.tangent * frame.scale)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return self.at_unknown(-1, guess, value, scale)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        z = guess.copy()
+        z[index] = value
+        row = np.zeros(len(z))
+        row[index] = 1.0
+        before = np.inf
+        for _ in range(POLISH_BUDGET):
+            here = self.linearisation(z, row, scale)
+            if here is None:
+                return None
+            step = here.solve(np.append(-here.residual, 0.0))
+            size = norm(step)
+            if not np.isfinite(size) or size > 1.0:
+                return None
+            if size >= 0.5 * before and before < 1e-6:
+                return z
+            z = z + step * scale
+            z[index] = value
+            if size < 1e-14:
+                return z
+            before = size
+        return z if before < 1e-6 else None
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return explain_events(self.locus, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return TEST_OF[self.locus][type_]
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        if type_ == "neutral":
+            return ""
+        self.curve.precisely(near.z)
+        try:
+            return events.verify(self, type_, near, frame)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            return f"{type_} not verified: {error}"
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        return False
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        n = self.n
+        first, second = self.parameters
+        rows = [self.curve.branch(row) for row in z]
+        points = np.array([point for _, point in rows])
+        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        plain = replace(self.curve.origin, active=self.curve.first)
+        columns.update({k: v for k, v in plain.columns(points).items() if k not in columns})
+        if self.system.observable_names:
+            p = np.array([self.curve.full_parameters(row) for row in z])
+            recorded = self.system.observables(np.ascontiguousarray(z[:, :n]), p)
+            columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
+        if self.locus == "HB":
+            columns["kappa"] = z[:, -3].copy()
+            columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
+        return columns
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        return []
+
+    def describe_failure(self, z: Array) -> str:
+        return self.system.explain(z[: self.n], self.curve.full_parameters(z)) or (
+            "The defining system may be singular here (two such curves cross). Try a smaller settings.step or min_step."
+        )
+
+    # leaving the curve ------------------------------------------------------------------------------------------------
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        return []
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        """The branch of equilibria through the point, in one parameter."""
+        from contin.problems.sparse.loci.start import equilibria_through
+
+        return equilibria_through(self, point, parameter)
+
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curves of other types through a point of codimension two; its own where there is none."""
+        from contin.problems.sparse.loci.start import loci_through
+
+        return loci_through(self, point, parameters)
