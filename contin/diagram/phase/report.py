@@ -33,7 +33,7 @@ def report(diagram: PhaseDiagram) -> str:
 
 
 def region_lines(data: Mapping[str, Any]) -> list[str]:
-    """One line for each region of a diagram's data: its name, states, representative point, size and neighbours."""
+    """Each region of a diagram's data: name, number of states, representative point, size, neighbours; stable states."""
     regions = data["regions"]
     names = [f"{region['name']}{region['number'] + 1}" for region in regions]
     lines = []
@@ -43,6 +43,11 @@ def region_lines(data: Mapping[str, Any]) -> list[str]:
         beside = sorted({k for pair in pairs if region["number"] in pair for k in pair} - {region["number"]})
         text = f"region {name}: {region['words']} (at {where}; {region['area']:.1%} of the box"
         lines.append(text + (f"; beside {', '.join(names[k] for k in beside)})" if beside else ")"))
+        for state in region["states"]:
+            if state["stable"]:
+                values = ", ".join(f"{key} = {value:.4g}" for key, value in state["values"].items())
+                images = {1: "", 2: " and its mirror image"}.get(state["copies"], f" and {state['copies'] - 1} images")
+                lines.append(f"  stable: {values}{images}")
     return lines
 
 
