@@ -33,7 +33,7 @@ def report(diagram: PhaseDiagram) -> str:
 
 
 def region_lines(data: Mapping[str, Any]) -> list[str]:
-    """Each region of a diagram's data: name, number of states, representative point, size, neighbours; stable states."""
+    """Each region of a diagram's data: name, states, representative point, size, neighbours; and its stable states."""
     regions = data["regions"]
     names = [f"{region['name']}{region['number'] + 1}" for region in regions]
     lines = []
