@@ -18,7 +18,7 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
-from contin.diagram.orbits import CASCADE, doublings, known_family, mirrored_families
+from contin.diagram.orbits import known_family, left_to_the_user, mirrored_families
 from contin.errors import ContinError, InputError
 from contin.problems.images import images, images_through
 from contin.problems.shooting.start import on_its_mesh
@@ -149,11 +149,13 @@ class Explorer:
         tangent = None if seed.direction is None else seed.direction * scale
         return is_known(diagram.branches, problem, seed.z, tangent, scale)
 
-    def _departures(self, diagram: Diagram, branch: Branch, point: SpecialPoint) -> list[tuple[str, Seed]]:
-        """Named seeds of everything that is born at a point."""
-        if branch.kind == "orbit" and point.type == "PD" and doublings(branch.name) >= CASCADE:
-            last = f"orbits of {2**CASCADE} times the period are the last that are followed"
-            diagram.notes.append(f"{branch.name}/{point.label}: {last}")
+    def _departures(
+        self, diagram: Diagram, branch: Branch, point: SpecialPoint, asked: bool = False
+    ) -> list[tuple[str, Seed]]:
+        """Named seeds of everything that is born at a point; `asked` for by the user, whatever it is."""
+        reason = left_to_the_user(branch, point)
+        if reason and not asked:
+            self._note_once(diagram, f"{branch.name}: {reason}")
             return []
         try:
             seeds = branch.problem.departures(point, self.parameter, self.orbits)
@@ -163,10 +165,15 @@ class Explorer:
         base = f"{branch.name}/{point.label}"
         return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
 
+    @staticmethod
+    def _note_once(diagram: Diagram, note: str) -> None:
+        if note not in diagram.notes:
+            diagram.notes.append(note)
+
     def follow(self, diagram: Diagram, branch: str, label: str) -> list[Branch]:
         """See `Diagram.follow`."""
         origin = diagram[branch]
-        return self._work(diagram, deque(self._departures(diagram, origin, origin[label])))
+        return self._work(diagram, deque(self._departures(diagram, origin, origin[label], asked=True)))
 
     def extend(self, diagram: Diagram, branch: str, end: str, bounds: tuple[float, float] | None) -> Branch:
         """See `Diagram.extend`."""

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, SpecialPoint
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
-CASCADE = 3  # period doublings after which a cascade is left to the user
+CASCADE = 2  # period doublings after which a cascade is left to the user
+LONG = 0.4  # part of the period at the end of a family from which its orbits are long
 SAME_PARAMETER = 1e-6  # relative to the range
 SAME_PERIOD = 1e-4  # relative
 SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their extent: period and parameter agree already
@@ -22,6 +23,23 @@ SAMPLES = 200
 def doublings(name: str) -> int:
     """Period doublings on the way to a branch of a diagram, from its name."""
     return sum(part.startswith("PD") for part in name.split("/"))
+
+
+def left_to_the_user(branch: Branch, point: SpecialPoint) -> str:
+    """Why the families born at a point of a family of orbits are not followed; empty where they are.
+
+    There are infinitely many in a cascade of period doublings, and beside a homoclinic orbit to a saddle-focus.
+    """
+    if branch.kind != "orbit":
+        return ""
+    if point.type == "PD" and doublings(branch.name) >= CASCADE:
+        return f"orbits of {2**CASCADE} times the period are the last that are followed"
+    for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
+        if not end.data.get("spiral") or point.type not in ("PD", "BPC"):
+            continue
+        if point.values["period"] > LONG * float(branch.columns["period"][row]):
+            return "families of long orbits beside a homoclinic orbit to a saddle-focus are not followed"
+    return ""
 
 
 def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch | None:

@@ -52,8 +52,10 @@ def describe(type_: str, normal_form: Mapping[str, Any] | None = None) -> str:
     kernel = form.get("kernel", 1)
     if type_ == "BP" and kernel > 1:
         return f"branch point with a {kernel}-dimensional kernel"
+    if form.get("breaks"):
+        return f"symmetry-breaking {noun}"
     if kind == "pitchfork":
-        noun = "pitchfork"
+        noun = "pitchfork" if type_ == "BP" else "pitchfork of cycles"
     elif kind == "nonsmooth":
         noun = f"nonsmooth {noun}"
     elif kind:

@@ -72,3 +72,25 @@ def test_doubled_orbits_come_together_at_the_other_period_doubling():
     assert not doubled.points
     p = doubled.columns["p"][1:-1]  # R = X at theta = 0
     np.testing.assert_allclose(doubled.columns["x.max"][1:-1], 1.0 + np.sqrt(p - p**2 - 3 / 16), rtol=1e-3)
+
+
+def test_branch_point_that_breaks_the_symmetry_of_an_orbit_is_named_and_its_image_not_computed():
+    """Two Brusselators in anti-phase, u(t) = x(t + T/2), lose that symmetry; the new orbits come in pairs."""
+    model = Model(
+        "two", states={"x": 1, "y": 1.5, "u": 1, "v": 1.5}, parameters={"B": 1.5, "A": 1, "D": 0.02},
+        equations={
+            "x": "A - (B + 1)*x + x^2*y + D*(u - x)", "y": "B*x - x^2*y + 10*D*(v - y)",
+            "u": "A - (B + 1)*u + u^2*v + D*(x - u)", "v": "B*u - u^2*v + 10*D*(y - v)",
+        },
+        symmetries={"swap": {"x": "u", "y": "v", "u": "x", "v": "y"}},
+    )  # fmt: skip
+    found = orbits(api.diagram(model, "B", (1.5, 3.0)))
+    assert set(found) == {"start/HB1", "start/HB2", "start/HB2/BPC1", "start/HB2/BPC1~swap"}
+    anti = found["start/HB2"]
+    np.testing.assert_allclose(anti.columns["x.max"], anti.columns["u.max"], rtol=1e-6)
+    assert anti["BPC1"].normal_form == {"kind": "pitchfork", "breaks": "swap"}
+    broken, image = found["start/HB2/BPC1"], found["start/HB2/BPC1~swap"]
+    assert image.image_of.branch == broken.name
+    assert abs(broken.columns["x.max"][-1] - broken.columns["u.max"][-1]) > 0.1
+    np.testing.assert_allclose(image.columns["x.max"], broken.columns["u.max"], rtol=1e-9)
+    np.testing.assert_allclose(image.columns["B"], broken.columns["B"])

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.problem import Frame, Sample
 from contin.problems.orbits.layout import make_scale
 from contin.problems.orbits.linear import OrbitLinear
 
@@ -27,6 +28,7 @@ STALLED = 1e-7
 PERTURBATION = 1e-10
 SAMPLES = 2
 SAME_PERIOD = 1e-3  # relative difference of periods up to which points on two meshes are the same
+UNRESOLVED = 0.2  # distance from 1 of the multiplier on a finer mesh at which a fold by multipliers is none
 UNFOLDED = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
 
@@ -115,6 +117,32 @@ def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float
     period = problem.profile(refined.z).period
     confirmed = abs(period - profile.period) < SAME_PERIOD * profile.period
     return replace(found, error=found.error + discretisation, confirmed=confirmed)
+
+
+def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
+    """A fold where the parameter is constant to rounding (a canard explosion), z where the multiplier passes 1.
+
+    The defining system is singular to rounding there. The error is the change of the parameter on a mesh of half the
+    lengths, at the same period; None where the multiplier there is not near 1, so that it is not resolved.
+    """
+    linear = OrbitLinear(problem, z, scale, z)
+    right, _, left = Bordered.of(linear.jacobian[:, :-1], 1).solve()
+    profile = problem.profile(z)
+    finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
+    finer_scale = make_scale(
+        finer.h, profile.m, problem.sizes(z, scale), float(scale[profile.u.size]), float(scale[-1])
+    )
+    fixed = np.zeros(finer_scale.size)
+    fixed[finer.u.size] = 1.0
+    guess = Sample(finer.vector(), fixed, np.zeros(4), 0, np.empty(0, complex))
+    found = problem.corrected(guess, Frame(finer_scale), 1e-7)
+    if found is None:
+        return None
+    multipliers = problem.multipliers(found)[1:]
+    if not float(np.min(np.abs(multipliers - 1.0))) < UNRESOLVED:
+        return None
+    residual = float(np.max(np.abs(linear.residual)))
+    return SolvedOrbit(z, 0.0, residual, 2.0 * abs(float(found[-1] - z[-1])), right, left)
 
 
 def _newton(

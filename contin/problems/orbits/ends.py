@@ -228,7 +228,7 @@ def _connection(
     problem: Any, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
 ) -> Ending:
     name, names = problem.parameters[0], problem.system.state_names
-    data: dict[str, Any] = {"at": {name: limit}, "error": error}
+    data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
     described = []
     for s in saddles:
         described.append("(" + ", ".join(f"{k} = {v:.8g}" for k, v in zip(names, s.u, strict=True)) + ")")

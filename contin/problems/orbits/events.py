@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side:
 UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
+FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
+RESOLVED = 1e-3  # ... and the multiplier is told from 1
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
 
@@ -27,6 +30,10 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation
     error, so the count may lag behind the test by that much.
     """
+    if max(abs(a.tests[0]), abs(b.tests[0])) < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
+        counted = _explain_flat(a, b)
+        if counted is not None:
+            return counted
     if (a.tests[0] * b.tests[0] < 0.0) and (a.tests[1] * b.tests[1] < 0.0):
         return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows
     found = special.explain(True, a, b)
@@ -42,6 +49,15 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return None
 
 
+def _explain_flat(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Where the parameter hardly changes (a canard), the sign of dp/ds is rounding: the multipliers decide."""
+    away = min(_distance_from_one(a), _distance_from_one(b))
+    trivial = max(abs(a.eigenvalues[0] - 1.0), abs(b.eigenvalues[0] - 1.0))
+    if a.unstable == b.unstable and away > max(RESOLVED, 10.0 * trivial):
+        return ()
+    return ("flat",) if abs(a.unstable - b.unstable) == 1 else None
+
+
 def _distance_from_one(sample: Sample) -> float:
     """Of the nontrivial multiplier nearest to 1 (the trivial one stands first; without it nothing is gained)."""
     others = sample.eigenvalues[1:]
@@ -50,9 +66,12 @@ def _distance_from_one(sample: Sample) -> float:
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
-    from contin.problems.orbits.defining import solve_special
+    from contin.problems.orbits.defining import flat_fold, solve_special
 
     theta = 0.0
+    flat = type_ == "flat"
+    if flat:
+        type_ = "LPC"
     if type_ in ("NS", "neutral"):
         pair = special._critical_pair(_nontrivial(problem, near.eigenvalues), True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
@@ -60,7 +79,12 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         if type_ == "neutral":
             return "a pair of multipliers touches the unit circle without a change of the unstable count"
         theta = float(np.angle(pair))
-    solved = solve_special(problem, type_, near.z, frame.scale, theta)
+    if type_ in ("LPC", "BPC") and _extent(problem, near.z, frame) < NO_ORBIT:
+        return ""
+    solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
+    solved = solve(problem, z=near.z, scale=frame.scale)
+    if solved is None and flat:
+        return "no folds are labelled where the parameter is constant to rounding and multipliers are not resolved"
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
     if not solved.residual <= RESIDUAL_LIMIT:

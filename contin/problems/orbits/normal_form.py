@@ -27,19 +27,23 @@ from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.defining import Bordered
 from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.symmetry import halves_alike
 
 SHEARLESS = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
+VERTICAL = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
 UNDECIDED = 1e-10  # a coefficient this small beside the terms it is the sum of has no sign
 
 Values = NDArray[Any]  # of a function at the Gauss points, (N, m, n)
 
 
 def normal_form(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
-    """Coefficients of the periodic normal form, and criticality for PD and NS; empty where they do not exist."""
+    """Coefficients of the periodic normal form, criticality for PD and NS, the kind of a BPC; empty where unknown."""
     linear = OrbitLinear(problem, point.z, scale, point.z)
     try:
         if point.type == "LPC":
             return {"b": fold(linear)}
+        if point.type == "BPC":
+            return branch_point(problem, point, scale)
         if point.type == "PD":
             c, size = period_doubling(linear)
             return {"c": c, **_criticality(c, size)}
@@ -144,6 +148,22 @@ class Forms:
 def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:
     """Mean square 1 over the orbit."""
     return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(np.abs(w) ** 2, axis=1)))
+
+
+def branch_point(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
+    """{kind, breaks}: pitchfork where the parameter does not move along one of the families, else transcritical.
+
+    breaks: the declared symmetry that the orbit has and the new family has not.
+    """
+    tangents = problem.tangents(point.z, scale)
+    if len(tangents) < 2:
+        return {}
+    for tangent in tangents:
+        broken = halves_alike(problem, point.z, tangent * scale)
+        if broken:
+            return {"kind": "pitchfork", "breaks": broken[0]}
+    flat = min(abs(float(tangent[-1])) for tangent in tangents)
+    return {"kind": "pitchfork" if flat < VERTICAL else "transcritical"}
 
 
 def fold(linear: OrbitLinear) -> float:

@@ -26,6 +26,7 @@ MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
 PROBE_TOLERANCE = 1e-10
+ALIGNED = 0.99  # cosine of two tangents at one point, up to rounding
 SAME_PERIOD = 1e-5  # relative
 TINY_STATE = 1e-6  # a state this small beside the others may be zero with rounding errors
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
@@ -201,6 +202,9 @@ class OrbitProblem:
         reason = self._kernel(0, out, frame.scale, controls, limit, bounds, before, loop)
         z, t, info = out.z, out.t, out.info
         stop, m = _STOPS[reason], int(info[0]) + 1
+        if stop in (Stop.EVENT, Stop.DIP):
+            for row in range(max(m - 2, 0), m):
+                self._measure(out, row, Frame(frame.scale, float(info[3])))
         detail = ""
         if stop is Stop.NOT_FINITE:
             nearby = self.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
@@ -210,6 +214,13 @@ class OrbitProblem:
             z[:m], t[:m], out.tests[:m], out.unstable[:m], out.re[:m] + 1j * out.im[:m], out.lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
+
+    def _measure(self, out: _Rows, row: int, frame: Frame) -> None:
+        """Tests and multipliers of a row anew: the march takes them from factors of a point nearby."""
+        exact = self._probe(out.z[row], out.t[row], 0.0, out.z[row], frame, PROBE_TOLERANCE)
+        if exact is not None and float(exact.tangent @ out.t[row]) > ALIGNED:
+            out.tests[row], out.unstable[row] = exact.tests, exact.unstable
+            out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
 
     def _error_limit(self, profile: Profile, sizes: Array) -> float:
         from contin.problems.orbits.mesh import estimate
@@ -294,7 +305,7 @@ class OrbitProblem:
         return explain(a, b)
 
     def watch(self, type_: str) -> int | None:
-        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
+        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}.get(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.orbits.events import verify

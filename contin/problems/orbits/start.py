@@ -14,6 +14,8 @@ from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile, make_scale, sizes_of
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 
+MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the metric have moved away at least
+LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes
 HOPF_INTERVALS = 20  # a small cycle is a sine
 
 
@@ -62,7 +64,12 @@ def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[See
     phases = 2.0 * np.pi * rest.times
     first = 2.0 * (np.exp(1j * phases)[:, None] * cycles.q).real
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
-    scale = make_scale(h, m, point.scale[:-1] / np.sqrt(n), PERIOD_SCALE * period, float(point.scale[-1]))
+    sizes = point.scale[:-1] / np.sqrt(n)
+    moved = np.sqrt(MOVED * float(point.scale[-1]) / max(abs(float(cycles.p2[0])), 1e-300))
+    enlarged = min(moved * float(np.max(np.abs(2.0 * cycles.q) / sizes)), LARGEST)
+    if enlarged > 1.0:  # the cycles grow far beyond the equilibrium's size before the parameter changes
+        sizes = np.maximum(sizes, enlarged * np.abs(2.0 * cycles.q) / np.max(np.abs(2.0 * cycles.q) / sizes))
+    scale = make_scale(h, m, sizes, PERIOD_SCALE * period, float(point.scale[-1]))
     zeros = np.zeros(len(h))
     d = np.concatenate([first.ravel(), [0.0], zeros, [0.0]]) / scale
     shift = -2.0 * period * cycles.omega2 / cycles.omega
