@@ -50,10 +50,26 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     before, after = signature(problem, a.z), signature(problem, b.z)
     if before is None or after is None or before == after:
         return None
-    if a.tests[0] * b.tests[0] < 0.0:
-        corner, width = _locate(problem, a, before, frame, b)
+    corner, width = _locate(problem, a, before, frame, b)
+    beyond = _on_arm(problem, corner, b, after, frame)
+    # b's own tangent does not tell: the time spent beyond the surface changes like a square root next to the corner
+    onwards = b.tests[0] if beyond is None else beyond[-1] - corner[-1]
+    if a.tests[0] * onwards < 0.0:
         return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
     return JUMP if a.unstable != b.unstable else ""
+
+
+def _on_arm(problem: Any, corner: Array, near: Sample, crossed: tuple[int, ...], frame: Frame) -> Array | None:
+    """The orbit furthest from the corner, within `BEHIND`, on the arm with these crossings."""
+    raw = np.where(near.tangent == 0.0, 0.0, near.tangent * frame.scale)
+    for length in reversed(BEHIND):
+        for s in (length, -length):
+            found = problem.probe(near, s, near.z + s * raw, frame, Settings())
+            if found is None or signature(problem, found.z) != crossed:
+                continue
+            if np.linalg.norm((found.z - corner) / frame.scale) > 0.3 * length:
+                return np.asarray(found.z)
+    return None
 
 
 def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
