@@ -23,7 +23,7 @@ class End:
     data: Mapping[str, Any] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SpecialPoint:
     """A labelled, verified point of a branch.
 
@@ -46,6 +46,10 @@ class SpecialPoint:
     branch: str = ""
     scale: Array = field(default_factory=lambda: np.empty(0))  # the metric in which it was found
     problem: Any = None
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} = {self.values[name]:.10g}" for name in getattr(self.problem, "parameters", ()))
+        return f"<{self.type} {self.branch}.{self.label}{' at ' if shown else ''}{shown}>"
 
     def switch(self, parameter: str | None = None) -> Any:
         """Where the branches that cross here start: hand it to `contin.continuation`."""
@@ -82,7 +86,7 @@ class ImageOf:
     symmetry: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Branch:
     """One curve of solutions, from the end of its down arm through its start to the end of its up arm.
 
@@ -112,6 +116,11 @@ class Branch:
 
     def __len__(self) -> int:
         return len(self.z)
+
+    def __repr__(self) -> str:
+        labels = ", ".join(point.label for point in self.points) or "no special points"
+        kind = f"curve of {self.locus}" if self.locus else self.kind
+        return f"<Branch {self.name!r}: {kind} in {' and '.join(self.parameters)}, {len(self)} points; {labels}>"
 
     def __getitem__(self, label: str) -> SpecialPoint:
         for point in self.points:

@@ -68,8 +68,8 @@ def test_the_cusp_of_the_combustion_problem_is_that_of_the_dense_method():
 
 
 def test_the_cusp_of_the_discretised_problem_converges_with_second_order():
-    places = [fold_curve(n, True)["CP1"].values["e"] for n in (19, 39, 79)]
-    assert (places[1] - places[0]) / (places[2] - places[1]) == pytest.approx(4.0, rel=0.02)
+    places = [fold_curve(n, True)["CP1"].values["e"] for n in (9, 19, 39)]
+    assert (places[1] - places[0]) / (places[2] - places[1]) == pytest.approx(4.0, rel=0.05)
 
 
 @pytest.mark.parametrize("m", [10, 60])
@@ -129,11 +129,9 @@ def test_from_bt_to_the_other_curve():
 
 def test_branch_points_of_large_systems_say_that_they_have_no_curve():
     problem = contin.FunctionProblem(
-        lambda u, p: p["a"] * u - u**3, np.zeros(2), {"a": -1.0, "b": 0.0},
-        jacobian=lambda u, p: sp.diags_array(p["a"] - 3 * u**2).tocsc(),
+        lambda u, p: np.array([p["a"] * u[0] - u[0] ** 3, p["b"] - u[1]]), np.zeros(2), {"a": -1.0, "b": 0.0},
+        jacobian=lambda u, p: sp.diags_array(np.array([p["a"] - 3 * u[0] ** 2, -1.0])).tocsc(),
     )  # fmt: skip
-    point = contin.continuation(problem, "a", (-1, 1)).points
-    if not point:
-        pytest.skip("two eigenvalues vanish at once here")
+    point = contin.continuation(problem, "a", (-1, 1.5))["BP1"]
     with pytest.raises(InputError, match="folds and Hopf points have curves"):
-        contin.continuation(point[0].locus(), ["a", "b"], {"a": (-1, 1), "b": (-1, 1)})
+        contin.continuation(point.locus(), ["a", "b"], {"a": (-1, 1), "b": (-1, 1)})

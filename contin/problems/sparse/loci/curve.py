@@ -146,13 +146,13 @@ class LargeCurve:
     # borders ----------------------------------------------------------------------------------------------------------
 
     def start(self, z: Array, q: NDArray[Any]) -> None:
-        """Borders from a critical eigenvector q."""
+        """Borders from a critical eigenvector q; at a BT, from q0 + i q1 with A q0 = 0, A q1 = q0."""
         q = np.asarray(q)
         if self.type == "LP":
             c = np.real(q) / norm(np.real(q))
             self.memory.borders = self._best(z, c)
             return
-        real, imaginary = _axes(q)
+        real, imaginary = _axes(q) if self.kappa(z) != 0.0 else (np.real(q), np.imag(q))
         self.memory.borders = self._hopf(z, real, imaginary)
 
     def settle(self, z: Array, tangent: Array | None) -> None:

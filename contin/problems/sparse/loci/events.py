@@ -24,6 +24,7 @@ from contin.problems.sparse.loci.singular import Folds
 from contin.problems.sparse.special import At, refine, secant
 
 RESIDUAL_LIMIT = 1e-7
+ROUNDED = 1e-9
 REAL = 1e-9  # relative size of an imaginary part that counts
 
 
@@ -69,7 +70,8 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
         product = sign * float(np.abs(real).min()) / largest
     kappa = problem.curve.kappa(z)
     typical = float(np.sort(np.abs(rest))[0]) ** 2 if rest.size else 1.0
-    lyapunov = _lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
+    visible = kappa > ROUNDED * problem.curve.memory.size  # nearer to a BT only rounding is left of l1, which grows
+    lyapunov = _lyapunov(problem, z) * np.sign(product) if visible else 0.0
     return np.array([kappa / max(typical, 1e-300), product, pair, lyapunov]), unstable, values
 
 

@@ -113,7 +113,9 @@ class LargeLocus:
         width = high - low if np.isfinite(high - low) else max(1.0, abs(float(z[-2])))
         middle = []
         if self.curve.has_scalar:
-            self.curve.memory.size = max(abs(self.curve.kappa(z)), self._smallest(z))
+            kappa = abs(self.curve.kappa(z))
+            if kappa > 0.0:
+                self.curve.memory.size = max(kappa, self._smallest(z))
             middle = [self.curve.memory.size]
         return np.concatenate([states[:-1], middle, [width, float(states[-1]) / 2.0]])
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.vectors import norm
 from contin.errors import InputError
 from contin.problems.loci.start import CURVES, indices
 from contin.problems.sparse.loci.curve import LargeCurve
@@ -42,6 +43,8 @@ def _seed(
     curve = LargeCurve(type_, replace(problem, base=p.copy(), active=first), first, second)
     z = np.concatenate([u, [kappa] if type_ == "HB" else [], [p[second], p[first]]])
     curve.start(z, q)
+    if type_ == "HB" and kappa == 0.0:  # q = q0 + i q1 with A q1 = q0: so fast is the motion beside a BT
+        curve.memory.size = (norm(np.real(q)) / norm(np.imag(q))) ** 2
     return Seed(LargeLocus(curve), z, parent=parent)
 
 
