@@ -1,0 +1,66 @@
+"""What the claims share: a table of functions by name, and averaged models evaluated at a point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+import contin
+from contin.api import compiled
+
+Numbers = tuple[object, object]
+CLAIMS: dict[str, Callable[[], Numbers]] = {}
+A, B, EPS = 4.0, 1.0, 0.01
+
+
+def claim(function: Callable[[], Numbers]) -> Callable[[], Numbers]:
+    """A function without arguments that gives (our numbers, the numbers that the paper's words or formula give)."""
+    CLAIMS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+@cache
+def averaged(name: str, form: str = "polar"):
+    """The average of a bundled model."""
+    return contin.average(contin.load(f"metronomes/{name}"), form=form)
+
+
+def rates(model, states, **parameters):
+    """f(u, p) of a model at a point."""
+    p = np.array(list(model.default_parameters(parameters).values()), dtype=float)
+    return compiled(model).value(np.array(states, dtype=float), p)
+
+
+def watched(model, name, states, **parameters) -> float:
+    """An observable of a model at a point."""
+    p = np.array(list(model.default_parameters(parameters).values()), dtype=float)
+    system = compiled(model)
+    row = system.observables(np.array([states], dtype=float), p[None])
+    return float(np.ravel(row)[system.observable_names.index(name)])
+
+
+def slopes(model, states, **parameters) -> np.ndarray:
+    """df/du at a point."""
+    p = np.array(list(model.default_parameters(parameters).values()), dtype=float)
+    system = compiled(model)
+    return system.jacobian(np.array(states, dtype=float), p)[1][:, : system.n]
+
+
+def labels(name: str, type_: str, start: str, parameter: str, low: float, high: float, **parameters):
+    """Special points that continuation of the averaged equations finds, by value of the parameter."""
+    state = contin.equilibrium(averaged(name), start=start, parameters=parameters)
+    branch = contin.continuation(state, parameter, (low, high))
+    return [p for p in branch.points if p.type == type_]
+
+
+def r_star(beta: float, sign: int = 1, a: float = A, b: float = B) -> float:
+    """The printed amplitude: stable for +, unstable for -."""
+    return float(np.sqrt((3 * a + sign * np.sqrt(9 * a * a - 48 * np.pi * b * beta)) / (4 * b)))
+
+
+def mu_c(beta: float, a: float = A, b: float = B) -> float:
+    """The printed value of mu at which in-phase synchrony changes its stability."""
+    root = np.sqrt(9 * a * a - 48 * np.pi * b * beta)
+    return float(-15 * np.pi * beta / 8 + 27 * a * a / (64 * b) + 9 * a / (64 * b) * root)

@@ -1,0 +1,72 @@
+"""The ledger of claims: data in ledger.yaml, numbers from the functions of the claims, one table on a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import claims_full  # noqa: F401 - each registers its claims
+import claims_one  # noqa: F401
+import claims_supplement  # noqa: F401
+import claims_two  # noqa: F401
+import numpy as np
+from claiming import CLAIMS
+
+from contin.model.shape import plain
+from contin.model.yaml_reader import read_file
+
+VERDICTS = ("confirmed", "differs", "slip")
+HERE = Path(__file__).resolve().parent
+
+
+def entries() -> dict[str, dict]:
+    """The claims by name: where, says, ours, command, verdict, tolerance."""
+    return plain(read_file(HERE / "ledger.yaml").data)["claims"]
+
+
+def agree(ours: object, printed: object, tolerance: float) -> bool:
+    """True where all numbers agree to `tolerance` (relative, and absolute for zeros); words must be equal."""
+    a, b = np.asarray(ours), np.asarray(printed)
+    if a.dtype.kind not in "fciu" or b.dtype.kind not in "fciu":
+        return bool(np.array_equal(a, b))
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=tolerance, atol=1e-3 * tolerance))
+
+
+def shown(numbers: object) -> str:
+    """At most three numbers, in nine digits; of more, how many there are."""
+    values = np.asarray(numbers)
+    if values.dtype.kind == "b":
+        words = ["yes" if value else "no" for value in values.ravel()]
+        return ", ".join(words) if len(set(words)) > 1 or len(words) == 1 else f"{words[0]} ({len(words)})"
+    if values.dtype.kind not in "fciu":
+        return ", ".join(str(value) for value in values.ravel())
+    flat = [f"{value:.9g}" for value in values.ravel()]
+    return ", ".join(flat) if len(flat) <= 3 else f"{', '.join(flat[:2])}, ... ({len(flat)} numbers)"
+
+
+def difference(ours: object, printed: object) -> str:
+    """The largest difference of the numbers."""
+    a, b = np.asarray(ours), np.asarray(printed)
+    if a.dtype.kind not in "fciu" or b.dtype.kind not in "fciu" or a.shape != b.shape:
+        return ""
+    return f"{np.abs(a - b).max():.2g}"
+
+
+def markdown() -> str:
+    """The ledger as a table, its numbers computed now."""
+    lines = ["| claim | paper | ours | by the paper's formula | difference | verdict |", "|---|---|---|---|---|---|"]
+    for name, entry in entries().items():
+        ours, printed = CLAIMS[name]()
+        note = f" {entry['ours']}" if entry.get("ours") else ""
+        lines.append(
+            f"| {entry['where']}: {entry['says']} <br> `{entry['command']}` | | {shown(ours)}.{note} | {shown(printed)} "
+            f"| {difference(ours, printed)} | **{entry['verdict']}** |"
+        )
+    return "\n".join(line.replace("| | ", "| ", 1) for line in lines).replace(
+        "| claim | paper | ours |", "| claim | ours |"
+    ).replace("|---|---|---|---|---|---|", "|---|---|---|---|---|")
+
+
+def counts() -> dict[str, int]:
+    """How many claims have each verdict."""
+    verdicts = [entry["verdict"] for entry in entries().values()]
+    return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
