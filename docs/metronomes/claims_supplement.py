@@ -22,9 +22,7 @@ def _pushed(r, x1=1.0, x2=1.5):
 @claim
 def integrals_of_products():
     a, b = 0.4, -1.1
-    ours = [
-        quad(lambda t: f(t + a) * g(t + b), 0, 2 * pi)[0] for f, g in ((sin, cos), (sin, sin), (cos, cos))
-    ]
+    ours = [quad(lambda t: f(t + a) * g(t + b), 0, 2 * pi)[0] for f, g in ((sin, cos), (sin, sin), (cos, cos))]
     return ours, [pi * sin(a - b), pi * cos(a - b), pi * cos(a - b)]
 
 
@@ -66,9 +64,7 @@ def means_linear_rational():
 def averages_linear_rational():
     model, radii = averaged("one-linear-rational"), (0.4, 1.0, 2.5)
     ours = [(rates(model, [r], alpha=0.15)[0], r * watched(model, "frequency_shift", [r])) for r in radii]
-    printed = [
-        (-0.15 * r / 2 + log(1 + r**2) / (2 * pi * r), -(1 - 1 / sqrt(1 + r**2)) / (2 * r)) for r in radii
-    ]
+    printed = [(-0.15 * r / 2 + log(1 + r**2) / (2 * pi * r), -(1 - 1 / sqrt(1 + r**2)) / (2 * r)) for r in radii]
     return ours, printed
 
 

@@ -17,7 +17,9 @@ def draw():
     ax.plot(t, x, color=BLUE, linewidth=0.6)
     for sign in (1, -1):
         ax.axhline(sign * r_star(0.5), color="0.25", linestyle="--", linewidth=0.9)
-    ax.annotate("averaged amplitude", (t[-1], r_star(0.5)), xytext=(0, 4), textcoords="offset points", ha="right", fontsize=8)
+    ax.annotate(
+        "averaged amplitude", (t[-1], r_star(0.5)), xytext=(0, 4), textcoords="offset points", ha="right", fontsize=8
+    )
     ax.set(xlabel="time t (1/frequency of the spring)", ylabel="displacement x", xlim=(t[0], t[-1]), ylim=(-3.6, 3.6))
     return drawing
 

@@ -34,7 +34,9 @@ def draw_flow(ax, name, alphas, largest) -> None:
         speed = flow(name, alpha, r)
         ax.plot(r, 1e3 * speed, color=colour, linestyle=dashes, linewidth=1.4, label=f"{ALPHA} = {alpha}")
         for place, stable in zeros(r, speed, name, alpha):
-            ax.plot([place], [0], "o", color=BLACK if stable else "white", markeredgecolor=BLACK, markersize=5, zorder=3)
+            ax.plot(
+                [place], [0], "o", color=BLACK if stable else "white", markeredgecolor=BLACK, markersize=5, zorder=3
+            )
     ax.axhline(0, color="0.6", linewidth=0.6)
     ax.set(xlabel="amplitude r", ylabel="1000 dr/dt")
     ax.legend(frameon=False)

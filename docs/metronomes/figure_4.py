@@ -83,15 +83,32 @@ def draw():
     low, high = float(mu.min()), float(mu.max())
     line, column = np.linspace(0, high, 200), np.linspace(0.01, FOLD, 200)
     ax.axhline(FOLD, color=BLACK, linestyle="-.", linewidth=1.6, label=r"formula: $\beta_\mathrm{SN}$")
-    ax.plot(line, FOLD / np.sqrt(1 + 2 * EPS * line), color=BLACK, linewidth=1.6, label=r"formula: $\beta_\mathrm{SN\_in}$")
-    ax.plot([mu_c(b) for b in column], column, color=BLACK, linestyle="--", linewidth=1.6, label=r"formula: $\mu_\mathrm{c}$")
+    ax.plot(
+        line, FOLD / np.sqrt(1 + 2 * EPS * line), color=BLACK, linewidth=1.6, label=r"formula: $\beta_\mathrm{SN\_in}$"
+    )
+    ax.plot(
+        [mu_c(b) for b in column],
+        column,
+        color=BLACK,
+        linestyle="--",
+        linewidth=1.6,
+        label=r"formula: $\mu_\mathrm{c}$",
+    )
     for name, colour, dashes, words in (
         ("mu_c", PINK, (0, (1, 1.4)), "average, continued: pitchfork"),
         ("beta_SN", BLUE, (0, (1, 1.4)), "average, continued: fold"),
         ("hopf", ORANGE, "-", "average, continued: Hopf points of the unequal states"),
     ):
         columns = loci[name]["columns"]
-        ax.plot(columns["mu"], columns["beta"], color=colour, linestyle=dashes, linewidth=1.3 if name == "hopf" else 2.6, label=words, zorder=3)
+        ax.plot(
+            columns["mu"],
+            columns["beta"],
+            color=colour,
+            linestyle=dashes,
+            linewidth=1.3 if name == "hopf" else 2.6,
+            label=words,
+            zorder=3,
+        )
     orbit = orbit_points()
     for name, marker, face in (
         ("in-phase fold", "s", "white"), ("in-phase branch point", "D", "white"), ("anti-phase fold", "o", "white"),

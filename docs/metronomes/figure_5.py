@@ -22,7 +22,14 @@ def draw():
         t = columns["t"][rows]
         width = 0.35 if letter == "b" else 1.3
         ax.plot(t, columns["x1"][rows], color=BLUE, label="metronome 1", linewidth=width)
-        ax.plot(t, columns["x2"][rows], color=RED, label="metronome 2", linewidth=width, linestyle="-" if letter == "b" else "--")
+        ax.plot(
+            t,
+            columns["x2"][rows],
+            color=RED,
+            label="metronome 2",
+            linewidth=width,
+            linestyle="-" if letter == "b" else "--",
+        )
         ax.set(xlabel="time t", ylabel="x", ylim=(-3.2, 3.2))
         ax.set_title(f"{MU} = {mu}, {BETA} = {beta}", fontsize=9)
     handles, names = axes[0, 0].get_legend_handles_labels()

@@ -51,19 +51,23 @@ def difference(ours: object, printed: object) -> str:
     return f"{np.abs(a - b).max():.2g}"
 
 
-def markdown() -> str:
-    """The ledger as a table, its numbers computed now."""
-    lines = ["| claim | paper | ours | by the paper's formula | difference | verdict |", "|---|---|---|---|---|---|"]
-    for name, entry in entries().items():
-        ours, printed = CLAIMS[name]()
-        note = f" {entry['ours']}" if entry.get("ours") else ""
-        lines.append(
-            f"| {entry['where']}: {entry['says']} <br> `{entry['command']}` | | {shown(ours)}.{note} | {shown(printed)} "
-            f"| {difference(ours, printed)} | **{entry['verdict']}** |"
-        )
-    return "\n".join(line.replace("| | ", "| ", 1) for line in lines).replace(
-        "| claim | paper | ours |", "| claim | ours |"
-    ).replace("|---|---|---|---|---|---|", "|---|---|---|---|---|")
+class Table:
+    """The ledger as a notebook shows it: counts of the verdicts and a table whose numbers are computed now."""
+
+    def _repr_markdown_(self) -> str:
+        lines = [
+            ", ".join(f"{count} {verdict}" for verdict, count in counts().items()) + ".",
+            "",
+            "| claim | ours | by the paper | difference | verdict |",
+            "|---|---|---|---|---|",
+        ]
+        for name, entry in entries().items():
+            ours, printed = CLAIMS[name]()
+            note = f" {entry['ours']}" if entry.get("ours") else ""
+            claim = f"{entry['where']}: {entry['says']} <br> `{entry['command']}`"
+            numbers = f"{shown(ours)}.{note} | {shown(printed)} | {difference(ours, printed)}"
+            lines.append(f"| {claim} | {numbers} | **{entry['verdict']}** |")
+        return "\n".join(lines)
 
 
 def counts() -> dict[str, int]:

@@ -26,7 +26,13 @@ def draw_solutions(which: str):
     drawing, axes = panels(1, 2, 6.6, 2.8)
     for ax, alpha in zip(axes[0], alphas, strict=True):
         q = np.linspace(0, largest, 400)
-        ax.plot(q, factor * np.pi * alpha * q, color=BLACK, linestyle="--", label=rf"{factor if factor > 1 else ''}$\pi$ {ALPHA} R")
+        ax.plot(
+            q,
+            factor * np.pi * alpha * q,
+            color=BLACK,
+            linestyle="--",
+            label=rf"{factor if factor > 1 else ''}$\pi$ {ALPHA} R",
+        )
         ax.plot(q, right(q), color=BLUE, label=f"log(1 + R{'²' if which == 'S3' else ''})")
         found = solutions(which, alpha)
         for k, place in enumerate(found):  # below the lowest solution R = 0 is stable iff its slope says so
