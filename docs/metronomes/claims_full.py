@@ -3,7 +3,7 @@
 from functools import cache
 
 import numpy as np
-from claiming import A, B, EPS, claim, mu_c
+from claiming import EPS, A, B, claim, mu_c
 from numpy import pi, sqrt
 
 import contin
@@ -70,7 +70,7 @@ def mu_c_approaches_the_average():
 
 @claim
 def mu_c_at_second_order():
-    """Slope of mu_c(eps) at eps = 0: from the orbits at 0.001 and 0.0005, extrapolated, and from second-order averages."""
+    """Slope of mu_c(eps) at 0: of the orbits at 0.001 and 0.0005, extrapolated, and of second-order averages."""
     slope = [(mu_c_by_continuation(0.3, e) - mu_c(0.3)) / e for e in (0.001, 0.0005)]
     return 2 * slope[1] - slope[0], -71.16
 

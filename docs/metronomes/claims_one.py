@@ -1,7 +1,7 @@
 """Claims about one metronome: equation of motion, averages, folds. a = 4, b = 1, x1 = 1, x2 = 1.5, eps = 0.01."""
 
 import numpy as np
-from claiming import A, B, EPS, averaged, claim, labels, r_star, rates, slopes, watched
+from claiming import EPS, A, B, averaged, claim, labels, r_star, rates, slopes, watched
 from numpy import cos, log, pi, sin, sqrt
 from scipy.optimize import brentq
 

@@ -10,7 +10,7 @@ QUARTERS = ((pi / 2, pi), (3 * pi / 2, 2 * pi))
 
 def means(g, r, ends):
     """g1 and g2 of the text: means of g sin(phi) and g cos(phi) over a turn, where the escapement acts."""
-    return [sum(quad(lambda t: g(r * cos(t)) * f(t), *pair)[0] for pair in ends) / (2 * pi) for f in (sin, cos)]
+    return [sum(quad(lambda t, f=f: g(r * cos(t)) * f(t), *pair)[0] for pair in ends) / (2 * pi) for f in (sin, cos)]
 
 
 def _pushed(r, x1=1.0, x2=1.5):
@@ -22,7 +22,8 @@ def _pushed(r, x1=1.0, x2=1.5):
 @claim
 def integrals_of_products():
     a, b = 0.4, -1.1
-    ours = [quad(lambda t: f(t + a) * g(t + b), 0, 2 * pi)[0] for f, g in ((sin, cos), (sin, sin), (cos, cos))]
+    pairs = ((sin, cos), (sin, sin), (cos, cos))
+    ours = [quad(lambda t, f=f, g=g: f(t + a) * g(t + b), 0, 2 * pi)[0] for f, g in pairs]
     return ours, [pi * sin(a - b), pi * cos(a - b), pi * cos(a - b)]
 
 

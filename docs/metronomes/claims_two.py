@@ -3,7 +3,7 @@
 from itertools import product
 
 import numpy as np
-from claiming import A, B, EPS, averaged, claim, labels, mu_c, r_star, rates, slopes
+from claiming import EPS, A, B, averaged, claim, labels, mu_c, r_star, rates, slopes
 from numpy import cos, pi, sin, sqrt
 
 import contin
@@ -86,7 +86,7 @@ def fold_of_both():
 
 @claim
 def fold_of_both_is_a_fold_only():
-    """Modulus of the eigenvalues other than 0 at the fold of the anti-phase state, mu = 8: a fold has none at 0 +- i w."""
+    """Are the eigenvalues other than 0 off the imaginary axis at the fold of the anti-phase state, mu = 8?"""
     matrix = slopes(averaged("pair"), (sqrt(3.0), sqrt(3.0), pi), mu=8.0, beta=3 * A**2 / (16 * pi * B))
     values = sorted(np.linalg.eigvals(matrix), key=abs)[1:]
     return [abs(v.real) > 1e-6 for v in values], [True, True]

@@ -100,7 +100,8 @@ def check() -> None:
     folds = {"constant": 1 / (np.pi * 1.5**2), "rational": 0.12807872173209018, "polynomial": 3 / np.pi}
     for run, fold in folds.items():
         found = points(results(f"escapement-{run}.json")["oscillating"], "LP", "alpha")
-        assert len(found) == 1 and abs(found[0] - fold) < 1e-8
+        assert len(found) == 1
+        assert abs(found[0] - fold) < 1e-8
         sweep = table(f"escapement-{run}.csv")
         last = sweep["alpha"][(sweep["direction"] == 1) & (sweep["r.mean"] > 0.1)].max()
         step = sweep["alpha"][1] - sweep["alpha"][0]

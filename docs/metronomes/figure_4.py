@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
-from claiming import A, B, EPS, mu_c
+from claiming import EPS, A, B, mu_c
 from drawing import BETA, BLACK, BLUE, GREEN, MU, ORANGE, PINK, RED, panels, points, results
 
 import contin
@@ -140,7 +140,8 @@ def check() -> None:
     mus, betas = found["mu"][0], found["beta"][:, 0]
     for mu, beta in orbit["in-phase branch point"]:
         row = found["in-phase stable"][int(np.argmin(np.abs(betas - beta)))]
-        assert row[np.searchsorted(mus, mu + 0.3)] and not row[np.searchsorted(mus, mu - 0.6)]
+        assert row[np.searchsorted(mus, mu + 0.3)]
+        assert not row[np.searchsorted(mus, mu - 0.6)]
     for mu, beta in orbit["in-phase fold"]:
         column = found["in-phase"][:, int(np.argmin(np.abs(mus - mu)))]
         assert abs(betas[column].max() - beta) < 0.025

@@ -41,5 +41,7 @@ def check() -> None:
     """Equal amplitudes; amplitudes that come and go; unequal ones that stay (but for the ripple within a turn)."""
     a, b, c = (amplitudes(letter) for letter in "abc")
     assert abs(a[1][1] - a[2][1]) < 1e-6
-    assert max(b[1][0], b[2][0]) < 0.1 and min(b[1][1], b[2][1]) > 2.1
-    assert c[1][1] - c[2][1] > 0.1 and c[1][0] > 1.9 and c[2][0] > 1.9
+    assert max(b[1][0], b[2][0]) < 0.1
+    assert min(b[1][1], b[2][1]) > 2.1
+    assert c[1][1] - c[2][1] > 0.1
+    assert min(c[1][0], c[2][0]) > 1.9

@@ -1,0 +1,205 @@
+"""Figures and numbers of the open questions, from the results of the run files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from claiming import mu_c, r_star
+from drawing import BETA, BLACK, BLUE, GREEN, MU, ORANGE, PINK, RED, SIGMA, SKY, curve, panels, points, results, table
+from figure_4 import FOLD, brute_force
+
+
+def draw_diagram():
+    """Every family at beta = 0.8: amplitude of metronome 1, and periods of the beats."""
+    found = results("pair-diagram.json")
+    drawing, axes = panels(1, 2, 9.6, 3.9)
+    left, right = axes[0]
+    colours = {
+        "in-phase": BLACK, "anti-phase": "0.55", "unequal": GREEN, "unequal~exchange": GREEN, "small beats": RED,
+        "large beats": BLUE, "turning beats": PINK,
+    }  # fmt: skip
+    for name, colour in colours.items():
+        branch = found[name]
+        for column in ("r1",) if branch["kind"] == "equilibrium" else ("r1.max", "r1.min"):
+            curve(left, branch, "mu", column, colour)
+        left.plot([], [], color=colour, linewidth=1.9, label=None if "~" in name else name)
+        if branch["kind"] == "orbit":
+            curve(right, branch, "mu", "period", colour)
+    for name, type_, marker in (
+        ("in-phase", "BP", "D"), ("unequal", "HB", "o"), ("unequal~exchange", "HB", "o"), ("unequal", "LP", "s"),
+        ("unequal~exchange", "LP", "s"),
+    ):  # fmt: skip
+        branch = found[name]
+        left.plot(
+            points(branch, type_, "mu"), points(branch, type_, "r1"), marker, color="white", markeredgecolor=BLACK,
+            markersize=5, linestyle="none", zorder=3,
+        )  # fmt: skip
+    right.axvline(points(found["large beats"], "HOM", "mu")[0], color="0.4", linestyle=":", linewidth=1.0)
+    right.annotate("gluing", (4.47, 27), xytext=(5, 0), textcoords="offset points", fontsize=8)
+    left.set(xlabel=MU, ylabel=r"$r_1$ (beats: largest and smallest)", ylim=(0, 2.45))
+    right.set(xlabel=MU, ylabel=r"period of the beats, in 1/$\varepsilon$", ylim=(0, 30), xlim=(0.5, 8))
+    drawing.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    return drawing
+
+
+def draw_plane():
+    """What the near in-phase start settles on at eps = 0.01, and the curves of the averaged equations over it."""
+    found, loci, beats = brute_force(), results("pair-loci.json"), results("pair-beats.json")
+    drawing, axes = panels(1, 1, 7.4, 5.2, " ")
+    ax = axes[0, 0]
+    letters, mu, beta = found["letters"]["near in-phase"], found["mu"], found["beta"]
+    for letter, words, colour, marker in (
+        ("A", "anti-phase", SKY, "_"), ("B", "beating", ORANGE, "s"), ("U", "unequal amplitudes", GREEN, "^"),
+        ("I", "in-phase", "0.6", "."),
+    ):  # fmt: skip
+        rows = letters == letter
+        ax.plot(
+            mu[rows], beta[rows], marker, color=colour, markersize=3.2, linestyle="none", label=f"simulated: {words}"
+        )
+    for branch, colour, dashes, words in (
+        (loci["mu_c"], BLACK, "--", "pitchfork of in-phase synchrony"),
+        (loci["hopf"], RED, "-", "Hopf points: small beats are born"),
+        (beats["folds of large beats"], BLUE, "-.", "folds of large beats"),
+        (beats["folds of turning beats"], PINK, "-", "folds of turning beats, lower"),
+        (beats["upper folds"], PINK, (0, (5, 1.5)), "folds of turning beats, upper"),
+    ):
+        columns = branch["columns"]
+        ax.plot(columns["mu"], columns["beta"], color=colour, linestyle=dashes, linewidth=1.8, label=words, zorder=3)
+    ax.axhline(FOLD, color=BLACK, linestyle=":", linewidth=1.2, label=r"$\beta_\mathrm{SN}$")
+    ax.set(xlabel=MU, ylabel=BETA, xlim=(0, 15), ylim=(0, 1.1))
+    drawing.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=8)
+    return drawing
+
+
+def borders(row_beta: float) -> dict[str, tuple[float, float]]:
+    """At one beta: mu where simulation (eps = 0.01) and average change from anti-phase to beats to unequal to in-phase."""
+    found, loci, beats = brute_force(), results("pair-loci.json"), results("pair-beats.json")
+    row = int(np.argmin(np.abs(found["beta"][:, 0] - row_beta)))
+    letters, mus = found["letters"]["near in-phase"][row], found["mu"][0]
+    first = {letter: mus[letters == letter].min() - 0.125 for letter in "BUI" if np.any(letters == letter)}
+    averaged = {
+        "B": ("fold of beats", min(_across(beats[f"folds of {k} beats"], row_beta) for k in ("large", "turning"))),
+        "U": ("Hopf point", _across(loci["hopf"], row_beta)),
+        "I": ("pitchfork", mu_c(row_beta)),
+    }
+    return {words: (float(first[letter]), float(value)) for letter, (words, value) in averaged.items() if letter in first}
+
+
+def _across(branch: dict, beta: float) -> float:
+    """Largest mu at which a locus crosses this beta; inf where it does not."""
+    mus, betas = (np.array(branch["columns"][name], dtype=float) for name in ("mu", "beta"))
+    places = np.flatnonzero((betas[:-1] - beta) * (betas[1:] - beta) <= 0)
+    if not len(places):
+        return float("inf")
+    part = (beta - betas[places]) / (betas[places + 1] - betas[places])
+    return float((mus[places] + part * (mus[places + 1] - mus[places])).max())
+
+
+def draw_pendulum():
+    """Loci in mu and sigma at beta = 0.8."""
+    found = results("pair-pendulum.json")
+    drawing, axes = panels(1, 1, 5.2, 3.6, " ")
+    ax = axes[0, 0]
+    for name, colour, dashes, words in (
+        ("mu_c", BLACK, "--", "pitchfork of in-phase synchrony"), ("hopf", RED, "-", "Hopf points"),
+        ("folds", BLUE, "-.", "folds of unequal states"),
+    ):  # fmt: skip
+        columns = found[name]["columns"]
+        ax.plot(columns["mu"], columns["sigma"], color=colour, linestyle=dashes, linewidth=1.7, label=words)
+    ax.axhline(0, color="0.6", linewidth=0.6)
+    ax.set(xlabel=MU, ylabel=f"pendulum term {SIGMA}", xlim=(0, 12), ylim=(-2, 2))
+    ax.legend(frameon=False)
+    return drawing
+
+
+def draw_unlike():
+    """Unfolding by unequal springs (a: branches, b: loci) and by unequal dampings (c)."""
+    springs, damping = results("pair-unlike-springs.json"), results("pair-unlike-damping.json")
+    drawing, axes = panels(1, 3, 10.2, 3.5)
+    first, second, third = axes[0]
+    for name, colour in (("connected", BLUE), ("cut off", RED)):
+        curve(first, springs[name], "mu", "S1", colour)
+        first.plot([], [], color=colour, label=name)
+    first.set(xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="springs: delta = 0.005")
+    first.legend(frameon=False)
+    for name, colour, dashes in (("folds", BLUE, "-."), ("hopf", RED, "-")):
+        columns = springs[name]["columns"]
+        second.plot(columns["mu"], columns["delta"], color=colour, linestyle=dashes, linewidth=1.7, label=name)
+    for type_, marker in (("CP", "v"), ("BT", "h")):
+        second.plot(
+            points(springs["folds"], type_, "mu"), points(springs["folds"], type_, "delta"), marker, color="white",
+            markeredgecolor=BLACK, markersize=6, linestyle="none", label=type_, zorder=3,
+        )  # fmt: skip
+    second.set(xlabel=MU, ylabel="difference of the springs, delta", xlim=(3.8, 5.0), ylim=(-0.06, 0.06), title="springs")
+    second.legend(frameon=False)
+    for name, colour in (("near in-phase", BLACK), ("unequal", GREEN)):
+        curve(third, damping[name], "mu", "S1", colour)
+        third.plot([], [], color=colour, label=name)
+    third.set(xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="dampings: skew = 0.1")
+    third.legend(frameon=False)
+    for ax in axes[0]:
+        ax.title.set_fontsize(9)
+    return drawing
+
+
+def draw_three():
+    """Three metronomes: two against one, continued from the pair, and what simulations settle on."""
+    found, scan = results("three-clusters.json"), table("three-scan.csv")
+    drawing, axes = panels(1, 2, 9.2, 3.4)
+    left, right = axes[0]
+    for name, colour in (("anti-phase", BLUE), ("in-phase", BLACK)):
+        curve(left, found[name], "mu", "r1", colour)
+        curve(left, found[name], "mu", "r2", colour, alpha=0.45)
+        left.plot([], [], color=colour, label={"anti-phase": "one against two", "in-phase": "in phase"}[name])
+    left.set(xlabel=MU, ylabel="amplitudes (faint: of the two)", xlim=(0, 5), ylim=(0, 2.5))
+    left.legend(frameon=False, loc="lower right")
+    starts = {"start1": "near in-phase", "start2": "two against one", "start3": "splay"}
+    classes = list(dict.fromkeys(scan["class"]))
+    for start, words in starts.items():
+        rows = scan["start"] == start
+        heights = [list(starts).index(start)] * int(rows.sum())
+        for mu, height, label in zip(scan["mu"][rows], heights, scan["class"][rows], strict=True):
+            right.plot([mu], [height], "osD^vP*"[classes.index(label)], color=(BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY)[classes.index(label)])
+        del words
+    for k, label in enumerate(classes):
+        right.plot([], [], "osD^vP*"[k], color=(BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY)[k], linestyle="none", label=label)
+    right.set_yticks(range(3), [f"from {words}" for words in starts.values()])
+    right.set(xlabel=MU, ylim=(-0.5, 4.4))
+    right.legend(frameon=False, ncols=2, loc="upper right", fontsize=8)
+    return drawing
+
+
+def survivors() -> dict[str, tuple[float, float, float]]:
+    """At beta = 0.8: mu in the average, mu in the equations of motion (eps = 0.01), relative difference."""
+    averaged, full = results("pair-diagram.json"), results("pair-unequal-orbits.json")
+    pairs = {
+        "in-phase loses its stability": (points(averaged["in-phase"], "BP", "mu")[0], points(full["in-phase"], "BPC", "mu")[0]),
+        "small beats are born": (points(averaged["unequal"], "HB", "mu")[0], points(full["unequal"], "NS", "mu")[0]),
+    }
+    return {name: (a, b, (b - a) / a) for name, (a, b) in pairs.items()}
+
+
+def regions() -> list[str]:
+    """The regions of the plane that hold more than a thousandth of it, in words."""
+    data = json.loads(Path("pair-phase.json").read_text(encoding="utf-8"))["phase"]["regions"]
+    return [f"{r['name']}: {r['words']}, {100 * r['area']:.1f} % of the box" for r in data if r["area"] > 1e-3]
+
+
+def check() -> None:
+    """Closed forms, and the same number by two ways."""
+    diagram = results("pair-diagram.json")
+    assert abs(points(diagram["in-phase"], "BP", "mu")[0] - mu_c(0.8)) < 1e-9
+    small, large = (points(diagram[f"{k} beats"], "HOM", "mu")[0] for k in ("small", "large"))
+    assert abs(small - large) < 1e-5  # both families end in one homoclinic butterfly
+    pendulum = results("pair-pendulum.json")["mu_c"]["columns"]
+    expected = mu_c(0.8) - 0.75 * np.array(pendulum["sigma"]) * r_star(0.8) ** 2
+    np.testing.assert_allclose(pendulum["mu"], expected, atol=1e-6)
+    damping = results("pair-unlike-damping.json")["transcritical"]["columns"]
+    np.testing.assert_allclose(damping["mu"], np.hypot(mu_c(0.8), 0.8 * np.array(damping["skew"])), rtol=1e-7)
+    springs = results("pair-unlike-springs.json")["folds"]
+    assert abs(points(springs, "CP", "mu")[0] - mu_c(0.8)) < 1e-6
+    three = results("three-clusters.json")
+    assert abs(points(three["anti-phase"], "BP", "mu")[0] - 2 / 3 * mu_c(0.8)) < 1e-8
+    splay = results("three-states.json")["splay in beta"]
+    assert abs(points(splay, "LP", "beta")[0] - FOLD) < 1e-8
+    assert all(-0.09 < relative < -0.06 for *_, relative in survivors().values())
