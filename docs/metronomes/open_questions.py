@@ -72,7 +72,7 @@ def draw_plane():
 
 
 def borders(row_beta: float) -> dict[str, tuple[float, float]]:
-    """At one beta: mu where simulation (eps = 0.01) and average change from anti-phase to beats to unequal to in-phase."""
+    """At one beta: mu where simulation (eps = 0.01) and average begin to beat, end to beat, and become synchronous."""
     found, loci, beats = brute_force(), results("pair-loci.json"), results("pair-beats.json")
     row = int(np.argmin(np.abs(found["beta"][:, 0] - row_beta)))
     letters, mus = found["letters"]["near in-phase"][row], found["mu"][0]
@@ -82,7 +82,9 @@ def borders(row_beta: float) -> dict[str, tuple[float, float]]:
         "U": ("Hopf point", _across(loci["hopf"], row_beta)),
         "I": ("pitchfork", mu_c(row_beta)),
     }
-    return {words: (float(first[letter]), float(value)) for letter, (words, value) in averaged.items() if letter in first}
+    return {
+        words: (float(first[letter]), float(value)) for letter, (words, value) in averaged.items() if letter in first
+    }
 
 
 def _across(branch: dict, beta: float) -> float:
@@ -120,7 +122,9 @@ def draw_unlike():
     for name, colour in (("connected", BLUE), ("cut off", RED)):
         curve(first, springs[name], "mu", "S1", colour)
         first.plot([], [], color=colour, label=name)
-    first.set(xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="springs: delta = 0.005")
+    first.set(
+        xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="springs: delta = 0.005"
+    )
     first.legend(frameon=False)
     for name, colour, dashes in (("folds", BLUE, "-."), ("hopf", RED, "-")):
         columns = springs[name]["columns"]
@@ -130,12 +134,16 @@ def draw_unlike():
             points(springs["folds"], type_, "mu"), points(springs["folds"], type_, "delta"), marker, color="white",
             markeredgecolor=BLACK, markersize=6, linestyle="none", label=type_, zorder=3,
         )  # fmt: skip
-    second.set(xlabel=MU, ylabel="difference of the springs, delta", xlim=(3.8, 5.0), ylim=(-0.06, 0.06), title="springs")
+    second.set(
+        xlabel=MU, ylabel="difference of the springs, delta", xlim=(3.8, 5.0), ylim=(-0.06, 0.06), title="springs"
+    )
     second.legend(frameon=False)
     for name, colour in (("near in-phase", BLACK), ("unequal", GREEN)):
         curve(third, damping[name], "mu", "S1", colour)
         third.plot([], [], color=colour, label=name)
-    third.set(xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="dampings: skew = 0.1")
+    third.set(
+        xlabel=MU, ylabel=r"$S_1 = r_1^2 - r_2^2$", xlim=(3.8, 5.6), ylim=(-1.5, 1.5), title="dampings: skew = 0.1"
+    )
     third.legend(frameon=False)
     for ax in axes[0]:
         ax.title.set_fontsize(9)
@@ -154,15 +162,11 @@ def draw_three():
     left.set(xlabel=MU, ylabel="amplitudes (faint: of the two)", xlim=(0, 5), ylim=(0, 2.5))
     left.legend(frameon=False, loc="lower right")
     starts = {"start1": "near in-phase", "start2": "two against one", "start3": "splay"}
-    classes = list(dict.fromkeys(scan["class"]))
-    for start, words in starts.items():
-        rows = scan["start"] == start
-        heights = [list(starts).index(start)] * int(rows.sum())
-        for mu, height, label in zip(scan["mu"][rows], heights, scan["class"][rows], strict=True):
-            right.plot([mu], [height], "osD^vP*"[classes.index(label)], color=(BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY)[classes.index(label)])
-        del words
-    for k, label in enumerate(classes):
-        right.plot([], [], "osD^vP*"[k], color=(BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY)[k], linestyle="none", label=label)
+    looks = zip(dict.fromkeys(scan["class"]), "osD^vP*", (BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY), strict=False)
+    for label, marker, colour in looks:
+        rows = scan["class"] == label
+        heights = [list(starts).index(start) for start in scan["start"][rows]]
+        right.plot(scan["mu"][rows], heights, marker, color=colour, linestyle="none", label=label)
     right.set_yticks(range(3), [f"from {words}" for words in starts.values()])
     right.set(xlabel=MU, ylim=(-0.5, 4.4))
     right.legend(frameon=False, ncols=2, loc="upper right", fontsize=8)
@@ -172,9 +176,13 @@ def draw_three():
 def survivors() -> dict[str, tuple[float, float, float]]:
     """At beta = 0.8: mu in the average, mu in the equations of motion (eps = 0.01), relative difference."""
     averaged, full = results("pair-diagram.json"), results("pair-unequal-orbits.json")
+    places = {
+        "in-phase loses its stability": ("in-phase", "BP", "BPC"),
+        "small beats are born": ("unequal", "HB", "NS"),
+    }
     pairs = {
-        "in-phase loses its stability": (points(averaged["in-phase"], "BP", "mu")[0], points(full["in-phase"], "BPC", "mu")[0]),
-        "small beats are born": (points(averaged["unequal"], "HB", "mu")[0], points(full["unequal"], "NS", "mu")[0]),
+        words: (points(averaged[name], first, "mu")[0], points(full[name], second, "mu")[0])
+        for words, (name, first, second) in places.items()
     }
     return {name: (a, b, (b - a) / a) for name, (a, b) in pairs.items()}
 
