@@ -60,3 +60,15 @@ def curve(ax, branch: dict, x: str, y: str, colour: str, scale: float = 1.0, **s
         shown = stable == wanted
         shown[1:] |= shown[:-1] & (stable[1:] != wanted)  # pieces meet
         ax.plot(px, np.where(shown, py, np.nan), color=colour, linestyle=dashes, linewidth=width, **style)
+
+
+class MarkdownTable:
+    """A table that a notebook shows as one."""
+
+    def __init__(self, head: str, rows: list[tuple]) -> None:
+        self.head, self.rows = head, rows
+
+    def _repr_markdown_(self) -> str:
+        columns = self.head.count("|") + 1
+        lines = [f"| {self.head} |", "|" + "---|" * columns, *(f"| {' | '.join(map(str, row))} |" for row in self.rows)]
+        return "\n".join(lines)

@@ -5,7 +5,24 @@ from pathlib import Path
 
 import numpy as np
 from claiming import mu_c, r_star
-from drawing import BETA, BLACK, BLUE, GREEN, MU, ORANGE, PINK, RED, SIGMA, SKY, curve, panels, points, results, table
+from drawing import (
+    BETA,
+    BLACK,
+    BLUE,
+    GREEN,
+    MU,
+    ORANGE,
+    PINK,
+    RED,
+    SIGMA,
+    SKY,
+    MarkdownTable,
+    curve,
+    panels,
+    points,
+    results,
+    table,
+)
 from figure_4 import FOLD, brute_force
 
 
@@ -185,6 +202,20 @@ def survivors() -> dict[str, tuple[float, float, float]]:
         for words, (name, first, second) in places.items()
     }
     return {name: (a, b, (b - a) / a) for name, (a, b) in pairs.items()}
+
+
+def borders_table() -> MarkdownTable:
+    rows = [
+        (beta, words, f"{full:.3f}", f"{mean:.3f}")
+        for beta in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
+        for words, (full, mean) in borders(beta).items()
+    ]
+    return MarkdownTable("beta | border | simulated mu (+- 0.125) | averaged mu", rows)
+
+
+def survivors_table() -> MarkdownTable:
+    rows = [(words, f"{a:.8f}", f"{b:.8f}", f"{100 * d:.2f} %") for words, (a, b, d) in survivors().items()]
+    return MarkdownTable("beta = 0.8 | averaged mu | mu in the equations of motion | difference", rows)
 
 
 def regions() -> list[str]:
