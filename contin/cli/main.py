@@ -86,12 +86,16 @@ def diagram(
     sets: Sets = None,
     json: Json = None,
     plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    orbits: Annotated[
+        bool, typer.Option("--orbits", help="Add the orbit itself to every labelled point in the JSON.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Explore a model's bifurcation diagram in one parameter automatically."""
     from contin.cli.run import run_diagram
 
-    raise typer.Exit(run_diagram(model, parameter, low, high, start or [], sets or [], json, plot, quiet, STARTED))
+    code = run_diagram(model, parameter, low, high, start or [], sets or [], json, plot, orbits, quiet, STARTED)
+    raise typer.Exit(code)
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
@@ -250,12 +254,16 @@ def plot(
     ] = None,
     x: Annotated[Optional[str], typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,  # noqa: UP045
     y: Annotated[Optional[list[str]], typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,  # noqa: UP045
+    orbit: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option("--orbit", help="Draw the orbit at a point, BRANCH.LABEL: time series and phase portrait."),
+    ] = None,
     over: Annotated[Optional[Path], typer.Option("--over", help="Curves to draw over a scan.")] = None,  # noqa: UP045
 ) -> None:
     """Draw saved results."""
     from contin.cli.plot import plot_file
 
-    raise typer.Exit(plot_file(file, out, x, y, over))
+    raise typer.Exit(plot_file(file, out, x, y, over, orbit))
 
 
 @app.command()

@@ -9,7 +9,14 @@ from contin.plot.write import write_picture
 from contin.store.results import read_results
 
 
-def plot_file(file: Path, out: Path | None, x: str | None, y: list[str] | None, over: Path | None = None) -> int:
+def plot_file(
+    file: Path,
+    out: Path | None,
+    x: str | None,
+    y: list[str] | None,
+    over: Path | None = None,
+    orbit: str | None = None,
+) -> int:
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
     if file.suffix == ".scan":
@@ -18,6 +25,12 @@ def plot_file(file: Path, out: Path | None, x: str | None, y: list[str] | None, 
         return plot_scan(file, out, x, y[0] if y else None, over)
     if over is not None:
         raise InputError("--over is for a scan: contin plot FILE.scan --over RESULTS")
+    if orbit is not None:
+        from contin.plot.orbit import write_orbit
+
+        write_orbit(read_results(file), orbit, out, x, y[0] if y else None)
+        print(out)
+        return 0
     write_picture(read_results(file), out, x=x, y=y or None)
     print(out)
     return 0

@@ -49,6 +49,7 @@ def run_diagram(
     sets: Sequence[str],
     json: str | None,
     plot: Path | None,
+    orbits: bool,
     quiet: bool,
     began: float,
 ) -> int:
@@ -65,7 +66,7 @@ def run_diagram(
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
     if plot is not None:
         plan = replace(plan, outputs={"plot": plot})
-    return carry_out(plan, json, False, quiet, began)
+    return carry_out(plan, json, orbits, quiet, began)
 
 
 def run_phase(
@@ -177,7 +178,7 @@ def compute(
         result.branches.values(),
         timing=timing,
         notes=notes,
-        orbit=sample_orbit if orbits else None,
+        orbit=sample_orbit if orbits or "save" in plan.outputs else None,
         phase=result.phase,
         simulated=simulated,
     )

@@ -35,6 +35,9 @@ STYLE: Final[dict[str, Any]] = {
 }
 STABLE: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.9}
 UNSTABLE: Final[dict[str, Any]] = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
+CIRCLES: Final[dict[str, Any]] = {  # on orbits: filled where stable, open where unstable
+    "linestyle": "none", "marker": "o", "markersize": 3.4, "markeredgewidth": 0.8, "markevery": (0.02, 0.05),
+}  # fmt: skip
 PLAIN: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.5}  # loci
 MOST_NAMES: Final = 8  # with more branches than this the legend names kinds of branches instead
 
@@ -118,6 +121,9 @@ def _draw_curves(ax: Axes, panel: Panel, colours: Mapping[str, str]) -> None:
             style = PLAIN if piece.stable is None else STABLE if piece.stable else UNSTABLE
             drawn = smooth(piece.x, piece.y, frame)
             ax.plot(*drawn, color=colours[curve.name], solid_capstyle="round", zorder=2.0, **style)
+            if curve.kind == "orbit":
+                face = colours[curve.name] if piece.stable else "white"
+                ax.plot(*drawn, color=colours[curve.name], markerfacecolor=face, zorder=2.1, **CIRCLES)
         for x, y, mark in curve.marks:
             look = style_of(mark.type)
             stroke = look.marker in "x12"  # shapes without a face
@@ -225,8 +231,18 @@ def _legend(drawing: Figure, panels: Sequence[Panel], colours: Mapping[str, str]
             list(entries.values()),
             list(entries),
             loc="outside lower center",
-            ncols=min(len(entries), 3 * len(panels)),
+            ncols=_columns([len(text) for text in entries], float(drawing.get_figwidth()), 3 * len(panels)),
             frameon=False,
             handlelength=2.6,
             columnspacing=1.6,
         )
+
+
+def _columns(lengths: Sequence[int], width: float, most: int) -> int:
+    """Columns of a legend with entries of these lengths (characters), filled one after another, that fit the width."""
+    for count in range(min(len(lengths), most), 1, -1):
+        rows = -(-len(lengths) // count)
+        widest = [max(lengths[k : k + rows]) for k in range(0, len(lengths), rows)]
+        if sum(0.062 * n + 0.52 for n in widest) <= width:
+            return count
+    return 1

@@ -19,11 +19,12 @@ MOST_PANELS: Final = 6  # states drawn against time
 
 def figure(
     columns: Mapping[str, Any], states: Sequence[str], *, title: str | None = None, x: str | None = None,
-    y: str | None = None,
+    y: str | None = None, closed: bool = False,
 ) -> Figure:  # fmt: skip
     """Each of the first states against t, and column y against column x (default: the first two states).
 
     columns : "t" and everything that may be drawn, of equal length. One state alone is drawn against time only.
+    closed : a periodic orbit, which has no start and no end.
     """
     from matplotlib import rc_context
     from matplotlib.figure import Figure
@@ -52,12 +53,13 @@ def figure(
             ax = drawing.add_subplot(grid[:, 1])
             u, v = np.asarray(columns[across]), np.asarray(columns[up])
             ax.plot(u, v, color=PALETTE[0], linewidth=0.8)
-            if len(u):
+            if len(u) and not closed:
                 ax.plot(u[:1], v[:1], "o", color="white", markeredgecolor="black", markersize=5, label="start")
                 ax.plot(u[-1:], v[-1:], "o", color="black", markersize=4, label="end")
             ax.set_xlabel(across)
             ax.set_ylabel(up)
-            drawing.legend(loc="outside lower right", ncols=2, frameon=False)
+            if not closed:
+                drawing.legend(loc="outside lower right", ncols=2, frameon=False)
         if title:
             drawing.suptitle(title, fontsize=10)
     return drawing

@@ -229,11 +229,9 @@ def _connection(
 ) -> Ending:
     name, names = problem.parameters[0], problem.system.state_names
     data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
-    described = []
-    for s in saddles:
-        described.append("(" + ", ".join(f"{k} = {v:.8g}" for k, v in zip(names, s.u, strict=True)) + ")")
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
-    states = [{k: float(v) for k, v in zip(names, s.u, strict=True)} for s in saddles]
+    states = [{k: _rounded(v, s.u) for k, v in zip(names, s.u, strict=True)} for s in saddles]
+    described = ["(" + ", ".join(f"{k} = {v:.8g}" for k, v in state.items()) + ")" for state in states]
     if len(saddles) == 1:
         data |= {"saddle": states[0], "eigenvalues": saddles[0].eigenvalues, "saddle_quantity": saddles[0].quantity}
         data["passes"] = saddles[0].visits
@@ -249,6 +247,11 @@ def _connection(
     )
     point = Verified(
         "HOM", origin.z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
-        normal_form={"at": {name: limit}, "kind": kind},
+        normal_form={"at": {name: limit}} | ({"kind": kind} if kind == "heteroclinic" else {}),
     )  # fmt: skip
     return Ending(End(kind, text, data), None, point)
+
+
+def _rounded(value: float, state: Array) -> float:
+    """Zero for what is rounding beside the state's other entries (and 1)."""
+    return float(value) if abs(value) > 1e-13 * max(1.0, float(np.abs(state).max())) else 0.0

@@ -1,0 +1,46 @@
+"""The periodic orbit at a labelled point of a result document: time series beside a phase portrait."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contin.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def orbit_figure(document: Mapping[str, Any], point: str, x: str | None = None, y: str | None = None) -> Figure:
+    """The orbit at `point`, BRANCH.LABEL; y against x (default: the first two states) in the phase portrait.
+
+    Raises InputError where the results have no such point, or hold no orbit there.
+    """
+    from contin.plot.trajectory import figure
+
+    name, _, label = point.rpartition(".")
+    branch = next((b for b in document["branches"] if b["name"] == name), None)
+    kept = [f"{b['name']}.{p['label']}" for b in document["branches"] for p in b["points"] if "orbit" in p]
+    found = next((p for p in branch["points"] if p["label"] == label), None) if branch else None
+    if branch is None or found is None or "orbit" not in found:
+        advice = f"orbits are kept at {', '.join(kept)}" if kept else "compute with --orbits, or save as .contin"
+        raise InputError(f"the results hold no orbit {point!r}: {advice}")
+    parameter = branch["parameters"][0]
+    where = f"{parameter} = {found['values'][parameter]:.6g}, period {found['values']['period']:.6g}"
+    states = [s for s in document["model"]["states"] if s in found["orbit"]]
+    return figure(found["orbit"], states, title=f"{point}: {where}", x=x, y=y, closed=True)
+
+
+def write_orbit(document: Mapping[str, Any], point: str, out: Path, x: str | None, y: str | None) -> None:
+    """Write `orbit_figure` as .png, .pdf or .svg."""
+    import io
+
+    from contin.plot.write import PICTURES
+    from contin.store.atomic import write_bytes
+
+    if out.suffix not in PICTURES:
+        raise InputError(f"pictures of orbits end in {', '.join(PICTURES)}; got {out.suffix!r}")
+    stream = io.BytesIO()
+    orbit_figure(document, point, x, y).savefig(stream, format=out.suffix[1:])
+    write_bytes(out, stream.getvalue())
