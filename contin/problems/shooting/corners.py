@@ -13,12 +13,14 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 from contin.problems.shooting.sampling import flights
 
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequence of crossings is looked for
 BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
+BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 TOGETHER = 1e-6  # of the period: crossings this close have no order
 JUMP = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
@@ -50,26 +52,28 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     before, after = signature(problem, a.z), signature(problem, b.z)
     if before is None or after is None or before == after:
         return None
-    corner, width = _locate(problem, a, before, frame, b)
-    beyond = _on_arm(problem, corner, b, after, frame)
-    # b's own tangent does not tell: the time spent beyond the surface changes like a square root next to the corner
-    onwards = b.tests[0] if beyond is None else beyond[-1] - corner[-1]
-    if a.tests[0] * onwards < 0.0:
+    if (_beyond_one(a) + _beyond_one(b)) % 2:
+        near, arm, other = (a, before, after) if len(before) < len(after) else (b, after, before)
+        corner, width = grazing(problem, near, arm, other, frame) or _locate(problem, a, before, frame, b)
         return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
     return JUMP if a.unstable != b.unstable else ""
 
 
-def _on_arm(problem: Any, corner: Array, near: Sample, crossed: tuple[int, ...], frame: Frame) -> Array | None:
-    """The orbit furthest from the corner, within `BEHIND`, on the arm with these crossings."""
-    raw = np.where(near.tangent == 0.0, 0.0, near.tangent * frame.scale)
-    for length in reversed(BEHIND):
-        for s in (length, -length):
-            found = problem.probe(near, s, near.z + s * raw, frame, Settings())
-            if found is None or signature(problem, found.z) != crossed:
-                continue
-            if np.linalg.norm((found.z - corner) / frame.scale) > 0.3 * length:
-                return np.asarray(found.z)
-    return None
+def at_corner(problem: Any, z: Array, tangent: Array, scale: Array) -> bool:
+    """True where the sequence of crossings changes just ahead or behind: multipliers measured here mean nothing."""
+    here = signature(problem, z)
+    raw = np.where(tangent == 0.0, 0.0, tangent * scale)
+    return any(signature(problem, z + side * s * raw) != here for s in BESIDE for side in (1.0, -1.0))
+
+
+def _beyond_one(sample: Sample) -> int:
+    """Real multipliers above 1. The family turns at a corner where the numbers on both sides have an odd sum.
+
+    Feigin's condition: the sign of det(M - I) changes, so that the parameter's share of the tangent does (di Bernardo,
+    Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, sec. 3.1.2).
+    """
+    values = sample.eigenvalues[1:] if abs(sample.eigenvalues[0] - 1.0) < 1e-6 else sample.eigenvalues
+    return int(np.count_nonzero((np.abs(values.imag) <= 1e-9 * np.abs(values)) & (values.real > 1.0)))
 
 
 def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

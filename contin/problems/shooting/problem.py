@@ -214,12 +214,21 @@ class ShootingProblem:
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.shooting.events import verify
 
-        return verify(self, type_, near, frame)
+        return self._beside_corner([verify(self, type_, near, frame)], near, frame)[0]
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         from contin.problems.shooting.events import verify_compound
 
-        return verify_compound(self, a, b, frame)
+        return self._beside_corner(verify_compound(self, a, b, frame), a, frame)
+
+    def _beside_corner(self, found: list[Verified | str], near: Sample, frame: Frame) -> list[Verified | str]:
+        """What was found; next to a corner, a test that fails is nothing to report."""
+        from contin.problems.shooting.corners import at_corner
+
+        failed = self.system.n_switches and any(isinstance(item, str) and item for item in found)
+        if not failed or not at_corner(self, near.z, near.tangent, frame.scale):
+            return found
+        return ["" if isinstance(item, str) else item for item in found]
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         from contin.problems.shooting.corners import verify_corner

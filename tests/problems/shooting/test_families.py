@@ -136,3 +136,20 @@ def test_one_metronome_folds_at_its_averaged_value_up_to_first_order(name):
     errors = [fold_of(name, eps) - FOLDS[name] for eps in (0.02, 0.01)]
     assert abs(errors[0]) < 0.02
     assert 1.7 < errors[0] / errors[1] < 2.5
+
+
+@pytest.mark.parametrize("eps", [0.04, 0.01])
+def test_a_fold_at_a_corner_is_found_whatever_the_step(eps):
+    # the escapement of constant force ends at x2: the family turns where its orbit just reaches that far
+    found = []
+    for high in (0.2, 0.3, 1.3):  # of the range, and with it of the steps
+        orbit = api.periodic_orbit(contin.load("metronomes/one-constant"), "oscillating", {"eps": eps, "alpha": 0.1})
+        branch = api.continuation(orbit, "alpha", (0.02, high))
+        assert [point.type for point in branch.points] == ["LPC"]
+        assert branch["LPC1"].normal_form["kind"] == "nonsmooth"
+        assert not branch.notes
+        assert branch["LPC1"].values["x.max"] == pytest.approx(1.5, abs=1e-6)
+        assert [end.text for end in branch.ends] == ["alpha reached 0.02"] * 2
+        found.append(branch["LPC1"].values["alpha"])
+    assert np.ptp(found) < 1e-9
+    assert found[0] == pytest.approx(FOLDS["one-constant"], abs=0.025 * eps)

@@ -1,0 +1,111 @@
+"""The grazing orbit at which a family meets a corner, from the arm on which the surface is not crossed.
+
+There the orbit depends smoothly on arclength, and so does its clearance, the smallest distance |h| from the surface; on
+the other arm the time spent beyond the surface changes like a square root.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample
+from contin.continuation.settings import Settings
+from contin.problems.shooting.sampling import crossings, states
+
+SAMPLES: Final = 400
+FINER: Final = 33
+AWAY: Final = (1e-3, 1e-4, 1e-5)  # (arclength) from the corner, where the secant iteration begins
+SHORT_OF: Final = 1e-3  # part of a secant step that is left out: beyond the zero lies the other arm
+BUDGET: Final = 12
+REACHED: Final = 1e-12  # clearance, relative to that at the beginning
+FAR: Final = 0.05  # (arclength) the corner is not that far from the samples beside it
+
+
+def grazing(
+    problem: Any, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
+) -> tuple[Array, float] | None:
+    """(z, error in arclength) of the orbit that touches a surface, next to a sample of the arm with fewer crossings."""
+    from contin.problems.shooting.corners import signature
+
+    missing = sorted({j for j in other if other.count(j) > arm.count(j)})
+    for length in AWAY:
+        for s in (length, -length):
+            base = problem.probe(near, s, near.z + s * _raw(near, frame), frame, Settings())
+            if base is None or signature(problem, base.z) != arm:
+                continue
+            first, second = (clearance(problem, z, missing) for z in (base.z, near.z))
+            if np.isfinite(first) and first > second:
+                return _secant(problem, base, -np.sign(s), abs(s), missing, arm, frame)
+    return None
+
+
+def _secant(
+    problem: Any, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...], frame: Frame
+) -> tuple[Array, float] | None:
+    from contin.problems.shooting.corners import signature
+
+    s0, e0, z0 = 0.0, clearance(problem, base.z, missing), base.z
+    s1, beginning = 0.5 * length, e0
+    for _ in range(BUDGET):
+        found = problem.probe(base, sense * s1, base.z + sense * s1 * _raw(base, frame), frame, Settings())
+        if found is None or signature(problem, found.z) != arm:
+            s1 = 0.5 * (s0 + s1)
+            continue
+        e1 = clearance(problem, found.z, missing)
+        if not e1 < e0:
+            return None
+        slope = (e1 - e0) / (s1 - s0)
+        rest = -e1 / slope
+        if e1 <= REACHED * beginning or rest <= 1e-13:
+            return found.z + (found.z - z0) * (rest / (s1 - s0)), rest + 10.0 * problem.accuracy
+        if s1 + rest > FAR:
+            return None
+        s0, e0, z0, s1 = s1, e1, found.z, s1 + rest * (1.0 - SHORT_OF)
+    return None
+
+
+def _raw(sample: Sample, frame: Frame) -> Array:
+    return np.where(sample.tangent == 0.0, 0.0, sample.tangent * frame.scale)
+
+
+def clearance(problem: Any, z: Array, surfaces: list[int]) -> float:
+    """How close the orbit comes to one of these surfaces without crossing it: the smallest such |h|."""
+    times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossings(problem, z))
+    best = np.inf
+    for j in surfaces:
+        h = _surface(problem, z, j, times)
+        inner = np.abs(h)
+        low = (inner <= np.roll(inner, 1)) & (inner <= np.roll(inner, -1))
+        low &= (h * np.roll(h, 1) > 0.0) & (h * np.roll(h, -1) > 0.0)
+        for place in times[low]:
+            fine = (place + np.linspace(-1.0, 1.0, FINER) / SAMPLES) % 1.0
+            order = np.argsort(fine)
+            values = np.empty(FINER)
+            values[order] = np.abs(_surface(problem, z, j, fine[order]))
+            k = int(np.clip(np.argmin(values), 1, FINER - 2))
+            best = min(best, float(values.min()), _bottom(*values[k - 1 : k + 2]) if k != FINER // 2 else np.inf)
+    return best
+
+
+def _bottom(a: float, b: float, c: float) -> float:
+    """Smallest value of the parabola through three equally spaced values with the middle one lowest."""
+    bend = a - 2.0 * b + c
+    return b - 0.125 * (a - c) ** 2 / bend if bend > 0.0 else b
+
+
+def _surface(problem: Any, z: Array, j: int, times: Array) -> Array:
+    """h_j at scaled times."""
+    from contin.model.evaluate import evaluate
+
+    system = problem.system
+    p, u = problem.full_parameters(z), states(problem, z, times)
+    names = [*system.state_names, *system.parameter_names]
+    formula = system.pieces.functions[j]
+    period = float(z[-problem.n - 3])
+    return np.array([
+        float(evaluate(formula, {**dict(zip(names, [*row, *p], strict=False)), "t": t * period}))
+        for row, t in zip(u.tolist(), times.tolist(), strict=True)
+    ])  # fmt: skip
