@@ -103,12 +103,17 @@ def test_a_bundled_run_is_found_by_name_and_writes_into_the_current_folder(tmp_p
 
 
 @pytest.mark.parametrize("name", runs())
-def test_every_bundled_run_is_a_good_file_with_a_title(name, tmp_path, monkeypatch, capsys):
+def test_every_bundled_run_is_a_good_file(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as stop:
         main(["check", name])
     assert stop.value.code == 0
+
+
+def test_the_list_of_models_names_the_bundled_runs_with_their_titles(capsys):
     with pytest.raises(SystemExit):
         main(["models"])
-    line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith(f"{name} "))
-    assert line.removeprefix(name).strip()
+    lines = capsys.readouterr().out.splitlines()
+    for name in runs():
+        line = next(line for line in lines if line.startswith(f"{name} "))
+        assert line.removeprefix(name).strip()
