@@ -145,7 +145,8 @@ def check() -> None:
     for mu, beta in orbit["in-phase fold"]:
         column = found["in-phase"][:, int(np.argmin(np.abs(mus - mu)))]
         assert abs(betas[column].max() - beta) < 0.025
-        assert abs(beta * np.sqrt(1 + 2 * EPS * mu) / orbit["anti-phase fold"][0, 1] - 1) < 1e-7  # one metronome, scaled
+        scaled = beta * np.sqrt(1 + 2 * EPS * mu)  # in-phase motion is that of one metronome, scaled
+        assert abs(scaled / orbit["anti-phase fold"][0, 1] - 1) < 1e-7
     assert len(orbit["anti-phase fold"]) == 1
     assert betas[found["anti-phase"].any(axis=1)].max() < orbit["anti-phase fold"][0, 1] < 0.98
     assert disagreements() == {"anti-phase": 60, "in-phase": 25, "in-phase stable": 120}
