@@ -142,17 +142,28 @@ def _turn(across, along, fp, fq, fr):
 def _spread(y, row, n, m, node, at, values, to):
     """Row of y to its values interval by interval and at the Gauss points (index `to`)."""
     intervals = node.shape[3]
-    for j in range(m + 1):
+    place = 0
+    for i in range(intervals):
+        for j in range(m + 1):
+            for k in range(n):
+                node[to, j, k, i] = y[row, place + j * n + k]
+        place += m * n
+    _to_gauss(values, node, at, to)
+
+
+@vector_kernel
+def _to_gauss(values, node, at, to):
+    """at[to] (m, n, N) = values (m, m + 1) applied to node[to] (m + 1, n, N)."""
+    _, nodes, n, intervals = node.shape
+    lanes = np.uint64(intervals)
+    for g in range(nodes - 1):
         for k in range(n):
-            for i in range(intervals):
-                node[to, j, k, i] = y[row, (i * m + j) * n + k]
-    for g in range(m):
-        for k in range(n):
-            for i in range(intervals):
-                at[to, g, k, i] = 0.0
-            for j in range(m + 1):
+            x = values[g, 0]
+            for i in range(lanes):
+                at[to, g, k, i] = x * node[to, 0, k, i]
+            for j in range(1, nodes):
                 x = values[g, j]
-                for i in range(intervals):
+                for i in range(lanes):
                     at[to, g, k, i] += x * node[to, j, k, i]
 
 
@@ -498,8 +509,10 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
                     out_re, out_im, info):  # fmt: skip
     """Newton on the plane <tangent, (z - z0) / scale> = length from `guess`, into out_z, with tangent and multipliers.
 
-    `exact`: everything is measured at the solution itself, else with the matrices of the last iteration; tolerance inf:
-    nothing is solved, only measured. info: [size of the first correction, iterations, s part of y[1]].
+    `exact`: everything is measured at the solution itself, else with the matrices of the last iteration; tolerance
+    inf: nothing is solved, only measured. info: [size of the first correction, iterations, s part of y[1], size of the
+    second correction beside the square of the first]; on entry info[3] is the last known of these, inf where one
+    iteration is never enough.
     Returns the number of iterations, FAILED or NOT_FINITE.
     """
     n, m = e.n, e.m
@@ -510,8 +523,9 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
     last = z.size - 1
     for j in range(size):
         out_z[j] = guess[j]
-    set_phase(e, w, z0, sizes)
+    set_phase(e, w, guess, sizes)
     before = math.inf
+    curvature = info[3]
     done = not tolerance < math.inf
     final = done
     info[0] = 0.0
@@ -560,20 +574,24 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
         if not moved < 1e2 or not out_z[nu] > 0.0:
             return FAILED
         ratio = moved / before
-        if moved <= tolerance or (moved < 1e-4 and iteration > 1 and moved * ratio * ratio < 0.1 * tolerance):
+        if iteration == 1:
+            done = moved <= tolerance or curvature * moved * moved < 0.03 * tolerance
+        elif moved <= tolerance or (moved < 1e-4 and moved * ratio * ratio < 0.1 * tolerance):
             done = True
-        elif iteration > 1 and ratio > 0.5:
+        elif ratio > 0.5:
             if moved < STAGNATION:
                 done = True
             else:
                 return FAILED
         elif iteration >= ITERATIONS:
             return FAILED
+        if iteration == 2:
+            info[3] = moved / (before * before)
+        before = moved
         if done:
             if not exact:
                 break
             final = True
-        before = moved
     if not tangent_of(c, f, o, nu, intervals, scale, tangent, out_t):
         return FAILED
     info[1] = iteration

@@ -36,9 +36,7 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
 
         return _border_function(problem, near.z, lambda z, right, left: degenerate.coefficient(problem, z, right, left))
     if type_ == "GPD":
-        from contin.problems.codim2.monitors import flip_coefficient
-
-        return lambda z: flip_coefficient(problem, z)
+        return lambda z: _flip_function(problem, z)
     if type_ in ("GH", "CH"):
         return lambda z: lyapunov(problem, z)
     return _eigenvalue_function(problem, type_, near)
@@ -91,6 +89,14 @@ def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
     if problem.n == 1:  # f_u is rounding at a fold, no measure of rates
         return float(psi @ image)
     return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
+
+
+def _flip_function(problem: Any, z: Array) -> float:
+    """c / (1 + |c|) with c the cubic coefficient of a period doubling: bounded, where c itself has poles."""
+    from contin.problems.codim2.monitors import flip_coefficient
+
+    c = flip_coefficient(problem, z)
+    return c / (1.0 + abs(c))
 
 
 def lyapunov(problem: Any, z: Array) -> float:

@@ -99,7 +99,8 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
     if problem.locus == "LP":
         leading = quadratic(problem, z, v, psi)
     elif problem.locus == "PD":
-        leading = flip_coefficient(problem, z) * np.sign(float(psi @ v))
+        # c has a pole where another multiplier is 1 (LPPD), and one at R2: no sign changes there
+        leading = flip_coefficient(problem, z) * float(np.sign(psi @ v) * np.sign(real_test(others, 1.0)))
     else:
         leading = degenerate.test(problem, z)
     return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])

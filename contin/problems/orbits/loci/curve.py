@@ -9,6 +9,7 @@ a symmetry forces the branch points.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -33,6 +34,7 @@ class Corrected:
     first_correction: float
     slope: float  # s part of y[1], see `contin.kernels.special_orbits`
     speed: float  # signed length of the tangent's part in the parameters, see `OrbitCurve._speed`
+    curvature: float  # of Newton's corrections, see `OrbitCurve.correct`
 
 
 @dataclass(eq=False)
@@ -96,26 +98,28 @@ class OrbitCurve:
     # -- equations ----------------------------------------------------------------------------------------------------
 
     def correct(
-        self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float, exact: bool = True
-    ) -> Corrected | str:
+        self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float,
+        exact: bool = True, curvature: float = np.inf,
+    ) -> Corrected | str:  # fmt: skip
         """Newton on the plane <tangent, (z - z0) / scale> = length; a string says why it failed.
 
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
-        tolerance only measures at `guess`.
+        tolerance only measures at `guess`. `curvature` : what the second correction was beside the square of the first
+        one nearby; with it a first correction is believed where the second would be nothing.
         """
         from contin.kernels import special_orbits as kernel
 
-        work = self._work(z0, scale)
+        work = self._work(guess, scale)
         n = self.orbits.n
         out_z, out_t = np.empty(z0.size), np.empty(z0.size)
-        re, im, info = np.empty(n), np.empty(n), np.zeros(3)
+        re, im, info = np.empty(n), np.empty(n), np.array([0.0, 0.0, 0.0, curvature])
         status = int(kernel.correct_special(
             self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame, work.memory,
             z0, tangent, scale, self._sizes(z0, scale), length, guess, tolerance, exact, out_z, out_t, re, im, info,
         ))  # fmt: skip
         if status < 0:
             return "not finite" if status == kernel.NOT_FINITE else "no convergence"
-        found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0)
+        found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0, float(info[3]))
         return replace(found, speed=self._speed(work, found, scale)) if self.type == "LPC" else found
 
     def _sizes(self, z: Array, scale: Array) -> Array:
@@ -126,13 +130,13 @@ class OrbitCurve:
         weight = h * self._first_weight
         return np.asarray(scale[:n] * np.sqrt(weight / n))
 
-    @property
+    @cached_property
     def _first_weight(self) -> float:
         from contin.kernels.collocation_basis import basis
 
         return float(basis(self.orbits.points).node_weights[0])
 
-    @property
+    @cached_property
     def _constants(self) -> Any:
         from contin.kernels.special_orbits import Curve
 

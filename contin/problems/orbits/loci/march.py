@@ -12,7 +12,9 @@ from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.orbits.loci.curve import Corrected
 
-WANTED = 0.02  # first correction (scaled) that the step control aims at
+WANTED = 2e-3  # first correction (scaled) that the step control aims at
+CAUTION = 5.0  # how much worse Newton's convergence may be at the next points than at the last one
+AGAIN = 8  # points for which it is believed
 SMALL = 2e-3  # relative amplitude down to which orbits that shrink are followed
 
 
@@ -25,7 +27,7 @@ def march(
     cos_max, target_angle = np.cos(np.radians(settings.max_angle)), np.radians(settings.max_angle) / 2.5
     rows, lengths, evaluations = [problem.measured(origin, frame)], [0.0], 0
     old, h, h_previous = before, step, length if before is not None else 0.0
-    walls = problem.walls
+    walls, curvature, trusted = problem.walls, np.inf, 0
 
     def chunk(stop: Stop, next_step: float) -> Chunk:
         return Chunk(
@@ -38,7 +40,8 @@ def march(
         last = rows[-1]
         while True:
             guess = last.z + scale * _predicted(last, old, h, h_previous, scale)
-            found = curve.correct(last.z, last.tangent, h, guess, scale, settings.newton_tolerance, exact=False)
+            known = curvature if trusted < AGAIN else np.inf
+            found = curve.correct(last.z, last.tangent, h, guess, scale, settings.newton_tolerance, False, known)
             evaluations += 1
             reason = found if isinstance(found, str) else _refused(problem, last, found, h, cos_max, scale, settings)
             if reason is None:
@@ -50,6 +53,8 @@ def march(
             h = max(0.5 * h, settings.min_step)
         assert isinstance(found, Corrected)
         evaluations += found.iterations
+        trusted = trusted + 1 if found.iterations == 1 else 0
+        curvature = found.curvature if found.iterations == 1 else CAUTION * max(found.curvature, 1.0)
         sample = problem.sample(found)
         curve.follow(found, scale)
         rows.append(sample)

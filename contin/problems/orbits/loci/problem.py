@@ -201,10 +201,15 @@ class OrbitLocusProblem:
         functions = [*self.system.state_names, *self.system.observable_names]
         columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy(), "period": np.empty(len(z))}
         low, high = np.empty((len(z), len(functions))), np.empty((len(z), len(functions)))
-        for k, row in enumerate(z):
-            profile = self.curve.profile(row[np.argmax(~np.isnan(row)) :])
-            columns["period"][k] = profile.period
-            low[k], high[k] = (v[0] for v in extrema(self._functions(profile.u, row)[None], profile.m))
+        padding = np.argmax(~np.isnan(z), axis=1) if len(z) else np.empty(0, int)
+        for skipped in np.unique(padding):  # rows on meshes of one size together
+            chosen = np.flatnonzero(padding == skipped)
+            part = z[chosen][:, skipped:]
+            profile = self.curve.profile(part[0])
+            nodes = profile.u.size
+            columns["period"][chosen] = part[:, nodes]
+            u = part[:, :nodes].reshape(len(part), -1, profile.n)
+            low[chosen], high[chosen] = extrema(self._functions(u, part), profile.m)
         for k, name in enumerate(functions):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
         if self.locus == "NS":
@@ -212,12 +217,16 @@ class OrbitLocusProblem:
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         return columns
 
-    def _functions(self, u: Array, row: Array) -> Array:
-        """States and observables at the nodes, (K, k)."""
+    def _functions(self, u: Array, rows: Array) -> Array:
+        """States and observables at nodes u (R, K, n), (R, K, k)."""
         if not self.system.observable_names:
             return u
-        p = self.curve.at(row).full_parameters(row)
-        return np.column_stack([u, self.system.observables(np.ascontiguousarray(u), np.tile(p, (len(u), 1)))])
+        count, nodes, n = u.shape
+        p = np.tile(self.curve.at(rows[0]).full_parameters(rows[0]), (count * nodes, 1))
+        p[:, self.curve.first] = np.repeat(rows[:, -1], nodes)
+        p[:, self.curve.second] = np.repeat(rows[:, -2], nodes)
+        observed = self.system.observables(np.ascontiguousarray(u.reshape(-1, n)), p)
+        return np.concatenate([u, np.asarray(observed).reshape(count, nodes, -1)], axis=2)
 
     def remarks(self, z: Array) -> Sequence[str]:
         return ()

@@ -14,12 +14,18 @@ from contin.problems.loci.start import indices
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 
+CURVES = ("LPC", "PD", "NS", "BPC")
+
 
 def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve in two parameters through a fold, period doubling or torus bifurcation of a family of orbits."""
-    if point.type not in ("LPC", "PD", "NS"):
+    if point.type == "HOM":
+        from contin.problems.orbits.homoclinic.start import connections_of_family
+
+        return connections_of_family(problem, point, parameters)
+    if point.type not in CURVES:
         raise InputError(
-            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD and NS of orbits have"
+            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC and HOM have"
         )
     first, second = indices(problem.system, parameters)
     names = problem.system.parameter_names

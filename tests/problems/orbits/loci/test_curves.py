@@ -64,7 +64,7 @@ def angle(branch):
 
 def test_a_user_of_a_point_without_a_curve_is_told_which_points_have_one(bautin):
     family = cycles(bautin, "p", (-0.5, 0.5), values={"p": [0.25]})
-    with pytest.raises(InputError, match="LPC, PD and NS"):
+    with pytest.raises(InputError, match="LPC, PD, NS"):
         family["UZ1"].locus(("p", "q"))
 
 

@@ -1,0 +1,99 @@
+"""Test functions along a curve of connecting orbits, named as in HomCont and MatCont.
+
+    NSS NSF NFF   resonance: the leading eigenvalues have real parts nu_s + nu_u = 0 (none, one, both of them complex)
+    NCH           an eigenvalue of the saddle vanishes: non-central homoclinic orbit to a saddle-node
+    SH            a pair becomes imaginary: Shilnikov-Hopf
+    OFS OFU       orbit flip: the orbit enters (leaves) along the strong stable (unstable) directions
+    IFS IFU       inclination flip: so does the bounded solution of the adjoint variational equation
+Champneys and Kuznetsov, Int. J. Bifurcation and Chaos 4 (1994) 785; flips have a sign where the leading eigenvalue is
+real.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
+
+NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
+
+
+def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple[Array, NDArray[np.complex128]]:
+    """The tests from index 2 on and the eigenvalues of the (first) saddle."""
+    ends = curve.equilibria(z)
+    matrices = [curve.matrix(u, z) * sizes / sizes[:, None] for u in ends]
+    n = curve.n
+    slow_out = leading(matrices[0], n - curve.stable_count, False)
+    slow_in = leading(matrices[-1], n - curve.unstable_count, True)
+    if curve.saddles == 1:
+        slow_in = leading(matrices[0], curve.stable_count, True)
+        slow_out = leading(matrices[0], curve.unstable_count, False)
+    size = abs(slow_in.value) + abs(slow_out.value)
+    tests = np.ones(len(NAMES))
+    tests[0] = (slow_in.value.real + slow_out.value.real) / size
+    tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
+    u = z[: curve.nodes(z)]
+    arriving, leaving = (u[-n:] - ends[-1]) / sizes, (u[:n] - ends[0]) / sizes
+    memory = curve.gauge.vectors
+    tests[2] = _component(memory, "OFS", slow_in, slow_in.left, arriving)
+    tests[3] = _component(memory, "OFU", slow_out, slow_out.left, leaving)
+    if adjoint is not None and curve.saddles == 1:
+        known = memory.setdefault("adjoint", adjoint[len(adjoint) // 2].copy())
+        turned = adjoint if float(adjoint[len(adjoint) // 2] @ known) >= 0.0 else -adjoint
+        tests[4] = _component(memory, "IFS", slow_in, slow_in.right, turned[0])
+        tests[5] = _component(memory, "IFU", slow_out, slow_out.right, turned[-1])
+    values = np.linalg.eigvals(matrices[0]).astype(complex)
+    return tests, values[np.lexsort((-values.imag, -values.real))]
+
+
+def _component(memory: dict[str, Array], name: str, slow: Leading, direction: Array, vector: Array) -> float:
+    """Part of a unit vector along a leading direction, whose sense is kept; 1 where the direction turns."""
+    if not slow.is_real:
+        memory.pop(name, None)
+        return 1.0
+    unit = direction / float(np.linalg.norm(direction))
+    unit = aligned(unit, memory.get(name))
+    memory[name] = unit
+    length = float(np.linalg.norm(vector))
+    return float(unit @ vector) / length if length > 0.0 else 1.0
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    changed = tuple(name for name, x, y in zip(NAMES, a.tests[2:], b.tests[2:], strict=True) if x * y < 0.0)
+    return changed if len(changed) <= 1 else None
+
+
+def watch(type_: str) -> int:
+    return 2 + NAMES.index(type_)
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The zero of a test along the curve."""
+    from contin.problems.orbits.loci.events import ACCURATE, _zero
+
+    index = watch(type_)
+    found = _zero(problem, near, frame, index)
+    if found is None:
+        return f"{type_} not verified: its test function has no zero nearby"
+    error = 10.0 * ACCURATE * float(frame.scale[-1])
+    value = abs(float(found.tests[index]))
+    if value > 1e-4:
+        return f"{type_} not verified: its test function jumps"
+    return Verified(_named(type_, found.eigenvalues), found.z, value, error, found.eigenvalues, found.unstable)
+
+
+def _named(type_: str, values: NDArray[np.complex128]) -> str:
+    """The code that says which of the leading eigenvalues are complex."""
+    if type_ not in ("NSS", "NCH"):
+        return type_
+    if type_ == "NCH":
+        return "SH" if values[int(np.argmin(np.abs(values.real)))].imag != 0.0 else "NCH"
+    slow_in = max(values[values.real < 0.0], key=lambda v: v.real, default=0.0)
+    slow_out = min(values[values.real > 0.0], key=lambda v: v.real, default=0.0)
+    pairs = int(np.imag(slow_in) != 0.0) + int(np.imag(slow_out) != 0.0)
+    return ("NSS", "NSF", "NFF")[pairs]

@@ -1,0 +1,48 @@
+"""Sparse LU factors of the equations with a tangent, as the march in Python wants them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Factorised:
+    """Factors of [J; t^T] in the unknowns x; mesh and time, which are part of z, do not move."""
+
+    equations: Array
+    factors: Any
+    where: NDArray[np.intp]  # places of x in z
+    size: int  # of z
+
+    @cached_property
+    def residual(self) -> Array:
+        return np.concatenate([self.equations, np.zeros(self.size - 1 - self.equations.size)])
+
+    sign = 1.0  # branch points of such curves are not looked for
+    log_determinant = 0.0
+
+    def solve(self, right: Array) -> Array:
+        out = np.zeros(self.size)
+        out[self.where] = self.factors.solve(np.append(right[: self.equations.size], right[-1]))
+        return out
+
+
+def factorised(equations: Array, jacobian: Any, where: NDArray[np.intp], tangent: Array) -> Factorised | None:
+    """None where something is not finite, or the matrix singular."""
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
+    if not (np.all(np.isfinite(equations)) and np.all(np.isfinite(jacobian.data))):
+        return None
+    try:
+        factors = splu(sparse.vstack([jacobian, tangent[where][None, :]], format="csc"))
+    except RuntimeError:  # SuperLU: exactly singular
+        return None
+    return Factorised(equations, factors, where, tangent.size)

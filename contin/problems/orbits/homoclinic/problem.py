@@ -1,0 +1,276 @@
+"""Curves of homoclinic and heteroclinic orbits in two parameters, as a continuation problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.branch import End, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.errors import InputError
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.homoclinic import events
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.linear import Factorised, factorised
+from contin.problems.orbits.layout import extrema, make_scale, sizes_of
+from contin.problems.orbits.mesh import choose_mesh, estimate
+
+OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
+ALIKE = 1e-6  # relative distance of parameters below which two points are one
+
+
+@dataclass(frozen=True, eq=False)
+class ConnectionProblem:
+    """See `contin.problems.orbits.homoclinic.curve` for the unknowns and equations."""
+
+    curve: ConnectionCurve
+    second_bounds: tuple[float, float] = (-np.inf, np.inf)
+    first_bounds: tuple[float, float] = (-np.inf, np.inf)
+    _last: dict[str, Any] = field(default_factory=dict)
+
+    kind = "locus"
+    maximum_chunk = 5  # a step takes some 20 ms
+    is_map = False
+
+    @property
+    def locus(self) -> str:
+        return "HOM"
+
+    @property
+    def system(self) -> Any:
+        return self.curve.orbits.system
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        return names[self.curve.first], names[self.curve.second]
+
+    @property
+    def angle_periods(self) -> Array:
+        return np.zeros(0)
+
+    def within(self, first: tuple[float, float], second: tuple[float, float]) -> ConnectionProblem:
+        """The same curve with ranges of both parameters."""
+        return replace(self, first_bounds=first, second_bounds=second)
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        return [(-2, *self.second_bounds), (-1, *self.first_bounds)]
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.ones(1, bool)
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.zeros(2, bool)
+
+    def constants(self) -> dict[str, float]:
+        return self.curve.orbits.constants()
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.curve.orbits.default_range(parameter)
+
+    # -- metric -------------------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        widths = [hi - lo for lo, hi in (bounds, self.second_bounds)]
+        first, second = (
+            w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)
+        )
+        profile = self.curve.profile(z)
+        return self.scale_for(profile.h, self.curve.orbits.state_sizes(profile), first, second)
+
+    def scale_for(self, h: Array, sizes: Array, first: float, second: float) -> Array:
+        own = make_scale(h, self.curve.orbits.points, sizes, 1.0, first)
+        nodes = own.size - len(h) - 2
+        ends = np.tile(np.sqrt(self.curve.n) * sizes, self.curve.saddles)
+        return np.concatenate([own[:nodes], ends, own[nodes:-1], [second, first]])
+
+    def sizes(self, z: Array, scale: Array) -> Array:
+        return sizes_of(scale, self.curve.profile(z).h, self.curve.n, self.curve.orbits.points)
+
+    # -- the engine's contract ----------------------------------------------------------------------------------------
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        """The curve's own tangent: the null vector of its equations."""
+        self.curve.settle(z, self.sizes(z, scale))
+        generator = np.random.default_rng(3)
+        border = np.zeros(z.size)
+        where = self.curve.unknowns(z)
+        border[where] = generator.normal(size=where.size)
+        for _ in range(2):
+            here = self.linearisation(z, border / np.linalg.norm(border), scale)
+            if here is None:
+                raise InputError("the curve cannot be followed from here: its equations are singular")
+            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
+        return [border / np.linalg.norm(border)]
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+        """For the march in Python."""
+        sizes = self.sizes(z, scale)
+        if self.curve.gauge.reference is None:
+            self.curve.settle(z, sizes)
+        try:
+            equations, jacobian = self.curve.linearise(z, scale, sizes)
+        except (np.linalg.LinAlgError, ValueError):
+            return None
+        self._last["now"] = (z, jacobian, sizes)
+        return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests from index 2 on, dimension of the saddle's unstable manifold, eigenvalues of the saddle."""
+        _, jacobian, sizes = self._last["now"]
+        try:
+            tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
+        except (np.linalg.LinAlgError, ValueError):
+            return np.full(len(events.NAMES), np.nan), 0, np.full(self.curve.n, np.nan, complex)
+        return tests, int(np.sum(values.real > 0.0)), values
+
+    def _adjoint(self, jacobian: Any, z: Array) -> Array | None:
+        """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
+        from contin.problems.orbits.defining import Bordered
+
+        n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)
+        inside = nu - n
+        rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
+        try:
+            _, _, left = Bordered.of(jacobian.tocsr()[rows][:, :nu].tocsc(), 1).solve()
+        except RuntimeError:
+            return None
+        values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
+        return np.asarray(values.reshape(-1, n))
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        self.curve.settle(origin.z, self.sizes(origin.z, frame.scale))
+        return python_march.march(
+            self, origin, before, length, frame, step, min(limit, self.maximum_chunk), bounds, settings, None
+        )
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return self.at_unknown(-1, guess, value, scale)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros(guess.size)
+        fixed[index] = 1.0
+        z0 = guess.copy()
+        z0[index] = value
+        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, 1e-11)
+        if isinstance(found, str):
+            return None
+        z = found.z.copy()
+        z[index] = value
+        return z
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return events.explain(a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return events.watch(type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return events.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        changed = a.tests[2:] * b.tests[2:] < 0.0
+        return [self.verify(t, a, frame) for t, c in zip(events.NAMES, changed, strict=True) if c]
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+        return False
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        """A mesh that fits; the end where the saddle is none any more."""
+        scale = frame.scale
+        if origin.tests.size > 3 and origin.tests[3] < 0.0:
+            where = ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=True))
+            text = f"an eigenvalue of the saddle vanished before {where}: its projections mean nothing beyond"
+            return Renewal(scale, origin, before, None, End("saddle-node", text))
+        profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
+        orbits = self.curve.orbits
+        grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
+        error, _ = estimate(profile, grown)
+        if error <= OUTGROWN * orbits.tolerance and np.all(grown <= 2.0 * sizes):
+            return Renewal(scale, origin, before, None)
+        chosen = choose_mesh(profile, grown, orbits.tolerance, orbits.intervals)
+        renewed = self.scale_for(chosen.h, grown, float(scale[-1]), float(scale[-2]))
+        here = self._moved(origin, scale, renewed, chosen.h)
+        self.curve.settle(here.z, grown)
+        corrected = self.probe(here, 0.0, here.z, Frame(renewed), settings)
+        if corrected is not None:
+            sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
+            here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
+        return Renewal(renewed, here, None if before is None else self._moved(before, scale, renewed, chosen.h), None)
+
+    def _moved(self, sample: Sample, scale: Array, renewed: Array, h: Array) -> Sample:
+        """A sample on another mesh and in another metric."""
+        curve = self.curve
+        old = curve.profile(sample.z)
+        raw = sample.tangent * scale
+        moving = replace(old, u=raw[: old.u.size].reshape(old.u.shape)).on_mesh(h)
+        z = curve.join(old.on_mesh(h), curve.equilibria(sample.z), float(sample.z[-2]))
+        saddles = raw[old.u.size : old.u.size + curve.saddles * curve.n]
+        t = np.concatenate([moving.u.ravel(), saddles, [0.0], np.zeros(len(h)), raw[-2:]]) / renewed
+        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Both parameters, smallest and largest values of the states over the orbit, and the saddle(s)."""
+        first, second = self.parameters
+        names = self.system.state_names
+        rows = [row[np.argmax(~np.isnan(row)) :] for row in z]
+        profiles = [self.curve.profile(row) for row in rows]
+        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        bounds = [[v[0] for v in extrema(profile.u[None], profile.m)] for profile in profiles]
+        ends = [self.curve.equilibria(row) for row in rows]
+        for k, name in enumerate(names):
+            columns[f"{name}.min"] = np.array([low[k] for low, _ in bounds])
+            columns[f"{name}.max"] = np.array([high[k] for _, high in bounds])
+            columns[f"{name}.saddle"] = np.array([e[0, k] for e in ends])
+            if self.curve.saddles == 2:
+                columns[f"{name}.saddle2"] = np.array([e[1, k] for e in ends])
+        return columns
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        return ()
+
+    def describe_failure(self, z: Array) -> str:
+        return (
+            "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
+            "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
+        )
+
+    # -- leaving the curve --------------------------------------------------------------------------------------------
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        return []
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")
+
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        raise InputError(f"{point.branch}.{point.label}: no other curves are started from points of homoclinic curves")

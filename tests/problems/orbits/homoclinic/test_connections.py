@@ -1,0 +1,60 @@
+"""Curves of homoclinic orbits: closed forms, a published value, normal forms at the Bogdanov-Takens point."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contin
+from contin.model.model import Model
+from tests.problems.loci.planes import BOGDANOV_TAKENS, curves_through
+
+
+@pytest.fixture(scope="module")
+def leaf():
+    """x^2 (1 - x) = y^2 is a homoclinic orbit of the origin at m = 0 for every a; eigenvalues a +- b there.
+
+    Sandstede, J. Dynam. Differential Equations 9 (1997) 269, without the third equation.
+    """
+    return Model(
+        "leaf", states={"x": 0.6, "y": 0}, parameters={"m": 0.4, "a": -0.25, "b": 1},
+        equations={"x": "a*x + b*y - a*x^2 + m*x*(2 - 3*x)", "y": "b*x + a*y - 1.5*b*x^2 - 1.5*a*x*y - 2*m*y"},
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def loops(leaf):
+    line = contin.continuation(contin.equilibrium(leaf), "m", (-1, 1))
+    family = contin.continuation(line["HB1"].switch(), "m", (-1, 1))
+    assert family["HOM1"].normal_form["at"]["m"] == pytest.approx(0, abs=1e-7)
+    box = {"m": (-0.5, 0.5), "a": (-0.6, 0.6)}
+    return contin.continuation(family["HOM1"].locus(("m", "a")), ("m", "a"), box)
+
+
+def test_homoclinic_orbits_of_the_cubic_leaf_have_m_zero_and_its_extent(loops):
+    assert loops.locus == "HOM"
+    assert [end.reason for end in loops.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(loops.columns["m"], 0, atol=1e-7)
+    np.testing.assert_allclose(loops.columns["x.max"], 1, atol=1e-6)
+    np.testing.assert_allclose(loops.columns["y.max"], 2 / np.sqrt(27), atol=1e-6)
+    np.testing.assert_allclose(loops.columns["x.saddle"], 0, atol=1e-12)
+
+
+def test_their_only_special_point_is_the_resonance_where_the_trace_vanishes(loops):
+    assert [point.type for point in loops.points] == ["NSS"]
+    assert loops["NSS1"].values["a"] == pytest.approx(0, abs=1e-8)
+
+
+def test_homoclinic_orbits_leave_a_bogdanov_takens_point_as_the_normal_form_says():
+    """x' = y, y' = p + q x + x^2 - x y: moved to x = -q/2 + X, b1 = p - q^2/4, b2 = q/2; b1 = -(6/25) b2^2 + ...
+
+    Kuznetsov, Elements, 3rd ed., sec. 8.4: for y2' = b1 + b2 y1 + y1^2 - y1 y2 the curve is b1 = -(6/25) b2^2 + o(b2^2);
+    that form has the linear term in y1, as here: p = -(6/25) q^2.
+    """
+    folds = BOGDANOV_TAKENS.curve("LP1")
+    found = {branch.locus: branch for branch in curves_through(folds["BT1"])}
+    p, q = found["HOM"].columns["p"], found["HOM"].columns["q"]
+    assert np.all(q < 0)
+    near = np.argsort(-q)[:3]
+    np.testing.assert_allclose((p / q**2)[near], -6 / 25, atol=0.05)
+    assert {"HB", "HOM"} == set(found)
