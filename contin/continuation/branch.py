@@ -144,4 +144,6 @@ class Branch:
     @property
     def multiplier_kind(self) -> bool:
         """True where `eigenvalues` are multipliers (orbits and maps)."""
+        if self.kind == "locus":
+            return self.locus in ("LPC", "BPC", "PD", "NS") or self.problem.system.kind == "map"
         return self.kind in ("orbit", "fixed-point")

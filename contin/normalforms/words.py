@@ -32,6 +32,15 @@ WORDS: Final[Mapping[str, str]] = {
     "LPNS": "fold Neimark-Sacker point",
     "PDNS": "flip Neimark-Sacker point",
     "NSNS": "double Neimark-Sacker point",
+    "NSS": "resonant homoclinic orbit",
+    "NSF": "resonant homoclinic orbit",
+    "NFF": "resonant homoclinic orbit",
+    "NCH": "non-central homoclinic orbit to a saddle-node",
+    "SH": "Shilnikov-Hopf point",
+    "OFS": "orbit flip",
+    "OFU": "orbit flip",
+    "IFS": "inclination flip",
+    "IFU": "inclination flip",
 }
 CRITICALITY: Final[Mapping[str, str]] = {
     "supercritical": "the new branch takes over the stability",

@@ -43,6 +43,15 @@ TYPES: Final[dict[str, TypeStyle]] = {
     "LPNS": TypeStyle("fold and torus point", "X", "saltire"),
     "PDNS": TypeStyle("period doubling and torus point", "d", "thin-diamond"),
     "NSNS": TypeStyle("double torus point", "*", "star"),
+    "NSS": TypeStyle("resonance of real leading eigenvalues", "<", "triangle-left"),
+    "NSF": TypeStyle("resonance of a pair and a real eigenvalue", ">", "triangle-right"),
+    "NFF": TypeStyle("resonance of two pairs", "1", "tri-down"),
+    "NCH": TypeStyle("non-central saddle-node homoclinic orbit", "s", "square"),
+    "SH": TypeStyle("Shilnikov-Hopf point", "o", "circle"),
+    "OFS": TypeStyle("orbit flip, stable side", "^", "triangle-up"),
+    "OFU": TypeStyle("orbit flip, unstable side", "v", "triangle-down"),
+    "IFS": TypeStyle("inclination flip, stable side", "P", "plus"),
+    "IFU": TypeStyle("inclination flip, unstable side", "X", "saltire"),
 }
 UNKNOWN_TYPE: Final = TypeStyle("special point", "o", "circle")
 

@@ -24,6 +24,7 @@ from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.lines import Box
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.loci.problem import LocusProblem
 
 LINES: Final = (0.5, 0.12, 0.88)  # where lines across the box are explored, as parts of the other parameter's range
 MOST: Final = 60  # curves
@@ -134,6 +135,8 @@ class LociSearch:
             return []
         found: list[SpecialPoint] = []
         for seed in seeds:
+            if not isinstance(seed.problem, LocusProblem):  # curves of orbits bound no region of equilibria
+                continue
             if is_known_locus(self.loci, seed, self.box):
                 continue
             seed = replace(seed, problem=seed.problem.within(*self.box))

@@ -47,6 +47,7 @@ class _Work:
     scratch: Any
     memory: Any
     frame: Any
+    weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
     settled: bool = False
     normals: list[tuple[Array, Array]] = field(default_factory=list)  # (parameters, unit normal of the curve there)
 
@@ -111,6 +112,7 @@ class OrbitCurve:
 
         work = self._work(guess, scale)
         n = self.orbits.n
+        guess = self._in_phase(z0, guess, scale)
         out_z, out_t = np.empty(z0.size), np.empty(z0.size)
         re, im, info = np.empty(n), np.empty(n), np.array([0.0, 0.0, 0.0, curvature])
         status = int(kernel.correct_special(
@@ -121,6 +123,24 @@ class OrbitCurve:
             return "not finite" if status == kernel.NOT_FINITE else "no convergence"
         found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0, float(info[3]))
         return replace(found, speed=self._speed(work, found, scale)) if self.type == "LPC" else found
+
+    def _in_phase(self, z0: Array, guess: Array, scale: Array) -> Array:
+        """The guess, to which the kernel's phase condition refers, shifted in time until it is in phase with z0."""
+        n = self.orbits.n
+        nodes = (self._works["now"].mesh.size * self.orbits.points + 1) * n
+        if not self.orbits.autonomous or guess is z0:
+            return guess
+        u, metric = z0[:nodes], scale[:nodes]
+        drift = np.zeros(nodes)  # u'
+        drift[n:-n] = (u[2 * n :] - u[: -2 * n]) * self._works["now"].weights
+        drift /= metric
+        size = float(drift @ drift)
+        if size == 0.0:
+            return guess
+        shift = float(((guess[:nodes] - u) / metric) @ drift) / size
+        aligned = guess.copy()
+        aligned[:nodes] -= shift * drift * metric
+        return aligned
 
     def _sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes."""
@@ -165,7 +185,9 @@ class OrbitCurve:
         points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
         memory = kernel.new_curve_memory(KINDS[self.type], n, m, count, p.size)  # type: ignore[no-untyped-call]
         frame = kernel.Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
-        return _Work(mesh, points, factors, scratch, memory, frame, normals=normals)
+        times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
+        weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
+        return _Work(mesh, points, factors, scratch, memory, frame, weights, normals=normals)
 
     # -- borders ------------------------------------------------------------------------------------------------------
 

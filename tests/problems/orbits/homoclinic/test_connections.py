@@ -46,11 +46,7 @@ def test_their_only_special_point_is_the_resonance_where_the_trace_vanishes(loop
 
 
 def test_homoclinic_orbits_leave_a_bogdanov_takens_point_as_the_normal_form_says():
-    """x' = y, y' = p + q x + x^2 - x y: moved to x = -q/2 + X, b1 = p - q^2/4, b2 = q/2; b1 = -(6/25) b2^2 + ...
-
-    Kuznetsov, Elements, 3rd ed., sec. 8.4: for y2' = b1 + b2 y1 + y1^2 - y1 y2 the curve is b1 = -(6/25) b2^2 + o(b2^2);
-    that form has the linear term in y1, as here: p = -(6/25) q^2.
-    """
+    """x' = y, y' = p + q x + x^2 - x y: p = -(6/25) q^2 + o(q^2), q < 0 (Kuznetsov, Elements, 3rd ed., sec. 8.4)."""
     folds = BOGDANOV_TAKENS.curve("LP1")
     found = {branch.locus: branch for branch in curves_through(folds["BT1"])}
     p, q = found["HOM"].columns["p"], found["HOM"].columns["q"]

@@ -10,7 +10,7 @@ import pytest
 import contin
 from contin.errors import InputError
 from contin.model.model import Model
-from tests.problems.loci.planes import amplitude
+from tests.problems.loci.planes import BAUTIN, DOUBLE_HOPF, amplitude, curves_through
 from tests.problems.orbits.test_families import cycles, labels
 
 
@@ -82,3 +82,51 @@ def test_period_doublings_of_the_roessler_system_pass_through_published_points()
     )  # fmt: skip
     found = {round(p.values["c"]): p.values["a"] for p in labels(doublings, "UZ")}
     assert found == pytest.approx({5: 0.2634689961, 6: 0.2202132777, 7: 0.1903102199}, abs=2e-10)
+
+
+def test_folds_leave_a_generalised_hopf_point_along_the_parabola():
+    hopf = BAUTIN.curve("HB1")
+    (folds,) = curves_through(hopf["GH1"])
+    p, q = folds.columns["p"], folds.columns["q"]
+    assert folds.locus == "LPC"
+    assert folds.parent.label == "GH1"
+    np.testing.assert_allclose(p, -(q**2) / 4, atol=1e-10)
+    np.testing.assert_allclose(folds.columns["period"], 2 * pi, rtol=1e-9)
+    assert [end.reason for end in folds.ends] == ["start", "bound"]
+    assert np.all(q >= 0)
+
+
+def test_folds_end_at_the_generalised_hopf_point(bautin):
+    family = cycles(bautin, "p", (-0.5, 0.5))
+    folds = curve(family["LPC1"], ("p", "q"), {"p": (-0.5, 0.5), "q": (-1, 1)})
+    reasons = {end.reason for end in folds.ends}
+    assert reasons == {"bound", "hopf"}
+    assert 0 <= np.min(folds.columns["q"]) < 1e-3
+    assert not folds.points
+
+
+def test_branch_points_of_cycles_that_a_symmetry_forces_are_followed():
+    """|w| = 1, z = 0 has the multiplier exp(2 pi (p - q)) in the direction of z -> -z."""
+    x, y = amplitude("x", "y", "1 - x^2 - y^2 + 0.1*z^2", "1")
+    model = Model(
+        "pitchfork", states={"x": 1, "y": 0, "z": 0}, parameters={"p": -0.5, "q": 0.2},
+        equations={"x": x, "y": y, "z": "(p - q*(x^2 + y^2))*z - z^3"},
+        symmetries={"flip": {"x": "x", "y": "y", "z": "-z"}},
+    )  # fmt: skip
+    family = contin.continuation(contin.periodic_orbit(model), "p", (-0.6, 0.6))
+    assert family["BPC1"].values["p"] == pytest.approx(0.2, abs=1e-8)
+    points = curve(family["BPC1"], ("p", "q"), {"p": (-0.6, 0.6), "q": (-0.5, 0.5)})
+    np.testing.assert_allclose(points.columns["p"], points.columns["q"], atol=1e-9)
+    assert [end.reason for end in points.ends] == ["bound", "bound"]
+    assert points.columns["q"][[0, -1]] == pytest.approx([-0.5, 0.5])
+
+
+def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
+    """Cycles |w|^2 = p - q/2 with q + p/4 = 2 (p - q/2), and |v|^2 = q + p/4 with p - q/2 = 3 (q + p/4)."""
+    hopf = DOUBLE_HOPF.curve("HB1")
+    tori = [branch for branch in curves_through(hopf["HH1"]) if branch.locus == "NS"]
+    slopes = sorted(np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] for branch in tori)
+    assert slopes == pytest.approx(sorted([7 / 8, 1 / 14]), abs=1e-8)
+    for branch in tori:
+        ratio = 2.3 if np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] > 0.5 else 1 / 2.3
+        np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), atol=1e-8)
