@@ -106,10 +106,6 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
 
         born = tori_at_double_hopf if point.type == "HH" else tori_at_zero_hopf
         seeds += born(problem, point, parameters)
-    if point.type == "BT" and problem.system.kind != "map":
-        from contin.problems.orbits.homoclinic.start import homoclinic_at_bogdanov_takens
-
-        seeds += homoclinic_at_bogdanov_takens(problem, point, parameters)
     if point.type == "DP":
         kind = str(problem.memory.get("kind", ""))
         return [_beside_branch_points(seed, point, kind) if seed.problem.locus == "LP" else seed for seed in seeds]

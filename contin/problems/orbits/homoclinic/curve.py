@@ -175,7 +175,9 @@ class ConnectionCurve:
             rows.append(row * units / size[:, None])
         values.append(self.projections(z, sizes))
         row = np.zeros((n, total))
-        small = [*range(n), *range(nu - n, nu), *range(nu, nu + self.saddles * n), total - 2, total - 1]
+        row[: self.stable_count, :n] = self._basis(ends[0], z, sizes, True, self.gauge.stable).T / sizes
+        row[self.stable_count :, nu - n : nu] = self._basis(ends[-1], z, sizes, False, self.gauge.unstable).T / sizes
+        small = [*range(nu, nu + self.saddles * n), total - 2, total - 1]
         where = self.unknowns(z)
         for column in small:
             step = STEP * (sizes[column % n] if column < total - 2 else max(abs(float(z[where[column]])), 1e-3))

@@ -20,11 +20,13 @@ from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.homoclinic import events
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.layout import extrema, make_scale, sizes_of
 from contin.problems.orbits.mesh import choose_mesh, estimate
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
+SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
 ALIKE = 1e-6  # relative distance of parameters below which two points are one
 
 
@@ -210,12 +212,20 @@ class ConnectionProblem:
             return Renewal(scale, origin, before, None, End("saddle-node", text))
         profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
         orbits = self.curve.orbits
+        if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL:
+            where = ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=True))
+            text = f"the connecting orbits shrink to a point near {where}"
+            return Renewal(scale, origin, before, None, End("bt", text))
         grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
         error, _ = estimate(profile, grown)
-        if error <= OUTGROWN * orbits.tolerance and np.all(grown <= 2.0 * sizes):
+        short = not fits(self.curve, origin.z, sizes)
+        if not short and error <= OUTGROWN * orbits.tolerance and np.all(grown <= 2.0 * sizes):
             return Renewal(scale, origin, before, None)
-        chosen = choose_mesh(profile, grown, orbits.tolerance, orbits.intervals)
+        z = fitted(self.curve, origin.z, sizes) if short else origin.z
+        chosen = choose_mesh(self.curve.profile(z), grown, orbits.tolerance, orbits.intervals)
         renewed = self.scale_for(chosen.h, grown, float(scale[-1]), float(scale[-2]))
+        if short:
+            return self._on_interval(z, origin, renewed, chosen.h, settings) or Renewal(scale, origin, before, None)
         here = self._moved(origin, scale, renewed, chosen.h)
         self.curve.settle(here.z, grown)
         corrected = self.probe(here, 0.0, here.z, Frame(renewed), settings)
@@ -223,6 +233,25 @@ class ConnectionProblem:
             sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
             here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
         return Renewal(renewed, here, None if before is None else self._moved(before, scale, renewed, chosen.h), None)
+
+    def _on_interval(self, z: Array, origin: Sample, scale: Array, h: Array, settings: Settings) -> Renewal | None:
+        """The point on another interval of time: solved anew, with the tangent in the same sense."""
+        curve = self.curve
+        z = curve.join(curve.profile(z).on_mesh(h), curve.equilibria(z), float(z[-2]))
+        try:
+            tangent = np.asarray(self.tangents(z, scale)[0])
+        except InputError:
+            return None
+        around = [-2, -1]
+        if float(tangent[around] @ origin.tangent[around]) < 0.0:
+            tangent = -tangent
+        base = replace(origin, z=z, tangent=tangent)
+        corrected = self.probe(base, 0.0, z, Frame(scale), settings)
+        if corrected is None:
+            return None
+        sign = np.sign(float(corrected.tangent @ tangent)) or 1.0
+        here = replace(corrected, tangent=sign * corrected.tangent, tests=origin.tests, unstable=origin.unstable)
+        return Renewal(scale, here, None, None)
 
     def _moved(self, sample: Sample, scale: Array, renewed: Array, h: Array) -> Sample:
         """A sample on another mesh and in another metric."""

@@ -1,4 +1,4 @@
-"""Where curves of connecting orbits start: at the end of a family whose period diverges, and at BT points."""
+"""Where curves of connecting orbits start: at the end of a family whose period diverges."""
 
 from __future__ import annotations
 
@@ -20,9 +20,6 @@ from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
-SEED_INTERVALS = 60
-EPS = (0.3, 0.15, 0.6, 0.07)  # tried sizes of the predicted orbit at BT, relative to the states' sizes
-HALF_TIME = 8.0  # half of the time interval in units of the predicted orbit's own time
 
 
 def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -131,38 +128,3 @@ def _seed(
             chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
             z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), q)
     return Seed(problem, z, parent=parent)
-
-
-def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
-    from contin.normalforms.homoclinic import bogdanov_takens_unfolding
-    from contin.normalforms.sources import compiled_jet
-
-    first, second = indices(problem.system, parameters)
-    u, p = point.z[: problem.n], problem.curve.full_parameters(point.z)
-    try:
-        jet = compiled_jet(problem.system, u, p, (first, second), "flow", problem.curve.sizes)
-        unfolding = bogdanov_takens_unfolding(jet)
-    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
-        return []
-    typical = float(np.max(np.abs(unfolding.chain.q0) / problem.curve.sizes))
-    parent = Parent(point.branch, point.label)
-    for relative in EPS:
-        eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
-        moved = p.copy()
-        moved[[first, second]] += unfolding.parameters(eps)
-        half = HALF_TIME / eps
-        h = np.full(SEED_INTERVALS, 1.0 / SEED_INTERVALS)
-        m = 4
-        rest = Profile(m, np.zeros((SEED_INTERVALS * m + 1, problem.n)), 2.0 * half, h, float(moved[first]))
-        piece = replace(rest, u=u + unfolding.orbit(eps, (2.0 * rest.times - 1.0) * half))
-        orbits = OrbitProblem(problem.system, moved, first, np.zeros(problem.n), m)
-        saddle = u + unfolding.saddle(eps)
-        values = np.linalg.eigvals(problem.system.jacobian(saddle, moved)[1][:, : problem.n])
-        stable = int(np.sum(values.real < 0.0))
-        try:
-            ends = saddle[None, :]
-            return [_seed(orbits, second, piece, ends, stable, problem.n - stable, float(moved[second]), parent)]
-        except InputError:
-            continue
-    return []

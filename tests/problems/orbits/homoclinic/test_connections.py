@@ -1,4 +1,4 @@
-"""Curves of homoclinic orbits: closed forms, a published value, normal forms at the Bogdanov-Takens point."""
+"""Curves of homoclinic orbits: a closed form."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import pytest
 
 import contin
 from contin.model.model import Model
-from tests.problems.loci.planes import BOGDANOV_TAKENS, curves_through
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +42,3 @@ def test_homoclinic_orbits_of_the_cubic_leaf_have_m_zero_and_its_extent(loops):
 def test_their_only_special_point_is_the_resonance_where_the_trace_vanishes(loops):
     assert [point.type for point in loops.points] == ["NSS"]
     assert loops["NSS1"].values["a"] == pytest.approx(0, abs=1e-8)
-
-
-def test_homoclinic_orbits_leave_a_bogdanov_takens_point_as_the_normal_form_says():
-    """x' = y, y' = p + q x + x^2 - x y: p = -(6/25) q^2 + o(q^2), q < 0 (Kuznetsov, Elements, 3rd ed., sec. 8.4)."""
-    folds = BOGDANOV_TAKENS.curve("LP1")
-    found = {branch.locus: branch for branch in curves_through(folds["BT1"])}
-    p, q = found["HOM"].columns["p"], found["HOM"].columns["q"]
-    assert np.all(q < 0)
-    near = np.argsort(-q)[:3]
-    np.testing.assert_allclose((p / q**2)[near], -6 / 25, atol=0.05)
-    assert {"HB", "HOM"} == set(found)
