@@ -26,7 +26,7 @@ def loops(leaf):
     line = contin.continuation(contin.equilibrium(leaf), "m", (-1, 1))
     family = contin.continuation(line["HB1"].switch(), "m", (-1, 1))
     assert family["HOM1"].normal_form["at"]["m"] == pytest.approx(0, abs=1e-7)
-    box = {"m": (-0.5, 0.5), "a": (-0.6, 0.6)}
+    box = {"m": (-0.5, 0.5), "a": (-0.35, 0.15)}
     return contin.continuation(family["HOM1"].locus(("m", "a")), ("m", "a"), box)
 
 
