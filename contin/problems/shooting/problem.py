@@ -213,7 +213,10 @@ class ShootingProblem:
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.shooting.events import verify
+        from contin.problems.shooting.rest import has_shrunk
 
+        if type_ == "LPC" and has_shrunk(self, near.z, frame.scale):
+            return ""  # through amplitude zero, to the same orbits half a turn later
         return self._beside_corner([verify(self, type_, near, frame)], near, frame)[0]
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:

@@ -14,6 +14,7 @@ from contin.continuation.settings import Settings
 from contin.problems.orbits import ends
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import onto_section, quietest, rebased, room
+from contin.problems.shooting.rest import at_rest
 
 CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
 LOST_SECTION = 0.3  # cosine between flow and normal below which the section is renewed
@@ -100,13 +101,13 @@ def _ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -
     extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
     if extent < ends.SMALL and extent < float(np.max(np.ptp(earlier.u, axis=0) / sizes)):
         return _at_hopf_point(problem, origin, before, frame)
-    return None
+    return at_rest(problem, origin, before, frame)  # amplitude zero may lie between the two
 
 
 def _at_hopf_point(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
     found = ends.shrunk(problem, origin, before, frame)
     if found is None:
-        return None
+        return at_rest(problem, origin, before, frame)
     last = found.last
     assert last is not None
     shape = problem.profile(origin.z)

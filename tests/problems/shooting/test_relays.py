@@ -8,6 +8,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+import contin
 from contin import api
 from contin.model.model import Model
 
@@ -130,3 +131,25 @@ def test_forced_bilinear_oscillator_doubles_its_period_where_exact_pieces_say():
 
     w = found.values["w"]
     assert singular(w - 1e-9) * singular(w + 1e-9) < 0.0
+
+
+def test_a_family_that_closes_on_a_corner_ends_there():
+    # near rest x/(1 + x^2) is x: half a turn is two linear pieces, and orbits shrink where together they keep |x|
+    eps = 0.04
+
+    def growth(alpha):
+        free, pushed = (np.array([[0.0, 1.0], [-1.0 + push, -eps * alpha]]) for push in (0.0, eps))
+        t = brentq(lambda t: (expm(free * t) @ [1.0, 0.0])[0], 1.0, 2.0, xtol=1e-15)
+        u = expm(free * t) @ [1.0, 0.0]
+        s = brentq(lambda s: (expm(pushed * s) @ u)[1], 1.0, 2.2, xtol=1e-15)
+        return -(expm(pushed * s) @ u)[0] - 1.0, 2.0 * (t + s)
+
+    exact = brentq(lambda alpha: growth(alpha)[0], 0.2, 0.5, xtol=1e-14)
+    orbit = api.periodic_orbit(contin.load("metronomes/one-linear-rational"), "oscillating", {"eps": eps, "alpha": 0.3})
+    branch = api.continuation(orbit, "alpha", (0.29, 0.5))
+    assert not branch.points
+    end = next(e for e in branch.ends if e.reason == "hopf")
+    assert end.data["at"]["alpha"] == pytest.approx(exact, abs=1e-9)
+    assert abs(end.data["at"]["alpha"] - exact) <= 10.0 * end.data["error"]
+    assert branch.columns["period"][branch.columns["x.max"] < 1e-9] == pytest.approx([growth(exact)[1]], abs=1e-8)
+    assert exact == pytest.approx(1.0 / pi, abs=0.1 * eps)  # the averaged value, with an error of the order eps
