@@ -112,3 +112,61 @@ def test_a_cluster_of_processes_finds_the_same():
     distributed = pytest.importorskip("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         assert carry_out(spec(), cluster=cluster.scheduler_address) == carry_out(spec(), threads=1)
+
+
+def test_what_a_killed_scan_has_committed_is_resumed_and_can_be_drawn(tmp_path, monkeypatch):
+    import shutil
+
+    from contin.simulate.scan.carry_out import document_of
+    from contin.store import scan_store
+
+    monkeypatch.setattr(scan_store, "LATEST", -1.0)  # every run is committed
+    chosen, path = spec(), tmp_path / "whole" / "s.scan"
+    path.parent.mkdir()
+    rows = carry_out(chosen, threads=1)
+    store = scan_store.ScanStore(path, "mark", document_of(chosen, {}), False)
+    for job in range(9):
+        store.add(job, rows[job])
+    shutil.copytree(path.parent, tmp_path / "killed")  # as a kill leaves the files
+    store.close()
+    left = tmp_path / "killed" / "s.scan"
+    assert scan_store.read_scan(left)["columns"] == document_of(chosen, {k: rows[k] for k in range(9)})["columns"]
+    assert call("plot", left, "--out", tmp_path / "s.png") == 0
+    assert call("export", left, tmp_path / "s.csv") == 0
+    assert len((tmp_path / "s.csv").read_text().splitlines()) == 10
+    resumed = scan_store.ScanStore(left, "mark", document_of(chosen, {}), True)
+    assert resumed.rows == {k: rows[k] for k in range(9)}
+    resumed.close()
+
+
+def test_a_cluster_that_is_not_there_is_named(tmp_path, capsys):
+    pytest.importorskip("distributed")
+    file = tmp_path / "s.yaml"
+    file.write_text(json.dumps(SCAN | {"outputs": {}}))
+    assert call("scan", file, "--cluster", "nonsense://x") == 2
+    assert "no scheduler answers there" in capsys.readouterr().err
+
+
+def test_beating_is_settled_by_windows_that_grow():
+    # x = (1 + cos(w t)/2) cos t: the modulus beats with any period, however long beside the first window
+    model = Model(
+        "beat", states={"a": 1, "b": 0}, parameters={"w": 0.01}, equations={"a": "-w*b", "b": "w*a"},
+        observables={"r": "1 + a/2"},
+    )  # fmt: skip
+    chosen = ScanSpec(
+        model, (("w", np.array([0.002, 0.3])),), measures={"r": "1 + a/2"}, settle={"window": 30.0, "longest": 2e5},
+        classes={"beating": "r_max - r_min > 0.9"},
+    )  # fmt: skip
+    for outcome in carry_out(chosen, threads=1).values():
+        assert outcome.label == "beating"
+        assert outcome.outcome == "settled"
+        assert outcome.statistics["r_mean"] == pytest.approx(1.0, abs=1e-3)
+        assert outcome.statistics["r_max"] == pytest.approx(1.5, abs=1e-3)
+
+
+def test_a_state_that_is_about_to_be_left_is_not_settled():
+    # x' = x (1 - x) from 1e-3: for a long time next to nothing changes, but what changes grows
+    model = Model("leaving", states={"x": 1e-3}, parameters={"c": 0.01}, equations={"x": "c*x*(1 - x)"})
+    chosen = ScanSpec(model, (("c", np.array([0.01])),), settle={"window": 10.0, "longest": 1e4})
+    outcome = carry_out(chosen, threads=1)[0]
+    assert outcome.statistics["x_max"] == pytest.approx(1.0, abs=1e-3)
