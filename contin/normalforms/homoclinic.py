@@ -28,11 +28,11 @@ class BogdanovTakensUnfolding:
 
     def parameters(self, eps: float) -> Real:
         """p - p0 on the homoclinic curve, up to O(eps^4)."""
-        return np.asarray(self.K @ self._beta(eps))
+        return np.asarray(self.K @ self.beta(eps))
 
     def saddle(self, eps: float) -> Real:
         """u - u0 of the saddle, w0 = 2 eps^2/a."""
-        return np.asarray(2.0 * eps**2 / self.a * self.chain.q0 + self.H @ self._beta(eps))
+        return np.asarray(2.0 * eps**2 / self.a * self.chain.q0 + self.H @ self.beta(eps))
 
     def orbit(self, eps: float, times: Real) -> Real:
         """u - u0 on the homoclinic orbit at the times (its turning point at 0), up to O(eps^4): (len(times), n)."""
@@ -40,9 +40,10 @@ class BogdanovTakensUnfolding:
         square = 1.0 / np.cosh(np.clip(s, -300.0, 300.0)) ** 2
         w0 = eps**2 / self.a * (2.0 - 6.0 * square)
         w1 = eps**3 / self.a * 12.0 * square * np.tanh(s)
-        return np.asarray(np.outer(w0, self.chain.q0) + np.outer(w1, self.chain.q1) + self.H @ self._beta(eps))
+        return np.asarray(np.outer(w0, self.chain.q0) + np.outer(w1, self.chain.q1) + self.H @ self.beta(eps))
 
-    def _beta(self, eps: float) -> Real:
+    def beta(self, eps: float) -> Real:
+        """(b1, b2) on the homoclinic curve."""
         return np.array([-4.0 * eps**4 / self.a, 10.0 * self.b * eps**2 / (7.0 * self.a)])
 
 

@@ -84,7 +84,8 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     curve = problem.curve
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
     parent = Parent(point.branch, point.label)
-    if point.type == "GH" and problem.system.kind != "map":
+    with_orbits = problem.system.kind != "map" and problem.system.jacobian_address != NO_FUNCTION
+    if point.type == "GH" and with_orbits:
         from contin.problems.orbits.loci.born import folds_at_generalised_hopf
 
         return [folds_at_generalised_hopf(problem, point, parameters)]
@@ -101,11 +102,15 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
         seed_of(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
         for type_, scalar in chosen
     ]
-    if point.type in ("HH", "ZH") and problem.system.kind != "map":
+    if point.type in ("HH", "ZH") and with_orbits:
         from contin.problems.orbits.loci.born import tori_at_double_hopf, tori_at_zero_hopf
 
         born = tori_at_double_hopf if point.type == "HH" else tori_at_zero_hopf
         seeds += born(problem, point, parameters)
+    if point.type == "BT" and with_orbits:
+        from contin.problems.orbits.homoclinic.born import homoclinic_at_bogdanov_takens
+
+        seeds += homoclinic_at_bogdanov_takens(problem, point, parameters)
     if point.type == "DP":
         kind = str(problem.memory.get("kind", ""))
         return [_beside_branch_points(seed, point, kind) if seed.problem.locus == "LP" else seed for seed in seeds]

@@ -9,6 +9,7 @@ import numpy as np
 
 import contin
 from contin.continuation.branch import Branch
+from contin.problems.loci.problem import LocusProblem
 from tests.problems.follow import model
 
 BOX = {"p": (-1.0, 1.0), "q": (-1.0, 1.0)}
@@ -68,9 +69,10 @@ def follow(point, names=("p", "q"), box=BOX, **options) -> Branch:
     return contin.continuation(point.locus(names), names, box, **options)
 
 
-def curves_through(point, names=("p", "q"), box=BOX) -> list[Branch]:
-    """Every curve that a point of codimension two offers."""
-    return [contin.continuation(seed, names, box) for seed in point.locus(names)]
+def curves_through(point, names=("p", "q"), box=BOX, orbits: bool = False, **options) -> list[Branch]:
+    """Every curve of equilibria (of orbits) that a point of codimension two offers."""
+    seeds = [seed for seed in point.locus(names) if isinstance(seed.problem, LocusProblem) != orbits]
+    return [contin.continuation(seed, names, box, **options) for seed in seeds]
 
 
 def found(branch: Branch, names=("p", "q")) -> list[tuple]:

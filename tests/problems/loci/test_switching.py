@@ -66,13 +66,15 @@ def test_from_hh_to_the_hopf_curve_of_the_other_pair():
         assert sorted(frequencies, key=min) == [{1.0}, {5.29}]
 
 
-def test_from_cp_and_gh_their_own_curve_in_both_directions():
+def test_from_cp_its_own_curve_in_both_directions():
     (folds,) = curves_through(CUSP.curve("LP1")["CP1"])
     p, q = columns(folds, "p", "q")
     np.testing.assert_allclose(27 * p**2, 4 * q**3, atol=1e-9)
     assert p.min() < -0.3 < 0.3 < p.max()  # both branches of the parabola
-    (hopf,) = curves_through(BAUTIN.curve("HB1")["GH1"])
-    assert (hopf.locus, hopf.columns["q"].min(), hopf.columns["q"].max()) == ("HB", -1.0, 1.0)
+
+
+def test_from_gh_to_the_folds_of_cycles_alone():
+    assert [seed.problem.locus for seed in BAUTIN.curve("HB1")["GH1"].locus(tuple(BOX))] == ["LPC"]
 
 
 def test_from_dp_to_the_folds_that_touch_the_branch_points():

@@ -44,7 +44,8 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
         unstable = int(np.sum(visited[b].eigenvalues.real > 0.0))
         piece = replace(piece, parameter=value)
         parent = Parent(point.branch, point.label)
-        seeds.append(_seed(orbits, second, piece, ends, stable, unstable, float(orbits.base[second]), parent))
+        q = float(orbits.base[second])
+        seeds.append(solved_connection(orbits, second, piece, ends, stable, unstable, q, parent))
     if any(not np.allclose(seeds[0].z[-2:], s.z[-2:]) for s in seeds):
         return seeds
     return seeds if len(visited) > 1 else seeds[:1]  # loops of one saddle: images of each other, or one twice
@@ -103,7 +104,7 @@ def _piece(profile: Profile, start: float, end: float) -> Profile:
     return Profile(profile.m, u, (end - start) * profile.period, h, profile.parameter)
 
 
-def _seed(
+def solved_connection(
     orbits: OrbitProblem, second: int, piece: Profile, ends: Array, stable: int, unstable: int, q: float, parent: Parent
 ) -> Seed:
     """The connection solved for at fixed q, on a mesh that fits it."""

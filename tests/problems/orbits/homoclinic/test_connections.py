@@ -7,6 +7,7 @@ import pytest
 
 import contin
 from contin.model.model import Model
+from tests.problems.loci.planes import BOGDANOV_TAKENS, curves_through
 
 
 @pytest.fixture(scope="module")
@@ -42,3 +43,17 @@ def test_homoclinic_orbits_of_the_cubic_leaf_have_m_zero_and_its_extent(loops):
 def test_their_only_special_point_is_the_resonance_where_the_trace_vanishes(loops):
     assert [point.type for point in loops.points] == ["NSS"]
     assert loops["NSS1"].values["a"] == pytest.approx(0, abs=1e-8)
+
+
+def test_homoclinic_orbits_leave_a_bogdanov_takens_point_as_the_normal_form_says():
+    """x' = y, y' = p + q x + x^2 - x y: p = -(6/25) q^2 + O(q^3), q < 0 (Kuznetsov, Elements, 3rd ed., sec. 8.4)."""
+    folds = BOGDANOV_TAKENS.curve("LP1")
+    (loops,) = curves_through(folds["BT1"], orbits=True, settings={"steps": 12})
+    p, q = loops.columns["p"], loops.columns["q"]
+    assert loops.locus == "HOM"
+    assert loops.ends[0].reason == "start"
+    assert np.all(np.diff(q) < 0)
+    assert np.all(q < 0)
+    slope, at_point = np.polyfit(q, p / q**2, 1)
+    assert at_point == pytest.approx(-6 / 25, abs=2e-4)
+    assert abs(slope) < 0.1

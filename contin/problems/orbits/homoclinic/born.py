@@ -1,0 +1,112 @@
+"""The curve of homoclinic orbits that leaves a Bogdanov-Takens point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.problems.loci.start import indices
+from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.problem import OrbitProblem
+
+INTERVALS = 60
+EPS = (0.1, 0.3, 0.03)  # tried extents of the predicted orbit, relative to the states' sizes
+HALF_TIME = 6.0  # half of the time interval in units of the predicted orbit's own time
+ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its prediction
+
+
+def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
+    from contin.normalforms.homoclinic import bogdanov_takens_unfolding
+    from contin.normalforms.sources import compiled_jet
+
+    first, second = indices(problem.system, parameters)
+    u, p = point.z[: problem.n], problem.curve.full_parameters(point.z)
+    try:
+        jet = compiled_jet(problem.system, u, p, (first, second), "flow", problem.curve.sizes)
+        unfolding = bogdanov_takens_unfolding(jet)
+    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
+        return []
+    typical = float(np.max(np.abs(unfolding.chain.q0) / problem.curve.sizes))
+    parent = Parent(point.branch, point.label)
+    for relative in EPS:
+        eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
+        try:
+            seed = _seed(problem.system, u, p, (first, second), unfolding, eps, parent)
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        return [_away(seed, np.array([p[second], p[first]]), problem, parameters, point)]
+    return []
+
+
+def _seed(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: Any, eps: float, parent: Parent) -> Seed:
+    """The predicted orbit, about the exact fold of equilibria nearby, corrected.
+
+    The linear map of the parameters leaves an error of the order of b1 = -4 eps^4 / a itself; counted from the fold
+    curve b1 = 0, it is of higher order.
+    """
+    n = len(u)
+    b2 = float(unfolding.beta(eps)[1])
+    along = p.copy()
+    along[list(active)] += unfolding.K[:, 1] * b2
+    centre, moved = _fold(system, u + unfolding.H[:, 1] * b2, along, active, unfolding)
+    shift = unfolding.beta(eps) * np.array([1.0, 0.0])
+    moved[list(active)] += unfolding.K @ shift
+    centre = centre - unfolding.H[:, 1] * b2
+    half = HALF_TIME / eps
+    h = np.full(INTERVALS, 1.0 / INTERVALS)
+    rest = Profile(4, np.zeros((INTERVALS * 4 + 1, n)), 2.0 * half, h, float(moved[active[0]]))
+    piece = replace(rest, u=centre + unfolding.orbit(eps, (2.0 * rest.times - 1.0) * half))
+    orbits = OrbitProblem(system, moved, active[0], np.zeros(n), 4)
+    saddle = centre + unfolding.saddle(eps)
+    values = np.linalg.eigvals(system.jacobian(saddle, moved)[1][:, :n])
+    stable = int(np.sum(values.real < 0.0))
+    seed = solved_connection(
+        orbits, active[1], piece, saddle[None, :], stable, n - stable, float(moved[active[1]]), parent
+    )
+    found = seed.problem.curve.profile(seed.z)  # type: ignore[attr-defined]
+    extent = np.ptp(piece.u, axis=0).max()
+    if float(np.abs(found.at(rest.times) - piece.u).max()) > ALIKE * extent:
+        raise InputError("another orbit was found")
+    return seed
+
+
+def _fold(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: Any) -> tuple[Array, Array]:
+    """The fold near u with the parameters moved along K[:, 0] from p: f = 0, f_u v = 0, <q0, v> = 1."""
+    from scipy.optimize import root
+
+    n, q0, direction = len(u), unfolding.chain.q0, unfolding.K[:, 0]
+
+    def at(x: Array) -> Array:
+        moved = p.copy()
+        moved[list(active)] += x[-1] * direction
+        f, jacobian = system.jacobian(x[:n], moved)
+        return np.concatenate([f, jacobian[:, :n] @ x[n : 2 * n], [q0 @ x[n : 2 * n] - 1.0]])
+
+    found = root(at, np.concatenate([u, q0, [0.0]]), tol=1e-13)
+    if not float(np.max(np.abs(at(found.x)))) < 1e-8:
+        raise InputError("no fold of equilibria beside the point")
+    moved = p.copy()
+    moved[list(active)] += found.x[-1] * direction
+    return found.x[:n], moved
+
+
+def _away(seed: Seed, origin: Array, problem: Any, parameters: Sequence[str], point: SpecialPoint) -> Seed:
+    """The seed with one arm, away from the point (q, p) = origin that it was born at."""
+    connection: Any = seed.problem
+    widths = dict(zip(problem.parameters, (float(x) for x in point.scale[[-1, -2]]), strict=True))
+    profile = connection.curve.profile(seed.z)
+    sizes = connection.curve.orbits.state_sizes(profile)
+    scale = connection.scale_for(profile.h, sizes, *(widths.get(name, 1.0) for name in parameters))
+    tangent = connection.tangents(seed.z, scale)[0]
+    if float((seed.z[-2:] - origin) / scale[-2:] @ tangent[-2:]) < 0.0:
+        tangent = -tangent
+    return replace(seed, direction=tangent, curvature=None, scale=scale, arms=(1,))
