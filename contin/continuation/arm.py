@@ -22,6 +22,7 @@ SHORTEST_RETRY = 1e-6  # steps longer than this are repeated where a change betw
 JUMP = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 RETRY_STEP = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 HALF_PERIOD = "half a period"  # the symmetry of doubled orbits, see `contin.problems.orbits.symmetry`
+SAME_FOLD = 1e-6  # distance of a fold from the orbit at which a family turns back, relative to the range
 SAME_POINT = 1e-8  # two verified points of one type closer than this are one
 
 
@@ -215,7 +216,14 @@ class Arm:
             if mirror is not None:
                 last = replace(mirror.sample, z=mirror.point.z, unstable=mirror.point.unstable)
                 replaced = True
-                found = [f for f in found if f.length < mirror.length]
+                near = SAME_FOLD * float(self.scale[-1])  # the parameter turns there too, which is no event of its own
+                at = float(mirror.point.z[-1])
+                found = [
+                    f
+                    for f in found
+                    if f.length < mirror.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
+                ]
+                notes = []  # they are about what the branch passes there
             halt = self._halt(found)
             if halt is not None:
                 found = [f for f in found if f.length <= halt.length]
@@ -258,19 +266,25 @@ class Arm:
         return None
 
     def _mirror(self, found: list[Found]) -> Found | None:
-        """The branch point at which the branch meets its own mirror image; ends the arm."""
-        if not self.symmetries or self.end is not None:
+        """The branch point at which the branch meets its own mirror image, or orbits those of half the period.
+
+        Ends the arm.
+        """
+        if self.end is not None:
             return None
         for f in found:
-            tangent = f.sample.tangent * self.scale
-            if f.point.type in ("BP", "BPC") and self.problem.reverses(f.point.z, tangent, self.symmetries):
-                at = float(f.point.z[-1])
-                where = f"{self.problem.parameters[0]} = {at:.10g}"
+            if f.point.type not in ("BP", "BPC"):
+                continue
+            tangent, at = f.sample.tangent * self.scale, float(f.point.z[-1])
+            where = f"{self.problem.parameters[0]} = {at:.10g}"
+            if f.point.type == "BPC" and self.problem.reverses(f.point.z, tangent, (HALF_PERIOD,)):
+                text = f"came together with orbits of half the period, at their period doubling {where}"
+            elif self.symmetries and self.problem.reverses(f.point.z, tangent, self.symmetries):
                 text = f"met its own mirror image at the branch point {where}"
-                if self.symmetries == (HALF_PERIOD,):
-                    text = f"came together with orbits of half the period, at their period doubling {where}"
-                self.end = End("joined", text, {"at": at})
-                return f
+            else:
+                continue
+            self.end = End("joined", text, {"at": at})
+            return f
         return None
 
     def _is_known(self, point: Verified) -> bool:

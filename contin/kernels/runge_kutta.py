@@ -109,7 +109,7 @@ def integrate(
             error5 += (e5 / scale) ** 2
             error3 += (e3 / scale) ** 2
         bottom = math.sqrt((error5 + 0.01 * error3) * size)
-        error = h * error5 / bottom if bottom > 0.0 else 0.0
+        error = h * error5 / bottom if bottom != 0.0 else 0.0  # NaN stays NaN
         counts[2] += 1
         if not math.isfinite(error):
             if h < 1e-12:

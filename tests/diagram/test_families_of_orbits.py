@@ -94,3 +94,12 @@ def test_branch_point_that_breaks_the_symmetry_of_an_orbit_is_named_and_its_imag
     assert abs(broken.columns["x.max"][-1] - broken.columns["u.max"][-1]) > 0.1
     np.testing.assert_allclose(image.columns["x.max"], broken.columns["u.max"], rtol=1e-9)
     np.testing.assert_allclose(image.columns["B"], broken.columns["B"])
+
+
+def test_doubled_orbits_from_a_simulation_end_where_they_meet_those_of_half_the_period():
+    start = api.periodic_orbit(bubble(), {"x": 1.1, "y": 0.0, "z": 0.02}, {"p": 0.5})
+    assert start.period == pytest.approx(4.0 * np.pi, rel=1e-6)
+    family = api.continuation(start, "p", (0.0, 1.0))
+    assert [end.reason for end in family.ends] == ["joined", "joined"]
+    assert [end.data["at"] for end in family.ends] == pytest.approx([0.25, 0.75], abs=1e-7)
+    assert not family.points

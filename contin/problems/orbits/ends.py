@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.orbits.invariant_circle import invariant_circle
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import dwelling
 
@@ -40,9 +41,13 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     """The end that an orbit has reached, or None."""
     if before is None:
         return None
-    return shrunk(problem, origin, before, frame) or (
-        diverged(problem, origin, before, frame) if problem.autonomous else None
-    )
+    found = shrunk(problem, origin, before, frame)
+    if found is None and problem.autonomous:
+        found = diverged(problem, origin, before, frame)
+    if found is None and problem.autonomous:
+        circle = invariant_circle(problem, origin, before, frame)
+        found = None if circle is None else Ending(circle[0], None, circle[1])
+    return found
 
 
 def _extent(profile: Profile, sizes: Array) -> float:
@@ -182,7 +187,7 @@ def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
         if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
             return []
         for k, known in enumerate(found):
-            if float(np.max(np.abs(known.u - state) / sizes)) < 1e-6:
+            if float(np.max(np.abs(_turned(problem, known.u - state)) / sizes)) < 1e-6:
                 found[k] = replace(known, visits=known.visits + 1)
                 break
         else:
@@ -255,3 +260,10 @@ def _connection(
 def _rounded(value: float, state: Array) -> float:
     """Zero for what is rounding beside the state's other entries (and 1)."""
     return float(value) if abs(value) > 1e-13 * max(1.0, float(np.abs(state).max())) else 0.0
+
+
+def _turned(problem: Any, difference: Array) -> Array:
+    """A difference of states without whole turns of angles."""
+    periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
+    turns = np.round(difference / np.where(periods > 0.0, periods, 1.0))
+    return np.asarray(difference - np.where(periods > 0.0, turns * periods, 0.0))
