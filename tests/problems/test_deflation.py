@@ -79,7 +79,7 @@ def test_fixed_points_of_maps_and_equilibria_of_functions():
     cubic = contin.FunctionProblem(lambda u, p: p["a"] * u - u**3, [0.1], {"a": 1.0})
     np.testing.assert_allclose([one.u[0] for one in contin.find_equilibria(cubic, (-3, 3))], [-1, 0, 1], atol=1e-12)
     broken = contin.FunctionProblem(lambda u, p: np.array([u[0] - 1 / p["missing"]]), [0.1], {"a": 1.0})
-    with pytest.raises(KeyError, match="missing"):
+    with pytest.raises(contin.ContinError, match="the residual raised KeyError: 'missing'"):
         contin.find_equilibria(broken, (-1, 1))
 
 
