@@ -204,6 +204,8 @@ class ShootingProblem:
         from contin.problems.shooting.corners import signature
 
         found = explain(a, b)
+        if found == ("flat",):  # of collocation, whose multipliers tell a fold that its tangents hide
+            return None
         if found and self.system.n_switches and signature(self, a.z) != signature(self, b.z):
             return None  # a change of formulas may be all that happens: it is told from the rest up close
         return found
