@@ -136,7 +136,9 @@ def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
         form = neimark_sacker(jet_at(problem, z), float(np.arccos(cosine)))
     except (ZeroDivisionError, np.linalg.LinAlgError):
         return 0.0
-    return float(form.coefficients["d"][0])
+    value = float(form.coefficients["d"][0])
+    # area-preserving maps have Re d = 0 all along: rounding has no sign
+    return value if abs(value) > float(form.errors["d"]) else 0.0
 
 
 def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | str:

@@ -1,0 +1,49 @@
+"""Curves of folds, period doublings and Neimark-Sacker points of the Henon map in both parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contin
+from contin.model.model import Model
+
+BOX = {"al": (-3, 5), "be": (-2, 3)}
+NAMES = ("al", "be")
+
+
+@pytest.fixture(scope="module")
+def line():
+    """x -> y, y -> al - be x - y^2: multipliers with product be and sum -2 y (Kuznetsov, Elements, 3rd ed., ch. 9)."""
+    model = Model(
+        "henon", kind="map", states={"x": -1.3, "y": -1.3}, parameters={"al": -0.5, "be": 0.5},
+        equations={"x": "y", "y": "al - be*x - y^2"},
+    )  # fmt: skip
+    return contin.continuation(contin.equilibrium(model), "al", (-2, 4))
+
+
+def follow(point):
+    return contin.continuation(point.locus(NAMES), NAMES, BOX)
+
+
+def places(branch):
+    return sorted((p.type, round(p.values["al"], 9), round(p.values["be"], 9)) for p in branch.points)
+
+
+def test_folds_and_period_doublings_lie_on_parabolas_and_meet_where_both_multipliers_are_critical(line):
+    folds, doublings = follow(line["LP1"]), follow(line["PD1"])
+    al, be = folds.columns["al"], folds.columns["be"]
+    np.testing.assert_allclose(al, -((1 + be) ** 2) / 4, atol=1e-10)
+    al, be = doublings.columns["al"], doublings.columns["be"]
+    np.testing.assert_allclose(al, 3 * (1 + be) ** 2 / 4, atol=1e-10)
+    assert places(folds) == [("LPPD", 0, -1), ("R1", -1, 1)]
+    assert places(doublings) == [("LPPD", 0, -1), ("R2", 3, 1)]  # no GPD: the cubic coefficient has only poles
+
+
+def test_the_strong_resonances_lie_on_the_line_of_unit_area(line):
+    """be = 1, y = -cos theta, al = y^2 + 2 y: R2, R3, R4, R1 at 3, 5/4, 0, -1."""
+    doublings = follow(line["PD1"])
+    tori = follow(doublings["R21"])
+    np.testing.assert_allclose(tori.columns["be"], 1, atol=1e-10)
+    found = {p.type: p.values["al"] for p in tori.points}
+    assert found == pytest.approx({"R1": -1, "R2": 3, "R3": 1.25, "R4": 0}, abs=1e-9)
