@@ -145,5 +145,6 @@ class Branch:
     def multiplier_kind(self) -> bool:
         """True where `eigenvalues` are multipliers (orbits and maps)."""
         if self.kind == "locus":
-            return self.locus in ("LPC", "BPC", "PD", "NS") or self.problem.system.kind == "map"
+            system = getattr(self.problem, "system", None)  # a branch that was read from a file has no problem
+            return self.locus in ("LPC", "BPC", "PD", "NS") or getattr(system, "kind", "flow") == "map"
         return self.kind in ("orbit", "fixed-point")
