@@ -140,11 +140,15 @@ def test_what_a_killed_scan_has_committed_is_resumed_and_can_be_drawn(tmp_path, 
 
 
 def test_a_cluster_that_is_not_there_is_named(tmp_path, capsys):
-    pytest.importorskip("distributed")
+    distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
     file = tmp_path / "s.yaml"
     file.write_text(json.dumps(SCAN | {"outputs": {}}))
     assert call("scan", file, "--cluster", "nonsense://x") == 2
     assert "no scheduler answers there" in capsys.readouterr().err
+    # and the process forgets it: whatever uses dask later must not be sent to the client that failed
+    assert dask.config.get("scheduler", None) is None
+    with pytest.raises(ValueError, match="No client"):
+        distributed.default_client()
 
 
 def test_beating_is_settled_by_windows_that_grow():

@@ -134,12 +134,13 @@ def _on_cluster(spec: ScanSpec, jobs: Sequence[int], address: str) -> Iterator[t
     from uuid import uuid4
 
     try:
-        client = Client(address, timeout="10s")
+        # never the process's default: dask would send unrelated work (xarray's files) to a client that never connected
+        client = Client(address, timeout="10s", set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(f"--cluster {address}: no scheduler answers there ({error})") from None
     with client:
         token, everywhere = uuid4().hex, client.scatter(spec, broadcast=True)
         batches = [list(jobs[k : k + BATCH]) for k in range(0, len(jobs), BATCH)]
         futures = [client.submit(run_batch, everywhere, token, batch, pure=False) for batch in batches]
-        for _, result in as_completed(futures, with_results=True):
+        for _, result in as_completed(futures, loop=client.loop, with_results=True):
             yield from result
