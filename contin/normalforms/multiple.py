@@ -16,7 +16,7 @@ from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
 from contin.normalforms.polynomial_roots import Root, distance, sphere_roots
 from contin.normalforms.reduction import Reduction
-from contin.normalforms.static import StateError, quadratic_error
+from contin.normalforms.static import StateError, quadratic_error, state, state_lengths
 
 OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
 LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
@@ -37,12 +37,23 @@ def multiple_directions(r: Reduction, *, state_error: StateError = None) -> list
 
 def scaling_of(r: Reduction, state_error: StateError = None) -> str:
     """Which of the three scalings holds: 'fold', 'quadratic' or 'cubic'."""
-    slope = r.jet.form(np.eye(r.jet.n + 1)[-1])
-    if np.any(np.abs(r.a01) > OUTSIDE * (np.abs(r.left.T) @ np.abs(slope))):
+    if np.any(np.abs(r.a01) > _slope_error(r, state_error)):
         return "fold"
     quadratic = np.abs(r.T2[:, : r.k, : r.k])
     errors = [max(quadratic_error(r.jet, r.left[:, j], q, q, state_error) for q in r.right.T) for j in range(r.k)]
     return "cubic" if np.all(quadratic.max(axis=(1, 2)) <= 2.0 * np.array(errors)) else "quadratic"
+
+
+def _slope_error(r: Reduction, state_error: StateError) -> Real:
+    """Estimated error of a01 = <p, F_p>: cancellation over the components, and what an error of u0 makes through F_up.
+
+    Where F_p is nothing but rounding (u0 does not move with the parameter), only the second tells that it is zero.
+    """
+    jet, move = r.jet, np.eye(r.jet.n + 1)[-1]
+    summands = np.abs(r.left.T) @ np.abs(jet.form(move))
+    lengths, eye = state_lengths(jet, state_error), np.eye(jet.n)
+    mixed = np.array([jet.form(state(jet, eye[i]), move) for i in range(jet.n)])  # (n, n): row i is F_up e_i
+    return np.asarray(OUTSIDE * summands + np.abs(mixed @ r.left).T @ lengths)
 
 
 def _quadratic(r: Reduction) -> list[Direction]:

@@ -89,6 +89,17 @@ def test_all_predictors_at_a_triangle_point_leave_third_order_residuals():
         assert np.polyfit(np.log(steps), np.log(miss), 1)[0] > 2.85
 
 
+def test_a_slope_of_rounding_is_none():
+    # the same with F_p = rounding of a state that does not move: no fold, although it cancels in none of its components
+    noise = {(0, 0, 1): 1e-17}
+    field = [{(1, 0, 1): 1.0, (2, 0, 0): 1.0, (0, 2, 0): -1.0} | noise, {(0, 1, 1): 1.0, (1, 1, 0): -2.0} | noise]
+    jet = PolynomialJet(field, 1)
+    assert any_branch_point(jet, state_error=1e-12).coefficients["scaling"] == "quadratic"
+    assert len(branch_directions(jet, state_error=1e-12)) == 4
+    slope = {(0, 0, 1): 1e-6}  # a slope that is small, but known
+    assert any_branch_point(PolynomialJet([field[0] | slope, field[1]], 1)).coefficients["scaling"] == "fold"
+
+
 def test_hilltop_point_has_two_vertical_curves():
     # x' = p - x^2 + ..., y' = x y - y^2 -> with F_p outside the range: x y = y^2 gives y = 0 or x = y, p = x^2
     field = [{(0, 0, 1): 1.0, (2, 0, 0): -1.0}, {(1, 1, 0): 1.0, (0, 2, 0): -1.0}]
