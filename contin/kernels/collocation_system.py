@@ -104,7 +104,7 @@ def factorise(s, n, m, border, sign_of_end):
     s_last = s.last
     s_last_right_block = s.last_right_block
     s_last_border_right = s.last_border_right
-    sign = condense_dense(s, n, m) if n > LANES else _condense(s, n, m)
+    sign = condense_dense(s, n, m) if n > LANES else condense(s, n, m)
     if sign == 0:
         return 0
     for r in range(n + 2):
@@ -135,7 +135,7 @@ def condense_intervals(s, n, m):
 
 
 @kernel
-def _condense(s, n, m):
+def condense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
     s_local = s.local
     s_work = s.work

@@ -62,6 +62,14 @@ class OrbitCurve:
     _works: dict[str, _Work] = field(default_factory=dict)
 
     @property
+    def system(self) -> Any:
+        return self.orbits.system
+
+    @property
+    def base(self) -> Array:
+        return self.orbits.base
+
+    @property
     def first(self) -> int:
         return self.orbits.active
 
@@ -108,19 +116,20 @@ class OrbitCurve:
         tolerance only measures at `guess`. `curvature` : what the second correction was beside the square of the first
         one nearby; with it a first correction is believed where the second would be nothing.
         """
-        from contin.kernels import special_orbits as kernel
+        from contin.kernels.special_orbits.correct import correct_special
+        from contin.kernels.special_orbits.memory import NOT_FINITE
 
         work = self._work(guess, scale)
         n = self.orbits.n
         guess = self._in_phase(z0, guess, scale)
         out_z, out_t = np.empty(z0.size), np.empty(z0.size)
         re, im, info = np.empty(n), np.empty(n), np.array([0.0, 0.0, 0.0, curvature])
-        status = int(kernel.correct_special(
+        status = int(correct_special(
             self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame, work.memory,
             z0, tangent, scale, self._sizes(z0, scale), length, guess, tolerance, exact, out_z, out_t, re, im, info,
         ))  # fmt: skip
         if status < 0:
-            return "not finite" if status == kernel.NOT_FINITE else "no convergence"
+            return "not finite" if status == NOT_FINITE else "no convergence"
         found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0, float(info[3]))
         return replace(found, speed=self._speed(work, found, scale)) if self.type == "LPC" else found
 
@@ -158,7 +167,7 @@ class OrbitCurve:
 
     @cached_property
     def _constants(self) -> Any:
-        from contin.kernels.special_orbits import Curve
+        from contin.kernels.special_orbits.memory import Curve
 
         return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
 
@@ -175,16 +184,16 @@ class OrbitCurve:
         return known
 
     def _new_work(self, z: Array, mesh: Array, normals: list[tuple[Array, Array]]) -> _Work:
-        from contin.kernels import special_orbits as kernel
         from contin.kernels.collocation_march import new_memory
+        from contin.kernels.special_orbits.memory import Frame, new_curve_memory
 
         n, m, count = self.orbits.n, self.orbits.points, len(mesh)
         p = self.at(z).full_parameters(z)
         free = n - 1 if self.orbits.autonomous else n
         size = (count * m + 1) * n + count + 2
         points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
-        memory = kernel.new_curve_memory(KINDS[self.type], n, m, count, p.size)  # type: ignore[no-untyped-call]
-        frame = kernel.Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
+        memory = new_curve_memory(KINDS[self.type], n, m, count, p.size)  # type: ignore[no-untyped-call]
+        frame = Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
         times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
         weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
         return _Work(mesh, points, factors, scratch, memory, frame, weights, normals=normals)

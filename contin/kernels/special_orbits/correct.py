@@ -1,0 +1,119 @@
+"""Newton on a curve of special orbits, in one kernel call."""
+
+import math
+
+from contin.kernels.collocation import set_phase
+from contin.kernels.collocation_march import floquet
+from contin.kernels.compile import kernel
+from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.special_orbits.linearise import linearise
+from contin.kernels.special_orbits.memory import FAILED
+from contin.kernels.special_orbits.tangent import along_y, tangent_of
+
+ITERATIONS = 8
+STAGNATION = 1e-7
+
+
+@kernel
+def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, guess, tolerance, exact, out_z, out_t,
+                    out_re, out_im, info):  # fmt: skip
+    """Newton on the plane <tangent, (z - z0) / scale> = length from `guess`, into out_z, with tangent and multipliers.
+
+    `exact`: everything is measured at the solution itself, else with the matrices of the last iteration; tolerance
+    inf: nothing is solved, only measured. info: [size of the first correction, iterations, s part of y[1], size of the
+    second correction beside the square of the first]; on entry info[3] is the last known of these, inf where one
+    iteration is never enough.
+    Returns the number of iterations, FAILED or NOT_FINITE.
+    """
+    n, m = e.n, e.m
+    size = scale.size
+    intervals = w.h.size
+    nu = (intervals * m + 1) * n
+    z = o.z
+    last = z.size - 1
+    for j in range(size):
+        out_z[j] = guess[j]
+    set_phase(e, w, guess, sizes)
+    before = math.inf
+    curvature = info[3]
+    done = not tolerance < math.inf
+    final = done
+    info[0] = 0.0
+    iteration = 0
+    unknowns = o.small.shape[0]
+    while True:
+        for j in range(nu + 1 + intervals):
+            z[j] = out_z[j]
+        z[last] = out_z[size - 1]
+        status = linearise(e, c, w, s, f, o, out_z[size - 2], out_z[size - 3])
+        if status != 0:
+            return status
+        if final:
+            break
+        for row in range(unknowns):
+            g = o.combination
+            if row < unknowns - 1:
+                for col in range(unknowns):
+                    o.small[row, col] = o.dG[row, col + 1]
+                g[row] = -(o.G[row] + o.dG[row, 0])
+            else:
+                for col in range(unknowns):
+                    total = 0.0
+                    for j in range(size):
+                        total += tangent[j] * along_y(c, f, o, col + 1, j, nu, intervals) / scale[j]
+                    o.small[row, col] = total
+                rest = length
+                for j in range(size):
+                    rest -= tangent[j] * (out_z[j] - z0[j] + along_y(c, f, o, 0, j, nu, intervals)) / scale[j]
+                g[row] = rest
+        if lu_factor(o.small, o.small_pivots) == 0:
+            return FAILED
+        lu_solve(o.small, o.small_pivots, o.combination)
+        total = 0.0
+        for j in range(size):
+            change = along_y(c, f, o, 0, j, nu, intervals)
+            for row in range(unknowns):
+                change += o.combination[row] * along_y(c, f, o, row + 1, j, nu, intervals)
+            out_z[j] += change
+            change /= scale[j]
+            total += change * change
+        moved = math.sqrt(total)
+        iteration += 1
+        if iteration == 1:
+            info[0] = moved
+        if not moved < 1e2 or not out_z[nu] > 0.0:
+            return FAILED
+        ratio = moved / before
+        if iteration == 1:
+            done = moved <= tolerance or curvature * moved * moved < 0.03 * tolerance
+        elif moved <= tolerance or (moved < 1e-4 and moved * ratio * ratio < 0.1 * tolerance):
+            done = True
+        elif ratio > 0.5:
+            if moved < STAGNATION:
+                done = True
+            else:
+                return FAILED
+        elif iteration >= ITERATIONS:
+            return FAILED
+        if iteration == 2:
+            info[3] = moved / (before * before)
+        before = moved
+        if done:
+            if not exact:
+                break
+            final = True
+    if not tangent_of(c, f, o, nu, intervals, scale, tangent, out_t):
+        return FAILED
+    info[1] = iteration
+    info[2] = o.y[1, nu + 1]
+    for k in range(x.re.size):
+        x.re[k] = math.nan
+    for j in range(x.z.size):
+        x.z[j] = z[j]
+    trivial = floquet(e, w, s, x)
+    out_re[0] = trivial
+    out_im[0] = 0.0
+    for k in range(x.re.size):
+        out_re[k + n - x.re.size] = x.re[k]
+        out_im[k + n - x.re.size] = x.im[k]
+    return iteration

@@ -1,0 +1,149 @@
+"""The equations of special orbits at a point: solutions y, null functions v, G and its derivatives dG."""
+
+from contin.kernels.collocation import LANES, evaluate, fill, residual
+from contin.kernels.collocation_dense import condense_dense
+from contin.kernels.collocation_system import condense, reduce_right
+from contin.kernels.compile import call4, part
+from contin.kernels.dense import lu_solve
+from contin.kernels.special_orbits.columns import (
+    right_side,
+    second_column,
+    second_derivatives,
+    slope_right,
+    spread,
+    turn,
+)
+from contin.kernels.special_orbits.memory import BPC, FAILED, LPC, NOT_FINITE, NS, PD
+from contin.kernels.special_orbits.null_vectors import final_factors, finish, null_functions
+
+
+@part
+def linearise(e, c, w, s, f, o, q, extra):
+    """The solutions y, G and dG at o.z with second parameter q and the further unknown; 0, FAILED or NOT_FINITE."""
+    w.p[c.second] = q
+    if not evaluate(e, w, o.z, True):
+        return NOT_FINITE
+    second_column(e, c, w, o.z, o.fq)
+    turn(f.across, f.along, w.fp, o.fq, o.fr)
+    residual(e, w, o.z, s.right_local, o.jump, o.border)
+    fill(e, w, o.z, o.zero, o.units, s.local, o.corner)
+    by_r = period_row(e, c, w, f, o)
+    sign = condense_dense(s, e.n, e.m) if e.n > LANES else condense(s, e.n, e.m)
+    if sign == 0:
+        return FAILED
+    if not final_factors(e, c, w, s, f, o):
+        return FAILED
+    solutions(e, c, w, s, f, o, extra, by_r)
+    if c.kind in (PD, NS):
+        if not null_functions(e, c, s, f, o, extra):
+            return FAILED
+    elif c.kind == LPC:
+        o.G[0] = o.y[2, o.y.shape[1] - 2]
+    else:
+        o.G[0] = o.y[2, o.y.shape[1] - 1]
+        o.G[1] = o.y[3, o.y.shape[1] - 1]
+    reduce_slopes(e, c, w, s, f, o)
+    slopes(e, c, s, o)
+    return 0
+
+
+@part
+def period_row(e, c, w, f, o):
+    """o.corner: coefficients of T and s in the forcing period's row (autonomous: 0); returns minus that of r."""
+    corner, by_all = o.corner, o.by_all
+    by_r = 0.0
+    corner[0, 0] = 0.0
+    corner[0, 1] = 0.0
+    if e.forcing != 0:
+        call4(e.forcing, w.F, w.p, o.period, by_all)
+        by_p = e.multiple * by_all[0, e.n + e.active]
+        by_q = e.multiple * by_all[0, e.n + c.second]
+        corner[0, 0] = 1.0
+        corner[0, 1] = -(f.across[0] * by_p + f.across[1] * by_q)
+        by_r = f.along[0] * by_p + f.along[1] * by_q
+    return by_r
+
+
+@part
+def solutions(e, c, w, s, f, o, extra, by_r):
+    """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the rows of the frame 0 but 1 for the null vectors."""
+    n, m, x, jump = e.n, e.m, o.x, o.jump
+    if c.kind == BPC:
+        for j in range(n):
+            jump[j] -= extra * f.jump[j, 0]
+    reduce_right(s, n, m)
+    x[n + 1] = 0.0
+    x[n + 2] = 0.0
+    finish(s, n, m, f, o, o.border[0], True, 0)
+    for j in range(n):
+        jump[j] = 0.0
+    slope_right(o.fr, w.h, o.z[o.y.shape[1] - 3], s.right_local)
+    reduce_right(s, n, m)
+    x[n + 1] = 0.0
+    x[n + 2] = 0.0
+    finish(s, n, m, f, o, by_r, True, 1)
+    for j in range(2, 4 if c.kind == BPC else 3):
+        x[n + 1] = 1.0 if j == 2 else 0.0
+        x[n + 2] = 0.0 if j == 2 else 1.0
+        finish(s, n, m, f, o, 0.0, False, j)
+
+
+@part
+def reduce_slopes(e, c, w, s, f, o):
+    """o.reduced: -D^2F[v, y] for all v and y, condensed. NS: the last column belongs to k."""
+    n, m, y, v = e.n, e.m, o.y, o.v
+    nu = y.shape[1] - 3
+    count = 4 if c.kind == BPC else 3
+    for j in range(count):
+        spread(y, j, n, m, o.node, o.at, e.values, j)
+    for a in range(1 if c.kind in (LPC, PD) else 2):
+        which = 2 + a
+        by_period = 0.0
+        by_s = 0.0
+        if c.kind in (LPC, BPC):
+            by_period = y[which, nu]
+            by_s = y[which, nu + 1]
+        else:
+            which = 4
+            spread(v, a, n, m, o.node, o.at, e.values, 4)
+        second_derivatives(e, c, w, f, o, which, by_period, by_s)
+        for j in range(count):
+            y_s = y[j, nu + 1]
+            y_r = 1.0 if j == 1 else 0.0
+            y_p = f.across[0] * y_s + f.along[0] * y_r
+            y_q = f.across[1] * y_s + f.along[1] * y_r
+            right_side(e, c, w, o, j, o.z[nu], by_period, y[j, nu], y_p, y_q, y_s, y_r, s.right_local)
+            reduce_right(s, n, m)
+            for r in range(n + 2):
+                o.reduced[a, j, r] = s.right_last[r]
+    if c.kind == NS:
+        for r in range(n):
+            o.reduced[0, 3, r] = 0.0
+            o.reduced[1, 3, r] = 0.0
+            for j in range(n):  # v(1) is the second function at 0
+                o.reduced[1, 3, r] -= 2.0 * s.end[r, n + j] * v[1, j]
+
+
+@part
+def slopes(e, c, s, o):
+    """o.dG from o.reduced."""
+    n, x, dG = e.n, o.x, o.dG
+    passes = 1 if c.kind in (LPC, PD) else 2
+    for j in range(3 if c.kind in (LPC, PD) else 4):
+        if c.kind in (LPC, BPC):
+            for a in range(passes):
+                for r in range(n + 1):
+                    x[r] = o.reduced[a, j, r]
+                x[n + 1] = 0.0
+                x[n + 2] = 0.0
+                lu_solve(o.final, o.final_pivots, x)
+                dG[a, j] = x[n + 1] if c.kind == LPC else x[n + 2]
+        else:
+            for r in range(passes * n + passes):
+                x[r] = 0.0
+            for a in range(passes):
+                for r in range(n):
+                    x[a * n + r] = o.reduced[a, j, r]
+            lu_solve(o.null, o.null_pivots, x)
+            for a in range(passes):
+                dG[a, j] = x[passes * n + a]

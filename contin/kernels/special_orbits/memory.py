@@ -1,0 +1,77 @@
+"""What the kernels of special orbits share: codes, the frame that the equations are written in, and memory."""
+
+from collections import namedtuple
+
+import numpy as np
+
+LPC, PD, NS, BPC = range(4)
+FAILED, NOT_FINITE = -1, -2
+
+Curve = namedtuple("Curve", ["kind", "gradient", "second"])  # gradient: address of (u, p, v, Df[v], D^2f[v, .])
+
+Frame = namedtuple(
+    "Frame",
+    [
+        "across",  # (2,) raw (p, q) of a unit of s
+        "along",  # (2,) ... of r
+        "rows",  # (2, n + 2) rows on (u(0), T, s): one, for BPC two
+        "jump",  # (n, 2) b or B
+        "start",  # (n, 2) c or C of v(0)
+    ],
+)
+
+Memory = namedtuple(
+    "Memory",
+    [
+        "fq",  # (m, n, N) f by the second parameter
+        "fr",  # (m, n, N) by r
+        "y",  # (4, nu + 3): (u, T, s, unfolding) of the four solutions
+        "v",  # (2, nu + 3): null functions
+        "node",  # (5, m + 1, n, N) y and v interval by interval
+        "at",  # (5, m, n, N) ... at the Gauss points
+        "rate",  # (m, n, N) Df[v]
+        "bend",  # (m, n, n + m_p, N) D^2f[v, .]
+        "final",  # (n + 2 or n + 3, ...) LU factors of the last system
+        "final_pivots",
+        "null",  # (n + 1 or 2 n + 2, ...) LU factors of the system for v
+        "null_pivots",
+        "x",  # (2 n + 3,) a right-hand side of either
+        "reduced",  # (2, 4, n + 2) reduced right-hand sides
+        "small",  # (2, 2) or (3, 3)
+        "small_pivots",
+        "z",  # like z of a family: u, T, lengths, p
+        "units",  # ones, and zeros: `fill` needs no arclength row here
+        "zero",
+        "jump",  # (n,)
+        "border",  # (2,)
+        "corner",  # (2, 2)
+        "dG",  # (2, 4) derivatives along y (NS: the last by k)
+        "G",  # (2,)
+        "combination",  # (3,)
+        "null_combination",  # (3,)
+        "here",  # (n,)
+        "direction",  # (n + m_p,)
+        "matrix",  # (n, n + m_p)
+        "slope",  # (n,)
+        "period",  # (1,)
+        "by_all",  # (1, n + m_p)
+    ],
+)
+
+
+def new_curve_memory(kind, n, m, intervals, p_size):
+    """Memory for `correct_special` on one mesh."""
+    nu = (intervals * m + 1) * n
+    last = n + 3 if kind == BPC else n + 2
+    null = 2 * n + 2 if kind == NS else n + 1
+    small = 2 if kind in (LPC, PD) else 3
+    return Memory(
+        np.zeros((m, n, intervals)), np.zeros((m, n, intervals)), np.zeros((4, nu + 3)), np.zeros((2, nu + 3)),
+        np.zeros((5, m + 1, n, intervals)), np.zeros((5, m, n, intervals)), np.zeros((m, n, intervals)),
+        np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),
+        np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 3), np.zeros((2, 4, n + 2)),
+        np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(nu + intervals + 2),
+        np.ones(nu + intervals + 2), np.zeros(nu + intervals + 2), np.zeros(n), np.zeros(2), np.zeros((2, 2)),
+        np.zeros((2, 4)), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size),
+        np.zeros((n, n + p_size)), np.zeros(n), np.zeros(1), np.zeros((1, n + p_size)),
+    )  # fmt: skip
