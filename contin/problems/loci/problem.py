@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,7 @@ from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
+from contin.problems.two_parameters import TwoParameterProblem
 
 CHUNK = 250
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
@@ -28,7 +29,7 @@ _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 
 
 @dataclass(frozen=True, eq=False)
-class LocusProblem:
+class LocusProblem(TwoParameterProblem):
     """A curve of points of one type in two parameters; `curve` holds its equations and knows the layout of z.
 
     `second_bounds` is the range of the second parameter, the last unknown but one; that of the first is the engine's.
@@ -36,48 +37,19 @@ class LocusProblem:
 
     curve: Any  # ExtendedCurve, or BorderedCurve for large systems
     state_periods: Array
-    second_bounds: tuple[float, float] = (-np.inf, np.inf)
-    first_bounds: tuple[float, float] = (-np.inf, np.inf)
     memory: dict[str, Any] = field(default_factory=dict)  # what the first point decided: the kind of branch points
 
-    kind = "locus"
     maximum_chunk = CHUNK
-
-    @property
-    def locus(self) -> str:
-        return str(self.curve.type)
-
-    @property
-    def system(self) -> Any:
-        return self.curve.system
-
-    @property
-    def base(self) -> Array:
-        return np.asarray(self.curve.base)
 
     @property
     def n(self) -> int:
         return int(self.curve.n)
 
     @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        names = self.system.parameter_names
-        return names[self.curve.first], names[self.curve.second]
-
-    @cached_property
     def angle_periods(self) -> Array:
         periods = np.zeros(self.curve.size - 1)
         periods[: self.n] = self.state_periods
         return periods
-
-    def within(self, first: tuple[float, float], second: tuple[float, float]) -> LocusProblem:
-        """The same curve with ranges of both parameters."""
-        return replace(self, first_bounds=first, second_bounds=second)
-
-    @property
-    def walls(self) -> Sequence[tuple[int, float, float]]:
-        last = self.curve.size - 1
-        return [(last - 1, *self.second_bounds), (last, *self.first_bounds)]
 
     @property
     def identifying(self) -> NDArray[np.bool_]:
@@ -87,19 +59,10 @@ class LocusProblem:
     def growing(self) -> NDArray[np.bool_]:
         return np.asarray(self.curve.growing)
 
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
-
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        widths = [hi - lo for lo, hi in (bounds, self.second_bounds)]
-        finite = [w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)]
-        return np.asarray(self.curve.scales(z, (finite[0], finite[1])))
+        return np.asarray(self.curve.scales(z, self.widths(z, bounds)))
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         _, jacobian = self.curve.linearise(z)
@@ -179,9 +142,6 @@ class LocusProblem:
             tests[events.DEGENERACY] = degenerate.test(self, z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
-    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return self.at_unknown(-1, guess, value, scale)
-
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         parameters = self.curve.parameters(guess)
         return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
@@ -198,19 +158,12 @@ class LocusProblem:
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         return events.verify_compound(self, a, b, frame)
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        first, second = self.parameters
         n = self.n
-        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        columns = self.parameter_columns(z)
         for k, name in enumerate(self.system.state_names):
             columns[name] = z[:, k].copy()
         if self.system.observable_names:
@@ -272,9 +225,6 @@ class LocusProblem:
         )
 
     # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        return []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         """The branch of equilibria through the point, in one parameter."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -18,8 +18,10 @@ from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Ver
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
+from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
-from contin.problems.orbits.layout import Profile, extrema, make_scale, profile_of, sizes_of
+from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.scales import balance
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
@@ -58,18 +60,13 @@ class _Rows:
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitProblem:
+class OrbitProblem(FamilyOfOrbits):
     """u'(x) = T f(u, p), u(1) = u(0) + winding, with a phase condition; z as in `contin.problems.orbits.layout`.
 
-    system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
-    `active` varies.  points : Gauss points an interval.  winding : what each state gains in one period (rotations).
-    intervals : fixed number of mesh intervals, or None.  multiple : forcing periods in one orbit of a forced system.
+    points : Gauss points an interval.  intervals : fixed number of mesh intervals, or None.  multiple : forcing periods
+    in one orbit of a forced system.
     """
 
-    system: Any
-    base: Array
-    active: int
-    winding: Array
     points: int = 4
     intervals: int | None = None
     multiple: int = 1
@@ -78,53 +75,17 @@ class OrbitProblem:
     origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
     angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
 
-    kind = "orbit"
-    locus = None
-
     def __post_init__(self) -> None:
         if self.system.is_forced and self.forcing is None:
             object.__setattr__(self, "forcing", ForcingPeriod.of(self.system))
-
-    @property
-    def n(self) -> int:
-        return int(self.system.n)
 
     @property
     def maximum_chunk(self) -> int:
         """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
         return max(10, min(120, 2000 // self.n**2))
 
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.system.parameter_names[self.active],)
-
-    @property
-    def is_map(self) -> bool:
-        """Stability is decided by multipliers."""
-        return True
-
-    def with_active(self, name: str, z: Array) -> OrbitProblem:
-        """The same orbits with another parameter free; the present one is frozen at its value in z."""
-        base = self.base.copy()
-        base[self.active] = z[-1]
-        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
-
     def profile(self, z: Array) -> Profile:
         return profile_of(z, self.n, self.points)
-
-    def full_parameters(self, z: Array) -> Array:
-        """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
-        p = np.zeros(self.system.p_size)
-        p[: len(self.base)] = self.base
-        p[self.active] = z[-1]
-        return p
-
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
 
     @cached_property
     def equations(self) -> Any:
@@ -138,10 +99,6 @@ class OrbitProblem:
             scheme.gauss_weights, np.asarray(self.winding, dtype=float),
         )  # fmt: skip
 
-    @property
-    def autonomous(self) -> bool:
-        return self.forcing is None
-
     def sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes (n,) in a metric that belongs to z's mesh."""
         return sizes_of(scale, self.profile(z).h, self.n, self.points)
@@ -154,10 +111,7 @@ class OrbitProblem:
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        width = bounds[1] - bounds[0]
-        if not np.isfinite(width):
-            width = max(1.0, abs(float(z[-1])))
-        profile = self.profile(z)
+        profile, width = self.profile(z), self.width(z, bounds)
         return make_scale(profile.h, self.points, self.state_sizes(profile), PERIOD_SCALE * profile.period, width)
 
     def state_sizes(self, profile: Profile) -> Array:
@@ -304,9 +258,6 @@ class OrbitProblem:
 
         return explain(a, b)
 
-    def watch(self, type_: str) -> int | None:
-        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}.get(type_)
-
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.orbits.events import verify
 
@@ -337,36 +288,14 @@ class OrbitProblem:
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
-        names = self.system.parameter_names
-        columns: dict[str, Array] = {names[self.active]: z[:, -1].copy(), "period": np.empty(len(z))}
-        functions = [*self.system.state_names, *self.system.observable_names]
-        low, high = np.empty((len(z), len(functions))), np.empty((len(z), len(functions)))
-        padding = np.argmax(~np.isnan(z), axis=1) if len(z) else np.empty(0, int)
-        for skipped in np.unique(padding):
-            chosen = np.flatnonzero(padding == skipped)
-            part = z[chosen][:, skipped:]
-            first = self.profile(part[0])
-            u = part[:, : first.u.size].reshape(len(part), -1, self.n)
-            columns["period"][chosen] = part[:, first.u.size]
-            low[chosen], high[chosen] = extrema(self._functions(u, part[:, -1]), self.points)
-        for k, name in enumerate(functions):
-            columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
-        return columns
 
-    def _functions(self, u: Array, parameter: Array) -> Array:
-        """States and observables at nodes u (R, K, n), (R, K, k)."""
-        if not self.system.observable_names:
-            return u
-        rows, nodes, n = u.shape
-        p = np.tile(self.full_parameters(np.zeros(1)), (rows * nodes, 1))
-        p[:, self.active] = np.repeat(parameter, nodes)
-        observed = self.system.observables(np.ascontiguousarray(u.reshape(-1, n)), p)
-        return np.concatenate([u, np.asarray(observed).reshape(rows, nodes, -1)], axis=2)
+        def functions(u: Array, rows: Array) -> Array:
+            p = np.tile(self.full_parameters(np.zeros(1)), (len(rows), 1))
+            p[:, self.active] = rows[:, -1]
+            return with_observables(self.system, u, p)
 
-    def column_names(self) -> tuple[str, ...]:
-        """Names that `columns` gives, for user values."""
-        functions = [*self.system.state_names, *self.system.observable_names]
-        return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
+        columns = {self.parameters[0]: z[:, -1].copy(), "period": periods(z, self.profile)}
+        return columns | orbit_columns(z, names_of(self.system), self.profile, functions)
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Families born at a labelled point, for the explorer; at a homoclinic orbit there may be none."""

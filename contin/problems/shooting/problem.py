@@ -16,6 +16,8 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.orbits.columns import names_of
+from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
 from contin.problems.shooting.segments import Segments
@@ -28,36 +30,21 @@ PROBE_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class ShootingProblem:
+class ShootingProblem(FamilyOfOrbits):
     """phi_T(u, p) = u + winding in M segments, with a phase; z as in `contin.problems.shooting.layout`.
 
-    system : the compiled model.  base : all parameter values; entry `active` varies.  count : segments M.
-    winding : what each state gains in one period (rotations).  multiple : forcing periods in one orbit.
-    accuracy : relative tolerance of the trajectories; `budget` : most steps of one segment.
+    count : segments M.  multiple : forcing periods in one orbit.  accuracy : relative tolerance of the trajectories;
+    `budget` : most steps of one segment.
 
     Cost of a Newton step: M trajectories with n + 1 variations, and a dense solve of size M n + 2.
     """
 
-    system: Any
-    base: Array
-    active: int
-    winding: Array
     count: int = 1
     multiple: int = 1
     accuracy: float = ACCURACY
     budget: int = BUDGET
 
-    kind = "orbit"
-    locus = None
     maximum_chunk = 20
-
-    @property
-    def n(self) -> int:
-        return int(self.system.n)
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.system.parameter_names[self.active],)
 
     @cached_property
     def angle_periods(self) -> Array:
@@ -65,38 +52,9 @@ class ShootingProblem:
         states = np.asarray(self.system.model.periods(self.constants()), dtype=float)
         return np.concatenate([np.tile(states, self.count), np.zeros(self.n + 2)])
 
-    @property
-    def is_map(self) -> bool:
-        """Stability is decided by multipliers."""
-        return True
-
-    @property
-    def autonomous(self) -> bool:
-        return not self.system.is_forced
-
-    def with_active(self, name: str, z: Array) -> ShootingProblem:
-        """The same orbits with another parameter free; the present one is frozen at its value in z."""
-        base = self.base.copy()
-        base[self.active] = z[-1]
-        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
-
     def precise(self, accuracy: float) -> ShootingProblem:
         """The same orbits with trajectories of another accuracy."""
         return replace(self, accuracy=accuracy)
-
-    def full_parameters(self, z: Array) -> Array:
-        """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
-        p = np.zeros(self.system.p_size)
-        p[: len(self.base)] = self.base
-        p[self.active] = z[-1]
-        return p
-
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        found = self.system.model.parameter_range(parameter, self.constants())
-        return None if found is None else (float(found[0]), float(found[1]))
 
     def forcing_period(self, parameter: float) -> tuple[float, float]:
         """Period of the orbit of a forced system, and its derivative by the active parameter."""
@@ -121,11 +79,9 @@ class ShootingProblem:
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        width = bounds[1] - bounds[0]
-        if not np.isfinite(width):
-            width = max(1.0, abs(float(z[-1])))
         nodes = Nodes.of(z, self.n)
-        return make_scale(self.state_sizes(self.profile(z)), nodes.count, PERIOD_SCALE * nodes.period, width)
+        sizes = self.state_sizes(self.profile(z))
+        return make_scale(sizes, nodes.count, PERIOD_SCALE * nodes.period, self.width(z, bounds))
 
     def state_sizes(self, profile: Profile) -> Array:
         """Typical size of every state on an orbit: its largest modulus, an angle's amplitude."""
@@ -210,9 +166,6 @@ class ShootingProblem:
             return None  # a change of formulas may be all that happens: it is told from the rest up close
         return found
 
-    def watch(self, type_: str) -> int | None:
-        return {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}[type_]
-
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.shooting.events import verify
         from contin.problems.shooting.rest import has_shrunk
@@ -252,18 +205,12 @@ class ShootingProblem:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
         from contin.problems.shooting.sampling import extremes
 
-        names = [*self.system.state_names, *self.system.observable_names]
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
         columns["period"] = z[:, -self.n - 3].copy()
         low, high = extremes(self, z)
-        for k, name in enumerate(names):
+        for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
         return columns
-
-    def column_names(self) -> tuple[str, ...]:
-        """Names that `columns` gives, for user values."""
-        functions = [*self.system.state_names, *self.system.observable_names]
-        return (self.parameters[0], "period", *(f"{f}.{e}" for f in functions for e in ("min", "max")))
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Families born at a labelled point, for the explorer."""

@@ -48,9 +48,19 @@ class ConnectionCurve:
     unstable_count: int
     gauge: Gauge = field(default_factory=Gauge)
 
+    type = "HOM"
+
     @property
     def n(self) -> int:
         return self.orbits.n
+
+    @property
+    def system(self) -> Any:
+        return self.orbits.system
+
+    @property
+    def base(self) -> Array:
+        return self.orbits.base
 
     @property
     def first(self) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,12 +17,14 @@ from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.columns import of_one_size, orbit_columns
 from contin.problems.orbits.homoclinic import events
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
-from contin.problems.orbits.layout import extrema, make_scale, sizes_of
+from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.mesh import choose_mesh, estimate
+from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
@@ -31,64 +32,18 @@ ALIKE = 1e-6  # relative distance of parameters below which two points are one
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionProblem:
+class ConnectionProblem(OrbitCurveProblem):
     """See `contin.problems.orbits.homoclinic.curve` for the unknowns and equations."""
 
     curve: ConnectionCurve
-    second_bounds: tuple[float, float] = (-np.inf, np.inf)
-    first_bounds: tuple[float, float] = (-np.inf, np.inf)
     _last: dict[str, Any] = field(default_factory=dict)
 
-    kind = "locus"
     maximum_chunk = 5  # a step takes some 20 ms
-    is_map = False
-
-    @property
-    def locus(self) -> str:
-        return "HOM"
-
-    @property
-    def system(self) -> Any:
-        return self.curve.orbits.system
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        names = self.system.parameter_names
-        return names[self.curve.first], names[self.curve.second]
-
-    @property
-    def angle_periods(self) -> Array:
-        return np.zeros(0)
-
-    def within(self, first: tuple[float, float], second: tuple[float, float]) -> ConnectionProblem:
-        """The same curve with ranges of both parameters."""
-        return replace(self, first_bounds=first, second_bounds=second)
-
-    @property
-    def walls(self) -> Sequence[tuple[int, float, float]]:
-        return [(-2, *self.second_bounds), (-1, *self.first_bounds)]
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
-
-    def constants(self) -> dict[str, float]:
-        return self.curve.orbits.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.curve.orbits.default_range(parameter)
 
     # -- metric -------------------------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        widths = [hi - lo for lo, hi in (bounds, self.second_bounds)]
-        first, second = (
-            w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)
-        )
+        first, second = self.widths(z, bounds)
         profile = self.curve.profile(z)
         return self.scale_for(profile.h, self.curve.orbits.state_sizes(profile), first, second)
 
@@ -164,9 +119,6 @@ class ConnectionProblem:
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)
 
-    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return self.at_unknown(-1, guess, value, scale)
-
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros(guess.size)
         fixed[index] = 1.0
@@ -192,29 +144,19 @@ class ConnectionProblem:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(events.NAMES, changed, strict=True) if c]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
-
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
         """A mesh that fits; the end where the saddle is none any more."""
         scale = frame.scale
         if origin.tests.size > 3 and origin.tests[3] < 0.0:
-            where = ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=True))
+            where = self.place(origin.z)
             text = f"an eigenvalue of the saddle vanished before {where}: its projections mean nothing beyond"
             return Renewal(scale, origin, before, None, End("saddle-node", text))
         profile, sizes = self.curve.profile(origin.z), self.sizes(origin.z, scale)
         orbits = self.curve.orbits
         if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL:
-            where = ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=True))
-            text = f"the connecting orbits shrink to a point near {where}"
+            text = f"the connecting orbits shrink to a point near {self.place(origin.z)}"
             return Renewal(scale, origin, before, None, End("bt", text))
         grown = np.maximum(sizes, np.abs(profile.u).max(axis=0))
         error, _ = estimate(profile, grown)
@@ -269,23 +211,18 @@ class ConnectionProblem:
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, smallest and largest values of the states over the orbit, and the saddle(s)."""
-        first, second = self.parameters
         names = self.system.state_names
-        rows = [row[np.argmax(~np.isnan(row)) :] for row in z]
-        profiles = [self.curve.profile(row) for row in rows]
-        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
-        bounds = [[v[0] for v in extrema(profile.u[None], profile.m)] for profile in profiles]
-        ends = [self.curve.equilibria(row) for row in rows]
+        columns = self.parameter_columns(z)
+        ranges = orbit_columns(z, names, self.curve.profile, lambda u, _: u)
+        ends = np.empty((len(z), self.curve.saddles, self.curve.n))
+        for chosen, rows in of_one_size(z):
+            ends[chosen] = [self.curve.equilibria(row) for row in rows]
         for k, name in enumerate(names):
-            columns[f"{name}.min"] = np.array([low[k] for low, _ in bounds])
-            columns[f"{name}.max"] = np.array([high[k] for _, high in bounds])
-            columns[f"{name}.saddle"] = np.array([e[0, k] for e in ends])
+            columns |= {key: ranges[key] for key in (f"{name}.min", f"{name}.max")}
+            columns[f"{name}.saddle"] = ends[:, 0, k]
             if self.curve.saddles == 2:
-                columns[f"{name}.saddle2"] = np.array([e[1, k] for e in ends])
+                columns[f"{name}.saddle2"] = ends[:, 1, k]
         return columns
-
-    def remarks(self, z: Array) -> Sequence[str]:
-        return ()
 
     def describe_failure(self, z: Array) -> str:
         return (
@@ -294,9 +231,6 @@ class ConnectionProblem:
         )
 
     # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        return []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")

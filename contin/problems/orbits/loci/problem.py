@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,73 +14,29 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.layout import extrema
+from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.loci import events
 from contin.problems.orbits.loci.curve import Corrected, OrbitCurve
 from contin.problems.orbits.loci.march import march
 from contin.problems.orbits.loci.renewal import renew
+from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
 PROBE_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitLocusProblem:
+class OrbitLocusProblem(OrbitCurveProblem):
     """See `contin.problems.orbits.loci.curve` for the unknowns and equations."""
 
     curve: OrbitCurve
-    second_bounds: tuple[float, float] = (-np.inf, np.inf)
-    first_bounds: tuple[float, float] = (-np.inf, np.inf)
 
-    kind = "locus"
     maximum_chunk = 40  # a step takes about 1 ms
-
-    @property
-    def locus(self) -> str:
-        return self.curve.type
-
-    @property
-    def system(self) -> Any:
-        return self.curve.orbits.system
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        names = self.system.parameter_names
-        return names[self.curve.first], names[self.curve.second]
-
-    @property
-    def angle_periods(self) -> Array:
-        return np.zeros(0)
-
-    def within(self, first: tuple[float, float], second: tuple[float, float]) -> OrbitLocusProblem:
-        """The same curve with ranges of both parameters."""
-        return replace(self, first_bounds=first, second_bounds=second)
-
-    @property
-    def walls(self) -> Sequence[tuple[int, float, float]]:
-        return [(-2, *self.second_bounds), (-1, *self.first_bounds)]
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
-
-    def constants(self) -> dict[str, float]:
-        return self.curve.orbits.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.curve.orbits.default_range(parameter)
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        widths = [hi - lo for lo, hi in (bounds, self.second_bounds)]
-        first, second = (
-            w if np.isfinite(w) else max(1.0, abs(float(x))) for w, x in zip(widths, (z[-1], z[-2]), strict=True)
-        )
+        first, second = self.widths(z, bounds)
         own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
         return self.curve.join(own, second, 1.0)
 
@@ -142,9 +96,6 @@ class OrbitLocusProblem:
                 left.pop(min(range(len(left)), key=lambda k: abs(left[k] - target)))
         return np.array(left, complex)
 
-    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return self.at_unknown(-1, guess, value, scale)
-
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros(guess.size)
         fixed[index] = 1.0
@@ -170,23 +121,13 @@ class OrbitLocusProblem:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
-
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
         profile = self.curve.profile(origin.z)
         sizes = self.curve.orbits.sizes(self.curve.orbit(origin.z), self.curve.orbit(frame.scale))
         if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL and not self.curve.orbits.winding.any():
-            where = ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, origin.z[[-1, -2]], strict=True))
-            end = End("hopf", f"the orbit shrank to a Hopf point at {where}")
+            end = End("hopf", f"the orbit shrank to a Hopf point at {self.place(origin.z)}")
             return Renewal(frame.scale, origin, before, loop, end)
         return renew(self, origin, before, frame, settings)
 
@@ -197,47 +138,25 @@ class OrbitLocusProblem:
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
-        first, second = self.parameters
-        functions = [*self.system.state_names, *self.system.observable_names]
-        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy(), "period": np.empty(len(z))}
-        low, high = np.empty((len(z), len(functions))), np.empty((len(z), len(functions)))
-        padding = np.argmax(~np.isnan(z), axis=1) if len(z) else np.empty(0, int)
-        for skipped in np.unique(padding):  # rows on meshes of one size together
-            chosen = np.flatnonzero(padding == skipped)
-            part = z[chosen][:, skipped:]
-            profile = self.curve.profile(part[0])
-            nodes = profile.u.size
-            columns["period"][chosen] = part[:, nodes]
-            u = part[:, :nodes].reshape(len(part), -1, profile.n)
-            low[chosen], high[chosen] = extrema(self._functions(u, part), profile.m)
-        for k, name in enumerate(functions):
-            columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
+        curve = self.curve
+
+        def functions(u: Array, rows: Array) -> Array:
+            p = np.tile(curve.at(rows[0]).full_parameters(rows[0]), (len(rows), 1))
+            p[:, curve.first], p[:, curve.second] = rows[:, -1], rows[:, -2]
+            return with_observables(self.system, u, p)
+
+        columns = self.parameter_columns(z)
+        columns["period"] = periods(z, curve.profile)
+        columns |= orbit_columns(z, names_of(self.system), curve.profile, functions)
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         return columns
 
-    def _functions(self, u: Array, rows: Array) -> Array:
-        """States and observables at nodes u (R, K, n), (R, K, k)."""
-        if not self.system.observable_names:
-            return u
-        count, nodes, n = u.shape
-        p = np.tile(self.curve.at(rows[0]).full_parameters(rows[0]), (count * nodes, 1))
-        p[:, self.curve.first] = np.repeat(rows[:, -1], nodes)
-        p[:, self.curve.second] = np.repeat(rows[:, -2], nodes)
-        observed = self.system.observables(np.ascontiguousarray(u.reshape(-1, n)), p)
-        return np.concatenate([u, np.asarray(observed).reshape(count, nodes, -1)], axis=2)
-
-    def remarks(self, z: Array) -> Sequence[str]:
-        return ()
-
     def describe_failure(self, z: Array) -> str:
         return self.curve.at(z).describe_failure(self.curve.orbit(z))
 
     # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        return []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         """The family of orbits through the point, in one parameter."""

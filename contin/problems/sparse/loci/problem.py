@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,32 +20,16 @@ from contin.problems.codim2.events import TEST_OF
 from contin.problems.codim2.events import explain as explain_events
 from contin.problems.sparse.loci import events
 from contin.problems.sparse.loci.curve import CurveLinearisation, LargeCurve
+from contin.problems.two_parameters import TwoParameterProblem
 
 POLISH_BUDGET = 12
 
 
 @dataclass(frozen=True, eq=False)
-class LargeLocus:
+class LargeLocus(TwoParameterProblem):
     """See `LargeCurve`; `second_bounds` is the range of the second parameter, that of the first is the engine's."""
 
     curve: LargeCurve
-    second_bounds: tuple[float, float] = (-np.inf, np.inf)
-    first_bounds: tuple[float, float] = (-np.inf, np.inf)
-
-    kind = "locus"
-    is_map = False
-
-    @property
-    def locus(self) -> str:
-        return self.curve.type
-
-    @property
-    def system(self) -> Any:
-        return self.curve.system
-
-    @property
-    def base(self) -> Array:
-        return self.curve.base
 
     @property
     def n(self) -> int:
@@ -57,24 +40,10 @@ class LargeLocus:
         return self.curve.origin.maximum_chunk
 
     @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        names = self.system.parameter_names
-        return names[self.curve.first], names[self.curve.second]
-
-    @cached_property
     def angle_periods(self) -> Array:
         periods = np.zeros(self.curve.size - 1)
         periods[: self.n] = self.curve.origin.angle_periods
         return periods
-
-    def within(self, first: tuple[float, float], second: tuple[float, float]) -> LargeLocus:
-        """The same curve with ranges of both parameters."""
-        return replace(self, first_bounds=first, second_bounds=second)
-
-    @property
-    def walls(self) -> Sequence[tuple[int, float, float]]:
-        last = self.curve.size - 1
-        return [(last - 1, *self.second_bounds), (last, *self.first_bounds)]
 
     @cached_property
     def identifying(self) -> NDArray[np.bool_]:
@@ -85,12 +54,6 @@ class LargeLocus:
         mask = np.ones(self.curve.size, bool)
         mask[-2:] = False
         return mask
-
-    def constants(self) -> dict[str, float]:
-        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.curve.origin.default_range(parameter)
 
     # evaluation -------------------------------------------------------------------------------------------------------
 
@@ -109,15 +72,13 @@ class LargeLocus:
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         branch, point = self.curve.branch(z)
         states = branch.initial_scale(point, bounds)
-        low, high = self.second_bounds
-        width = high - low if np.isfinite(high - low) else max(1.0, abs(float(z[-2])))
         middle = []
         if self.curve.has_scalar:
             kappa = abs(self.curve.kappa(z))
             if kappa > 0.0:
                 self.curve.memory.size = max(kappa, self._smallest(z))
             middle = [self.curve.memory.size]
-        return np.concatenate([states[:-1], middle, [width, float(states[-1]) / 2.0]])
+        return np.concatenate([states[:-1], middle, [self.widths(z, bounds)[1], float(states[-1]) / 2.0]])
 
     def _smallest(self, z: Array) -> float:
         """A size for kappa where it is zero: that of the eigenvalues next to the critical ones, squared."""
@@ -143,9 +104,6 @@ class LargeLocus:
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)
-
-    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        return self.at_unknown(-1, guess, value, scale)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         z = guess.copy()
@@ -188,21 +146,14 @@ class LargeLocus:
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return False
 
     def columns(self, z: Array) -> dict[str, Array]:
         n = self.n
-        first, second = self.parameters
         rows = [self.curve.branch(row) for row in z]
         points = np.array([point for _, point in rows])
-        columns: dict[str, Array] = {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        columns = self.parameter_columns(z)
         plain = replace(self.curve.origin, active=self.curve.first)
         columns.update({k: v for k, v in plain.columns(points).items() if k not in columns})
         if self.system.observable_names:
@@ -223,9 +174,6 @@ class LargeLocus:
         )
 
     # leaving the curve ------------------------------------------------------------------------------------------------
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        return []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         """The branch of equilibria through the point, in one parameter."""

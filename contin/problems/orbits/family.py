@@ -1,0 +1,81 @@
+"""What families of periodic orbits answer alike, whether the orbits are computed by collocation or by shooting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.orbits.columns import names_of
+
+_TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyOfOrbits:
+    """Orbits of one compiled model in one parameter, the last unknown.
+
+    system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
+    `active` varies.  winding : what each state gains in one period (rotations).
+    """
+
+    system: Any
+    base: Array
+    active: int
+    winding: Array
+
+    kind = "orbit"
+    locus = None
+
+    @property
+    def n(self) -> int:
+        return int(self.system.n)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        return (self.system.parameter_names[self.active],)
+
+    @property
+    def is_map(self) -> bool:
+        """Stability is decided by multipliers."""
+        return True
+
+    @property
+    def autonomous(self) -> bool:
+        return not self.system.is_forced
+
+    def with_active(self, name: str, z: Array) -> Self:
+        """The same orbits with another parameter free; the present one is frozen at its value in z."""
+        base = self.base.copy()
+        base[self.active] = z[-1]
+        return replace(self, base=base, active=list(self.system.parameter_names).index(name))
+
+    def full_parameters(self, z: Array) -> Array:
+        """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
+        p = np.zeros(self.system.p_size)
+        p[: len(self.base)] = self.base
+        p[self.active] = z[-1]
+        return p
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        """The model's own range of a parameter, at the present parameter values."""
+        found = self.system.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    def width(self, z: Array, bounds: tuple[float, float]) -> float:
+        """Scale of the parameter: the width of its range; of an endless one, its size."""
+        width = bounds[1] - bounds[0]
+        return width if np.isfinite(width) else max(1.0, abs(float(z[-1])))
+
+    def watch(self, type_: str) -> int | None:
+        return _TESTS.get(type_)
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        return (self.parameters[0], "period", *(f"{f}.{e}" for f in names_of(self.system) for e in ("min", "max")))

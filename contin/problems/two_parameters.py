@@ -1,0 +1,126 @@
+"""What every curve in two parameters answers alike, whatever the points on it are."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol, Self
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
+
+UNBOUNDED = (-np.inf, np.inf)
+
+
+class TwoParameterCurve(Protocol):
+    """The equations of a curve; its unknowns end with the second parameter and the first."""
+
+    @property
+    def type(self) -> str:
+        """Label of the points on it: LP, HB, LPC, ..."""
+
+    @property
+    def system(self) -> Any:
+        """The compiled model."""
+
+    @property
+    def base(self) -> Array:
+        """All parameter values; entries `first` and `second` vary."""
+
+    @property
+    def first(self) -> int: ...
+
+    @property
+    def second(self) -> int: ...
+
+
+@dataclass(frozen=True, eq=False)
+class TwoParameterProblem(ABC):
+    """The part of `contin.continuation.problem.Problem` and `Planar` that follows from z = (..., q, p) alone.
+
+    A subclass adds the metric, the march and the events of its curve. The equations have no corners that anyone looks
+    for, and nothing is born on the curve that an explorer would follow by itself.
+    """
+
+    curve: Any  # a `TwoParameterCurve`
+    second_bounds: tuple[float, float] = field(default=UNBOUNDED, kw_only=True)
+    first_bounds: tuple[float, float] = field(default=UNBOUNDED, kw_only=True)
+
+    kind = "locus"
+
+    @property
+    def locus(self) -> str:
+        return str(self.curve.type)
+
+    @property
+    def system(self) -> Any:
+        return self.curve.system
+
+    @property
+    def base(self) -> Array:
+        return np.asarray(self.curve.base)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        return names[self.curve.first], names[self.curve.second]
+
+    def constants(self) -> dict[str, float]:
+        return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        """The model's own range of a parameter, at the present parameter values."""
+        found = self.system.model.parameter_range(parameter, self.constants())
+        return None if found is None else (float(found[0]), float(found[1]))
+
+    # -- ranges -------------------------------------------------------------------------------------------------------
+
+    def within(self, first: tuple[float, float], second: tuple[float, float]) -> Self:
+        """The same curve with ranges of both parameters."""
+        return replace(self, first_bounds=first, second_bounds=second)
+
+    @property
+    def walls(self) -> Sequence[tuple[int, float, float]]:
+        return [(-2, *self.second_bounds), (-1, *self.first_bounds)]
+
+    def widths(self, z: Array, first: tuple[float, float]) -> tuple[float, float]:
+        """Scales of the first and the second parameter: the widths of their ranges; of an endless one, their size."""
+        ranges = zip((first, self.second_bounds), (z[-1], z[-2]), strict=True)
+        widths = [hi - lo if np.isfinite(hi - lo) else max(1.0, abs(float(value))) for (lo, hi), value in ranges]
+        return widths[0], widths[1]
+
+    def place(self, z: Array) -> str:
+        """Both parameters at z, in words."""
+        return ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, z[[-1, -2]], strict=True))
+
+    def parameter_columns(self, z: Array) -> dict[str, Array]:
+        """The parameters of rows of unknowns."""
+        first, second = self.parameters
+        return {first: z[:, -1].copy(), second: z[:, -2].copy()}
+
+    # -- solving with one parameter fixed -----------------------------------------------------------------------------
+
+    @abstractmethod
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        """Solve with unknown `index` fixed at `value`, to full precision."""
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return self.at_unknown(-1, guess, value, scale)
+
+    # -- what does not happen -----------------------------------------------------------------------------------------
+
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+        return None
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return None
+
+    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+        return []
