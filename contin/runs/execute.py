@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -73,41 +74,40 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
 
 
 def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:
-    try:
+    with _skipping("diagram", state):
         found = engine.diagram(plan.model, diagram, plan.parameters)
-    except (NoSolutionError, NotFiniteError) as error:
-        state.skip(f"diagram skipped: {error}")
-        return
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - as for a run
-        state.skip(f"diagram skipped: {_defect(error)}")
-        return
-    for branch in found.branches:
-        state.add(branch)
-    state.notes.extend(found.notes)
+        for branch in found.branches:
+            state.add(branch)
+        state.notes.extend(found.notes)
 
 
 def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _State) -> None:
-    try:
+    with _skipping("phase diagram", state):
         found = engine.phase(plan.model, phase, plan.parameters)
+        for branch in found.loci:  # a curve that leads into a degenerate point does not make the diagram incomplete
+            state.branches[branch.name] = branch
+            state.stopped |= any(end.reason == "stopped" for end in branch.ends)
+        state.phase = found.as_data()
+        state.notes.extend(found.notes)
+
+
+@contextmanager
+def _skipping(what: str, state: _State, wrong_input: bool = False) -> Iterator[None]:
+    """A run that cannot be done is skipped with a note; `wrong_input`: so is one that asks for what is not there."""
+    try:
+        yield
     except (NoSolutionError, NotFiniteError) as error:
-        state.skip(f"phase diagram skipped: {error}")
-        return
-    except InputError:
-        raise
-    except Exception as error:  # noqa: BLE001 - as for a run
-        state.skip(f"phase diagram skipped: {_defect(error)}")
-        return
-    for branch in found.loci:  # a curve that leads into a degenerate point does not make the diagram incomplete
-        state.branches[branch.name] = branch
-        state.stopped |= any(end.reason == "stopped" for end in branch.ends)
-    state.phase = found.as_data()
-    state.notes.extend(found.notes)
+        state.skip(f"{what} skipped: {error}")
+    except InputError as error:
+        if not wrong_input:
+            raise
+        state.skip(f"{what} skipped: {error}")
+    except Exception as error:  # noqa: BLE001 - a defect of contin must not lose what the other runs found
+        state.skip(f"{what} skipped: {_defect(error)}")
 
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
-    try:
+    with _skipping(run.name, state, run.reference is not None):  # what it asks of a point depends on what was found
         if run.reference is None:
             start = engine.start(plan.model, run, plan.parameters)
         else:
@@ -116,14 +116,6 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
                 return
         for branch in engine.continuation(start, run):
             state.add(branch)
-    except (NoSolutionError, NotFiniteError) as error:
-        state.skip(f"{run.name} skipped: {error}")
-    except InputError as error:
-        if run.reference is None:
-            raise
-        state.skip(f"{run.name} skipped: {error}")  # what the run asks of the point depends on what was found there
-    except Exception as error:  # noqa: BLE001 - a defect of contin must not lose what the other runs found
-        state.skip(f"{run.name} skipped: {_defect(error)}")
 
 
 def _defect(error: Exception) -> str:
