@@ -8,10 +8,14 @@ LIMIT: Final = 400  # operations; longer formulas are only expanded
 
 
 def tidy(value: Any, variable: Any) -> Any:
-    """An equal formula with as few operations as cheap rewritings find."""
+    """An equal formula with as few operations as cheap rewritings find.
+
+    value : a sympy expression; nothing else is taken, least of all text, which sympy would evaluate.
+    """
     import sympy
 
-    value = sympy.sympify(value)
+    if not isinstance(value, sympy.Expr):
+        raise TypeError(f"tidy takes a sympy expression; got {type(value).__name__}")
     if value.is_Number or value.is_Symbol:
         return value
     expanded = sympy.expand(value)
