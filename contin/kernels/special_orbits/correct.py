@@ -8,7 +8,7 @@ from contin.kernels.compile import kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.linearise import linearise
 from contin.kernels.special_orbits.memory import FAILED
-from contin.kernels.special_orbits.tangent import along_y, tangent_of
+from contin.kernels.special_orbits.tangent import changes, combined, product, tangent_of
 
 ITERATIONS = 8
 STAGNATION = 1e-7
@@ -40,7 +40,8 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
     final = done
     info[0] = 0.0
     iteration = 0
-    unknowns = o.small.shape[0]
+    small, dG, G, g, d, step = o.small, o.dG, o.G, o.combination, o.changes, o.step
+    unknowns = small.shape[0]
     while True:
         for j in range(nu + 1 + intervals):
             z[j] = out_z[j]
@@ -48,36 +49,25 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
         status = linearise(e, c, w, s, f, o, out_z[size - 2], out_z[size - 3])
         if status != 0:
             return status
+        changes(c.kind, f.across, f.along, o.y, scale, d)
         if final:
             break
-        for row in range(unknowns):
-            g = o.combination
-            if row < unknowns - 1:
-                for col in range(unknowns):
-                    o.small[row, col] = o.dG[row, col + 1]
-                g[row] = -(o.G[row] + o.dG[row, 0])
-            else:
-                for col in range(unknowns):
-                    total = 0.0
-                    for j in range(size):
-                        total += tangent[j] * along_y(c, f, o, col + 1, j, nu, intervals) / scale[j]
-                    o.small[row, col] = total
-                rest = length
-                for j in range(size):
-                    rest -= tangent[j] * (out_z[j] - z0[j] + along_y(c, f, o, 0, j, nu, intervals)) / scale[j]
-                g[row] = rest
-        if lu_factor(o.small, o.small_pivots) == 0:
-            return FAILED
-        lu_solve(o.small, o.small_pivots, o.combination)
-        total = 0.0
+        for row in range(unknowns - 1):
+            for col in range(unknowns):
+                small[row, col] = dG[row, col + 1]
+            g[row] = -(G[row] + dG[row, 0])
+        rest = length - product(d, 0, tangent)
         for j in range(size):
-            change = along_y(c, f, o, 0, j, nu, intervals)
-            for row in range(unknowns):
-                change += o.combination[row] * along_y(c, f, o, row + 1, j, nu, intervals)
-            out_z[j] += change
-            change /= scale[j]
-            total += change * change
-        moved = math.sqrt(total)
+            rest -= tangent[j] * (out_z[j] - z0[j]) / scale[j]
+        for col in range(unknowns):
+            small[unknowns - 1, col] = product(d, col + 1, tangent)
+        g[unknowns - 1] = rest
+        if lu_factor(small, o.small_pivots) == 0:
+            return FAILED
+        lu_solve(small, o.small_pivots, g)
+        moved = combined(d, 0, g, unknowns, step)
+        for j in range(size):
+            out_z[j] += scale[j] * step[j]
         iteration += 1
         if iteration == 1:
             info[0] = moved
@@ -102,7 +92,7 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
             if not exact:
                 break
             final = True
-    if not tangent_of(c, f, o, nu, intervals, scale, tangent, out_t):
+    if not tangent_of(c.kind, dG, d, o.null_combination, tangent, out_t):
         return FAILED
     info[1] = iteration
     info[2] = o.y[1, nu + 1]

@@ -47,6 +47,8 @@ Memory = namedtuple(
         "corner",  # (2, 2)
         "dG",  # (2, 4) derivatives along y (NS: the last by k)
         "G",  # (2,)
+        "changes",  # (4, N) scaled changes of z that the rows of y stand for
+        "step",  # (N,) scaled
         "combination",  # (3,)
         "null_combination",  # (3,)
         "here",  # (n,)
@@ -65,13 +67,15 @@ def new_curve_memory(kind, n, m, intervals, p_size):
     last = n + 3 if kind == BPC else n + 2
     null = 2 * n + 2 if kind == NS else n + 1
     small = 2 if kind in (LPC, PD) else 3
+    family = nu + intervals + 2
+    size = family + small - 1
     return Memory(
         np.zeros((m, n, intervals)), np.zeros((m, n, intervals)), np.zeros((4, nu + 3)), np.zeros((2, nu + 3)),
         np.zeros((5, m + 1, n, intervals)), np.zeros((5, m, n, intervals)), np.zeros((m, n, intervals)),
         np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),
         np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 3), np.zeros((2, 4, n + 2)),
-        np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(nu + intervals + 2),
-        np.ones(nu + intervals + 2), np.zeros(nu + intervals + 2), np.zeros(n), np.zeros(2), np.zeros((2, 2)),
-        np.zeros((2, 4)), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size),
-        np.zeros((n, n + p_size)), np.zeros(n), np.zeros(1), np.zeros((1, n + p_size)),
+        np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(family), np.ones(family), np.zeros(family),
+        np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 4)), np.zeros(2), np.zeros((4, size)), np.zeros(size),
+        np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size), np.zeros((n, n + p_size)), np.zeros(n),
+        np.zeros(1), np.zeros((1, n + p_size)),
     )  # fmt: skip

@@ -2,55 +2,78 @@
 
 import math
 
-from contin.kernels.compile import part
+import numpy as np
+
+from contin.kernels.compile import kernel, vector_kernel
 from contin.kernels.special_orbits.memory import BPC, LPC, NS, PD
 
 
-@part
-def along_y(c, f, o, row, j, nu, intervals):
-    """Component j of the change of z that y[row] stands for (row 3 of NS: of k alone)."""
-    change = 0.0
-    kind = c.kind
-    size = nu + 1 + intervals + 2 + (1 if kind in (NS, BPC) else 0)
-    if kind == NS and row == 3:
-        change = 1.0 if j == size - 3 else 0.0
-    elif j <= nu:
-        change = o.y[row, j]
-    elif j >= size - 2:
-        place = size - 1 - j  # 0: first parameter, 1: second
-        change = f.across[place] * o.y[row, nu + 1] + (f.along[place] if row == 1 else 0.0)
-    elif kind == BPC and j == size - 3:
-        change = o.y[row, nu + 2]
-    return change
+@vector_kernel
+def changes(kind, across, along, y, scale, d):
+    """d (4, N): the scaled changes of z that the rows of y stand for (row 3 of NS: of k alone)."""
+    size = scale.size
+    nu = y.shape[1] - 3
+    for row in range(4):
+        for j in range(np.uint64(nu + 1)):
+            d[row, j] = y[row, j] / scale[j]
+        for j in range(np.uint64(nu + 1), np.uint64(size)):
+            d[row, j] = 0.0
+        by_s = y[row, nu + 1]
+        by_r = 1.0 if row == 1 else 0.0
+        d[row, size - 1] = (across[0] * by_s + along[0] * by_r) / scale[size - 1]
+        d[row, size - 2] = (across[1] * by_s + along[1] * by_r) / scale[size - 2]
+        if kind == BPC:
+            d[row, size - 3] = y[row, nu + 2] / scale[size - 3]
+    if kind == NS:
+        for j in range(np.uint64(size)):
+            d[3, j] = 0.0
+        d[3, size - 3] = 1.0 / scale[size - 3]
 
 
-@part
-def tangent_of(c, f, o, nu, intervals, scale, guide, out_t):
-    """Unit tangent of the curve into out_t, along `guide`; False where it is not defined."""
-    g, dG, size = o.null_combination, o.dG, scale.size
-    last = 3
-    if c.kind in (LPC, PD):
-        last = 2
-        g[0] = -dG[0, 2]
-        g[1] = dG[0, 1]
-        g[2] = 0.0
-    else:
-        g[0] = dG[0, 2] * dG[1, 3] - dG[0, 3] * dG[1, 2]
-        g[1] = dG[0, 3] * dG[1, 1] - dG[0, 1] * dG[1, 3]
-        g[2] = dG[0, 1] * dG[1, 2] - dG[0, 2] * dG[1, 1]
+@vector_kernel
+def product(d, row, direction):
+    """<d[row], direction>"""
     total = 0.0
-    along = 0.0
-    for j in range(size):
-        t = 0.0
-        for row in range(last):
-            t += g[row] * along_y(c, f, o, row + 1, j, nu, intervals)
-        t /= scale[j]
-        out_t[j] = t
-        total += t * t
-        along += t * guide[j]
-    if not 0.0 < total < math.inf:
+    for j in range(np.uint64(direction.size)):
+        total += d[row, j] * direction[j]
+    return total
+
+
+@vector_kernel
+def combined(d, first, weights, count, out):
+    """out = d[first] where first >= 0, + sum of weights[row] d[row + 1]; returns its length."""
+    for j in range(np.uint64(out.size)):
+        out[j] = d[first, j] if first >= 0 else 0.0
+    for row in range(count):
+        x = weights[row]
+        for j in range(np.uint64(out.size)):
+            out[j] += x * d[row + 1, j]
+    total = 0.0
+    for j in range(np.uint64(out.size)):
+        total += out[j] * out[j]
+    return math.sqrt(total)
+
+
+@kernel
+def tangent_of(kind, dG, d, weights, guide, out_t):
+    """Unit tangent of the curve into out_t, along `guide`; False where it is not defined."""
+    count = 3
+    if kind in (LPC, PD):
+        count = 2
+        weights[0] = -dG[0, 2]
+        weights[1] = dG[0, 1]
+    else:
+        weights[0] = dG[0, 2] * dG[1, 3] - dG[0, 3] * dG[1, 2]
+        weights[1] = dG[0, 3] * dG[1, 1] - dG[0, 1] * dG[1, 3]
+        weights[2] = dG[0, 1] * dG[1, 2] - dG[0, 2] * dG[1, 1]
+    norm = combined(d, -1, weights, count, out_t)
+    if not 0.0 < norm < math.inf:
         return False
-    norm = math.sqrt(total) if along >= 0.0 else -math.sqrt(total)
-    for j in range(size):
+    along = 0.0
+    for j in range(out_t.size):
+        along += out_t[j] * guide[j]
+    if along < 0.0:
+        norm = -norm
+    for j in range(out_t.size):
         out_t[j] /= norm
     return True
