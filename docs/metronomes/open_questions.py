@@ -25,6 +25,8 @@ from drawing import (
 )
 from figure_4 import FOLD, brute_force
 
+import contin
+
 
 def draw_diagram():
     """Every family at beta = 0.8: amplitude of metronome 1, and periods of the beats."""
@@ -168,16 +170,35 @@ def draw_unlike():
 
 
 def draw_three():
-    """Three metronomes: two against one, continued from the pair, and what simulations settle on."""
-    found, scan = results("three-clusters.json"), table("three-scan.csv")
-    drawing, axes = panels(1, 2, 9.2, 3.4)
-    left, right = axes[0]
-    for name, colour in (("anti-phase", BLUE), ("in-phase", BLACK)):
-        curve(left, found[name], "mu", "r1", colour)
-        curve(left, found[name], "mu", "r2", colour, alpha=0.45)
-        left.plot([], [], color=colour, label={"anti-phase": "one against two", "in-phase": "in phase"}[name])
-    left.set(xlabel=MU, ylabel="amplitudes (faint: of the two)", xlim=(0, 5), ylim=(0, 2.5))
-    left.legend(frameon=False, loc="lower right")
+    """Three metronomes: amplitudes of all states, where they are born in the plane, and what simulations settle on."""
+    found, scan = results("three-states.json"), table("three-scan.csv")
+    drawing, axes = panels(1, 3, 11.4, 3.7)
+    left, middle, right = axes[0]
+    for name, columns, colour, words in (
+        ("in-phase", ("r1",), BLACK, "in phase"),
+        ("in-phase/BP1", ("r1", "r2"), BLUE, "two and one"),
+        ("in-phase/BP1/BP1", ("r1", "r2", "r3"), ORANGE, "all unequal"),
+        ("beats", ("r1.max", "r1.min"), RED, "beats of two and one"),
+    ):
+        branch = found[name]
+        if len(columns) == 3:  # its arms are mirror images: one is drawn, or the dashes of one fill the other's gaps
+            branch = branch | {"columns": {k: v[: len(v) // 2] for k, v in branch["columns"].items()}}
+        for column in columns:
+            curve(left, branch, "mu", column, colour)
+        left.plot([], [], color=colour, label=words)
+    left.set(xlabel=MU, ylabel="amplitudes", xlim=(0, 5), ylim=(0, 2.9))
+    left.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
+    column = np.linspace(0.05, FOLD, 200)
+    middle.plot([2 / 3 * mu_c(b) for b in column], column, color=BLACK, linestyle="--", label=r"formula: $2\mu_c/3$")
+    for name, colour, words in (
+        ("fold", GREEN, "fold beside it"),
+        ("hopf", RED, "Hopf points"),
+        ("end of two against one", BLUE, "two against one ends"),
+    ):
+        columns = found[name]["columns"]
+        middle.plot(columns["mu"], columns["beta"], color=colour, label=words)
+    middle.set(xlabel=MU, ylabel=BETA, xlim=(0, 8), ylim=(0, 1))
+    middle.legend(frameon=False, fontsize=8)
     starts = {"start1": "near in-phase", "start2": "two against one", "start3": "splay"}
     looks = zip(dict.fromkeys(scan["class"]), "osD^vP*", (BLUE, GREEN, RED, ORANGE, PINK, BLACK, SKY), strict=False)
     for label, marker, colour in looks:
@@ -188,6 +209,62 @@ def draw_three():
     right.set(xlabel=MU, ylim=(-0.5, 4.4))
     right.legend(frameon=False, ncols=2, loc="upper right", fontsize=8)
     return drawing
+
+
+def family(name: str) -> str:
+    """Which metronomes move alike on a branch of four metronomes, as "3 + 1"."""
+    columns = results("four-states.json")[name]["columns"]
+    row = len(columns["mu"]) // 3
+    states = np.round([(columns[f"u{i}"][row], columns[f"v{i}"][row]) for i in range(1, 5)], 6)
+    counts = np.unique(states, axis=0, return_counts=True)[1]
+    return " + ".join(str(c) for c in sorted(counts, reverse=True))
+
+
+def four_states() -> dict[str, dict]:
+    """Branches of four metronomes that are not images of another."""
+    return {name: branch for name, branch in results("four-states.json").items() if not branch["image_of"]}
+
+
+def ever_stable(branch: dict, branches: dict[str, dict]) -> bool:
+    """Is any row stable, apart from special points and its birth, where critical eigenvalues do not count?"""
+    stable = np.array(branch["columns"]["stable"])
+    stable[[point["index"] for point in branch["points"]]] = False
+    if branch["parent"]:
+        parent = branches[branch["parent"]["branch"]]
+        born = next(p for p in parent["points"] if p["label"] == branch["parent"]["label"])["values"]["mu"]
+        stable &= np.abs(np.array(branch["columns"]["mu"]) - born) > 1e-9
+    return bool(stable.any())
+
+
+def four_table() -> MarkdownTable:
+    """The families of four metronomes: how many move alike, where they exist, stability."""
+    rows, seen = [], set()
+    for name, branch in four_states().items():
+        mu = np.array(branch["columns"]["mu"])
+        row = family(name), f"{mu.min():.4f} to {mu.max():.4f}"
+        if name != "in-phase" and (row[0], row[1][-6:]) not in seen:
+            born = branch["parent"]
+            where = points(results("four-states.json")[born["branch"]], "BP", "mu")
+            at = where[int(born["label"].removeprefix("BP")) - 1]
+            rows.append(
+                (*row, f"{at:.6f}", "somewhere" if ever_stable(branch, results("four-states.json")) else "nowhere")
+            )
+            seen.add((row[0], row[1][-6:]))
+    return MarkdownTable("alike | mu | born at mu | stable", rows)
+
+
+def pairs_at_an_angle(eps: float = 0.05, angle: float = 1.0) -> tuple[float, float]:
+    """Two anti-phase pairs, disturbed: largest |x1 + x3| or |x2 + x4| that is left, largest distance of the pairs."""
+    r = r_star(0.8)
+    start = {}
+    for i, phase in enumerate((0.0, angle, np.pi + 0.05, np.pi + angle - 0.08), 1):
+        start |= {f"x{i}": r * np.cos(phase), f"y{i}": -r * np.sin(phase)}
+    run = contin.simulate(
+        contin.load("metronomes/four"), start, {"beta": 0.8, "mu": 2, "eps": eps}, time=600 / eps, samples=50
+    )
+    x = [run.columns[f"x{i}"][25:] for i in range(1, 5)]
+    apart = max(np.abs(x[0] + x[2]).max(), np.abs(x[1] + x[3]).max())
+    return float(apart), float(np.abs(x[0] - x[1]).max())
 
 
 def survivors() -> dict[str, tuple[float, float, float]]:
@@ -239,6 +316,20 @@ def check() -> None:
     assert abs(points(springs, "CP", "mu")[0] - mu_c(0.8)) < 1e-6
     three = results("three-clusters.json")
     assert abs(points(three["anti-phase"], "BP", "mu")[0] - 2 / 3 * mu_c(0.8)) < 1e-8
-    splay = results("three-states.json")["splay in beta"]
-    assert abs(points(splay, "LP", "beta")[0] - FOLD) < 1e-8
+    states = results("three-states.json")
+    assert abs(points(states["splay in beta"], "LP", "beta")[0] - FOLD) < 1e-8
+    assert all(states["splay"]["columns"]["stable"])
+    assert abs(points(states["in-phase"], "BP", "mu")[0] - 2 / 3 * mu_c(0.8)) < 1e-8
+    # the same fold twice: by switching at the multiple branch point, and in the subspace of clusters, from the pair
+    fold = points(three["anti-phase"], "LP", "mu")[0]
+    assert min(abs(mu - fold) for mu in points(states["in-phase/BP1"], "LP", "mu")) < 1e-8
+    four = four_states()
+    assert abs(points(four["in-phase"], "BP", "mu")[0] - 2 / 4 * mu_c(0.8)) < 1e-8
+    assert {family(name) for name in four} == {"4", "3 + 1", "2 + 2", "2 + 1 + 1", "1 + 1 + 1 + 1"}
+    for branches in (states, results("four-states.json")):  # nothing that branches from in-phase synchrony is stable
+        born = [b for b in branches.values() if b["parent"] and b["kind"] != "locus"]
+        assert born
+        assert not any(ever_stable(branch, branches) for branch in born)
+    apart, distance = pairs_at_an_angle()
+    assert apart < 1e-6 < 0.5 < distance
     assert all(-0.09 < relative < -0.06 for *_, relative in survivors().values())

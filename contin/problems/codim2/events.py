@@ -23,7 +23,7 @@ from contin.problems.codim2.functions import critical_indices, function_of
 from contin.problems.codim2.triple_zero import triple_zero
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
-    "LP": {"CP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
+    "LP": {"CP": 2, "BT": 3, "R1": 3, "double zero": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
     "HB": {"BT": 2, "ZH": 3, "HH": 4, "neutral": 4, "GH": 5},
     "BP": {"DP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
     "PD": {"GPD": 2, "R2": 3, "PDNS": 4, "neutral": 4, "LPPD": 5},
@@ -55,6 +55,7 @@ RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
+JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
 
@@ -73,6 +74,8 @@ def explain(locus: str, a: Sample, b: Sample, is_map: bool = False) -> tuple[str
     events = (MAP_EVENTS if is_map else EVENTS)[locus]
     crossed = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
     moved = abs(b.unstable - a.unstable)
+    if locus == "LP" and crossed == [2, 3] and moved == 1 and _orientation_jumps(a, b):
+        return ("double zero",)
     if not crossed:
         touching = any(a.tests[i] == 0.0 or b.tests[i] == 0.0 for i in events)
         return () if moved == 0 or touching else None
@@ -86,10 +89,22 @@ def explain(locus: str, a: Sample, b: Sample, is_map: bool = False) -> tuple[str
     return (type_,) if moved == expected else None
 
 
+def _orientation_jumps(a: Sample, b: Sample) -> bool:
+    """True where a second eigenvalue vanishes beside that of the fold, with an eigenvector of its own.
+
+    (The fold of symmetric states passes a pitchfork that breaks the symmetry.) The null vectors are oriented by the
+    adjugate of f_u, which is zero there: both tests that they enter change sign without passing through zero.
+    """
+    first, second = a.tests[2:4], b.tests[2:4]
+    return bool(np.all(np.abs(first + second) <= JUMP * np.maximum(np.abs(first), np.abs(second))))
+
+
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a type from a nearby point of the curve; '' where there is nothing to report."""
     if type_ == "neutral":
         return ""
+    if type_ == "double zero":  # the curve passes through; worth a label only where a third eigenvalue vanishes too
+        return triple_zero(problem, near, frame) or ""
     verified = _verified(problem, type_, near, frame)
     if isinstance(verified, Verified) and type_ not in ("BT", "ZH"):
         return verified

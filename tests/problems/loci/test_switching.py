@@ -118,3 +118,18 @@ def test_folds_end_where_they_meet_pitchforks_and_start_there_once():
     assert_points(back, [("DP", 0.0, 0.0)])
     assert sorted(end.reason for end in back.ends) == ["bound", "joined"]
     assert back.notes == ()
+
+
+@pytest.mark.parametrize("seed", [None, 3])
+def test_a_fold_curve_passes_a_second_zero_eigenvalue_with_an_eigenvector_of_its_own(seed):
+    # folds p = 0 at w = 0 for every q; at q = 0 a pitchfork of the symmetry w1 -> -w1 passes: two zeros, but
+    # there is neither a cusp nor a Bogdanov-Takens point
+    plane = Plane(("p - w0^2", "(q + w0/2)*w1 - w1^3", "-w2 + w0/3"), (0.7, 0.0, 0.7 / 3), {"p": 0.49, "q": -0.6})
+    (fold,) = (s for s in plane.line(seed).points if s.type == "LP")
+    curve = follow(fold, ("p", "q"), BOX)
+    assert [end.reason for end in curve.ends] == ["bound", "bound"]
+    assert (curve.points, curve.notes) == ((), ())
+    np.testing.assert_allclose(curve.columns["p"], 0.0, atol=1e-10)
+    np.testing.assert_allclose([curve.columns["q"].min(), curve.columns["q"].max()], [-1.0, 1.0], atol=1e-9)
+    assert set(np.abs(np.diff(curve.columns["unstable"]))) == {0, 1}
+    assert len(curve.columns["q"]) < 120
