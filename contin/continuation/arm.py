@@ -74,6 +74,7 @@ class Arm:
     loop: Sample | None = None
     known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
     symmetries: tuple[str, ...] = ()  # that the branch broke at its birth: where it meets its own image, it is complete
+    foundling: bool = False  # no other branch has the branch point at which it meets its own image as a label
     end: End | None = None
     accepted: int = 0
     march: Callable[..., Chunk] | None = None  # in place of the problem's: a journal
@@ -224,7 +225,10 @@ class Arm:
                     if f.length < mirror.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
                 ]
                 notes = []  # they are about what the branch passes there
-            halt = self._halt(found)
+                if self.foundling and HALF_PERIOD not in str(self.end):
+                    found.append(mirror)
+                    halt = mirror
+            halt = halt or self._halt(found)
             if halt is not None:
                 found = [f for f in found if f.length <= halt.length]
             self.known.extend(f.point for f in found)

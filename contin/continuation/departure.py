@@ -75,7 +75,7 @@ class Departure:
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
         arm = Arm(
             problem, origin, self.scale.copy(), self.bounds, self.settings, targets, _oriented(self.start, sense),
-            self.known, seed.symmetries, march=march,
+            self.known, seed.symmetries, seed.parent is None, march=march,
         )  # fmt: skip
         return arm, [_single(origin, self.scale)] if seed.born else []
 

@@ -19,10 +19,11 @@ STEP = 1e-6  # of the difference quotient that maps tangents, relative to the po
 def images(branch: Branch) -> list[Branch]:
     """The mirror images of a branch that was computed on one side of the point where it broke a symmetry.
 
+    A branch that began elsewhere has none: it may be its own image, and was not asked to show what others are.
     Symmetries that have the same image there (a group of several) give one branch, named after the first.
     """
     found: list[Branch] = []
-    declared = symmetry_names(branch.problem)
+    declared = symmetry_names(branch.problem) if branch.parent is not None else ()
     for name in (s for s in branch.symmetries if s in declared):
         candidate = image(branch, name)
         size = float(np.nanmax(np.abs(candidate.z[:, :-1]), initial=0.0))

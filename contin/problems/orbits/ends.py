@@ -17,6 +17,8 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import dwelling
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
+MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
+VERTICAL = 1e-6  # ... or relative to the range
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
@@ -54,6 +56,12 @@ def _extent(profile: Profile, sizes: Array) -> float:
     return float(np.max(np.ptp(profile.u, axis=0) / sizes))
 
 
+def _foretold(profile: Profile, earlier: Profile, sizes: Array) -> float:
+    """Where the square of the amplitude, linear in the parameter beside a Hopf point, vanishes."""
+    now, then = _extent(profile, sizes) ** 2, _extent(earlier, sizes) ** 2
+    return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
+
+
 def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
     from contin.problems import defining
@@ -63,7 +71,8 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     size = _extent(profile, sizes)
     if problem.winding.any() or not problem.autonomous or size > SMALL:
         return None
-    if size >= _extent(problem.profile(before.z), sizes):
+    earlier = problem.profile(before.z)
+    if size >= _extent(earlier, sizes):
         return None
     rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
     centre = profile.weights @ profile.u
@@ -77,6 +86,10 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     if solved is None or solved.residual > 1e-8:
         return None
     found = solved.y * metric
+    remaining = abs(float(found[-1]) - profile.parameter)
+    missed = abs(float(found[-1]) - _foretold(profile, earlier, sizes))
+    if missed > MISSED * remaining + VERTICAL * float(frame.scale[-1]):
+        return None
     frequency = abs(float(solved.extra[0]))
     if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(solved.y - z / metric)) > 2.0 * size:
         return None

@@ -83,6 +83,9 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return ""
     solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
     solved = solve(problem, z=near.z, scale=frame.scale)
+    if solved is None and type_ == "LPC" and not flat:  # a pitchfork, passed along its side branch, turns it round too
+        solved = solve_special(problem, z=near.z, scale=frame.scale, type_="BPC")
+        type_ = "LPC" if solved is None else "BPC"
     if solved is None and flat:
         return "no folds are labelled where the parameter is constant to rounding and multipliers are not resolved"
     if solved is None:

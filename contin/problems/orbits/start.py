@@ -13,6 +13,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile, make_scale, sizes_of
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
+from contin.problems.symmetry import symmetry_names
 
 MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the metric have moved away at least
 LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes
@@ -40,7 +41,8 @@ class PeriodicOrbit:
 
     def seed(self, parameter: str) -> Seed:
         problem = self.problem(parameter)
-        return Seed(problem, replace(self.profile, parameter=float(self.p[problem.active])).vector())
+        z = replace(self.profile, parameter=float(self.p[problem.active])).vector()
+        return Seed(problem, z, symmetries=symmetry_names(problem))
 
     def __str__(self) -> str:
         low, high = self.profile.u.min(axis=0), self.profile.u.max(axis=0)
