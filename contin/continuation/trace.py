@@ -42,9 +42,11 @@ def trace(
     targets: Sequence[Target] = (),
     watch: Watcher | None = None,
     journal: Journal | None = None,
+    deadline: float | None = None,
 ) -> Branch:
     """Follow the curve through `seed` in the senses of `seed.arms` and label what is found.
 
+    At the `deadline` (of time.perf_counter()) an arm that is not over ends, with reason 'steps', after its chunk.
     `journal` keeps every chunk as it is computed, and answers with those of an earlier, killed run.
     Interrupting it (Ctrl-C) ends the branch with reason 'stopped'; everything computed is kept.
     """
@@ -69,14 +71,25 @@ def trace(
                 notes.extend(piece.notes)
                 if watch is not None:
                     watch(_progress(seed.problem, piece, pieces, bounds, departure.known))
+                if deadline is not None and time.perf_counter() > deadline and not arm.is_over():
+                    arm.end = _out_of_time(seed, pieces)
+                    break
         except KeyboardInterrupt:
-            last = pieces[-1].z[-1, -1] if pieces else seed.z[-1]
-            arm.end = End("stopped", f"stopped by the user at {seed.problem.parameters[0]} = {last:.10g}")
+            arm.end = End("stopped", f"stopped by the user at {_position(seed, pieces)}")
         assert arm.end is not None
         records[sense] = _ArmRecord(pieces, arm.end, arm.accepted)
         if arm.end.reason == "stopped":
             break
     return _assemble(departure, records, name, targets, notes, started)
+
+
+def _out_of_time(seed: Seed, pieces: list[Piece]) -> End:
+    return End("steps", f"the time of the budget was used up at {_position(seed, pieces)}; the branch may go on")
+
+
+def _position(seed: Seed, pieces: list[Piece]) -> str:
+    last = next((piece.z[-1, -1] for piece in reversed(pieces) if len(piece.z)), seed.z[-1])
+    return f"{seed.problem.parameters[0]} = {last:.10g}"
 
 
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:

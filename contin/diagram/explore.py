@@ -81,7 +81,7 @@ class Explorer:
                 diagram.notes.append(f"{reason}; not followed: {waiting}")
                 break
             name, seed = queue.popleft()
-            branch = self._follow(diagram, name, seed)
+            branch = self._follow(diagram, name, seed, began + self.budget.seconds)
             if branch is None:
                 continue
             added.append(branch)
@@ -102,7 +102,7 @@ class Explorer:
             return f"budget of {self.budget.seconds:g} s used"
         return None
 
-    def _follow(self, diagram: Diagram, name: str, seed: Seed) -> Branch | None:
+    def _follow(self, diagram: Diagram, name: str, seed: Seed, deadline: float) -> Branch | None:
         known = self._known(diagram, seed)
         if known is not None:
             if not seed.born:
@@ -121,6 +121,7 @@ class Explorer:
                 targets=self.targets,
                 watch=self.watch,
                 journal=self.journal,
+                deadline=deadline,
             )
         except ContinError as error:
             diagram.notes.append(f"{name}: {error}")

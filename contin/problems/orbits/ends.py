@@ -19,6 +19,7 @@ from contin.problems.orbits.problem import dwelling
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
 VERTICAL = 1e-6  # ... or relative to the range
+STILL, GROWN = 1e-10, 1e8  # dp/ds (scaled) below which the parameter stands still, and amplitude up to which one looks on
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
@@ -43,7 +44,7 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     """The end that an orbit has reached, or None."""
     if before is None:
         return None
-    found = shrunk(problem, origin, before, frame)
+    found = shrunk(problem, origin, before, frame) or unbounded(problem, origin, frame)
     if found is None and problem.autonomous:
         found = diverged(problem, origin, before, frame)
     if found is None and problem.autonomous:
@@ -54,6 +55,21 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
 
 def _extent(profile: Profile, sizes: Array) -> float:
     return float(np.max(np.ptp(profile.u, axis=0) / sizes))
+
+
+def unbounded(problem: Any, origin: Sample, frame: Frame) -> Ending | None:
+    """Orbits of a linear centre, all at one parameter, grow for ever."""
+    if abs(float(origin.tangent[-1])) > STILL:
+        return None
+    profile = problem.profile(origin.z)
+    usual = 1.0 if problem.origin is None else max(1.0, float(np.abs(problem.origin[1]).max()))
+    largest = int(np.argmax(np.ptp(profile.u, axis=0)))
+    if float(np.ptp(profile.u[:, largest])) < GROWN * usual:
+        return None
+    name, state = problem.parameters[0], problem.system.state_names[largest]
+    at = profile.parameter if abs(profile.parameter) > STILL * float(frame.scale[-1]) else 0.0
+    text = f"the orbits of this family all exist at {name} = {at:.10g}, and {state} grows without bound"
+    return Ending(End("bound", text, {"value": at}))
 
 
 def _foretold(profile: Profile, earlier: Profile, sizes: Array) -> float:

@@ -20,7 +20,10 @@ UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at wh
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
 CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a compound event
 FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
+VERTICAL = 1e-10  # ... and below which it may vanish all along the family
 RESOLVED = 1e-3  # ... and the multiplier is told from 1
+BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork, passed along its side branch
+ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
 
@@ -30,7 +33,10 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation
     error, so the count may lag behind the test by that much.
     """
-    if max(abs(a.tests[0]), abs(b.tests[0])) < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
+    slope = max(abs(a.tests[0]), abs(b.tests[0]))
+    if slope < VERTICAL and max(_distance_from_one(a), _distance_from_one(b)) < UNRESOLVED:
+        return _explain_vertical(a, b)
+    if slope < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
         counted = _explain_flat(a, b)
         if counted is not None:
             return counted
@@ -58,6 +64,15 @@ def _explain_flat(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("flat",) if abs(a.unstable - b.unstable) == 1 else None
 
 
+def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Where all orbits exist at one parameter (a centre) both dp/ds and the distance of a multiplier from 1 are zero up
+    to rounding."""
+    branches, pairs, flips = (bool(x) for x in a.tests[1:] * b.tests[1:] < 0.0)
+    if pairs or flips or abs(a.unstable - b.unstable) > 1:
+        return None
+    return ("BPC",) if branches else ()
+
+
 def _distance_from_one(sample: Sample) -> float:
     """Of the nontrivial multiplier nearest to 1 (the trivial one stands first; without it nothing is gained)."""
     others = sample.eigenvalues[1:]
@@ -68,7 +83,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     from contin.problems.orbits.defining import flat_fold, solve_special
 
-    theta = 0.0
+    theta, width = 0.0, float(frame.scale[-1])
     flat = type_ == "flat"
     if flat:
         type_ = "LPC"
@@ -83,9 +98,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return ""
     solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
     solved = solve(problem, z=near.z, scale=frame.scale)
-    if solved is None and type_ == "LPC" and not flat:  # a pitchfork, passed along its side branch, turns it round too
-        solved = solve_special(problem, z=near.z, scale=frame.scale, type_="BPC")
-        type_ = "LPC" if solved is None else "BPC"
+    if type_ == "LPC" and not flat and (solved is None or not solved.confirmed or solved.error > BLURRED * width):
+        pitchfork = solve_special(problem, z=near.z, scale=frame.scale, type_="BPC")
+        if pitchfork is not None and (solved is None or _one(solved, pitchfork, frame)):
+            solved, type_ = pitchfork, "BPC"
     if solved is None and flat:
         return "no folds are labelled where the parameter is constant to rounding and multipliers are not resolved"
     if solved is None:
@@ -101,7 +117,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     values = problem.multipliers(solved.z)
     gap = _critical_gap(_nontrivial(problem, values), type_, solved.theta)
     if not gap < UNCLEAR:
-        return f"{type_} not labelled: the multipliers are not resolved there (the critical one is off by {gap:.1e})"
+        return f"{type_} not labelled: the multipliers are not resolved there"
     others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
     point = Verified(
@@ -109,6 +125,13 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         vectors={"right": solved.right, "left": solved.left, "theta": solved.theta},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:
+    """True where a fold cannot be told from a branch point: the parameter turns on a pitchfork's side branch too."""
+    gap = (fold.z - branch_point.z) / frame.scale
+    errors = (fold.error + branch_point.error) / float(frame.scale[-1])
+    return abs(float(gap[-1])) <= 2.0 * errors and float(np.linalg.norm(gap)) < ADJACENT
 
 
 def _extent(problem: Any, z: Array, frame: Frame) -> float:

@@ -30,6 +30,7 @@ CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equil
 PROBE_TOLERANCE = 1e-10
 ALIGNED = 0.99  # cosine of two tangents at one point, up to rounding
 SAME_PERIOD = 1e-5  # relative
+SAME_EXTENT = 1e-2  # relative: of families that are born at one point with one period there are many
 TINY_STATE = 1e-6  # a state this small beside the others may be zero with rounding errors
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
 _STOPS = (
@@ -324,8 +325,11 @@ class OrbitProblem(FamilyOfOrbits):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        periods = self.profile(a.z).period, self.profile(b.z).period
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(periods[0] - periods[1]) < SAME_PERIOD * periods[0]
+        one, other = self.profile(a.z), self.profile(b.z)
+        extents = np.ptp(one.u, axis=0), np.ptp(other.u, axis=0)
+        alike = np.all(np.abs(extents[0] - extents[1]) <= SAME_EXTENT * np.maximum(*extents).max())
+        same_time = abs(one.period - other.period) < SAME_PERIOD * one.period
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and same_time and bool(alike)
 
     def describe_failure(self, z: Array) -> str:
         from contin.problems.orbits.mesh import estimate

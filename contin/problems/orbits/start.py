@@ -16,7 +16,7 @@ from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.symmetry import symmetry_names
 
 MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the metric have moved away at least
-LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes
+LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes: it does not move at all
 HOPF_INTERVALS = 20  # a small cycle is a sine
 
 
@@ -68,8 +68,8 @@ def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[See
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
     sizes = point.scale[:-1] / np.sqrt(n)
     moved = np.sqrt(MOVED * float(point.scale[-1]) / max(abs(float(cycles.p2[0])), 1e-300))
-    enlarged = min(moved * float(np.max(np.abs(2.0 * cycles.q) / sizes)), LARGEST)
-    if enlarged > 1.0:  # the cycles grow far beyond the equilibrium's size before the parameter changes
+    enlarged = moved * float(np.max(np.abs(2.0 * cycles.q) / sizes))
+    if 1.0 < enlarged < LARGEST:  # the cycles grow far beyond the equilibrium's size before the parameter changes
         sizes = np.maximum(sizes, enlarged * np.abs(2.0 * cycles.q) / np.max(np.abs(2.0 * cycles.q) / sizes))
     scale = make_scale(h, m, sizes, PERIOD_SCALE * period, float(point.scale[-1]))
     zeros = np.zeros(len(h))
