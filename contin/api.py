@@ -121,8 +121,8 @@ def periodic_orbit(
     u, p = model.start_point(start, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)
     if shooting_chosen(compiled(model), method):
-        at, time, multiple = find_return(compiled(model), u, p, periods, transient)
-        return orbit_from_return(compiled(model), at, p, periods, time, multiple, intervals)
+        near = find_return(compiled(model), u, p, periods, transient)
+        return orbit_from_return(compiled(model), near.u, p, periods, near.period, near.multiple, intervals)
     return orbit_by_simulation(compiled(model), u, p, periods, transient=transient, intervals=intervals, points=points)
 
 

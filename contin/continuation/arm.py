@@ -225,7 +225,7 @@ class Arm:
                     if f.length < mirror.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
                 ]
                 notes = []  # they are about what the branch passes there
-                if self.foundling and HALF_PERIOD not in str(self.end):
+                if self.foundling and not self._halves(mirror):
                     found.append(mirror)
                     halt = mirror
             halt = halt or self._halt(found)
@@ -269,6 +269,10 @@ class Arm:
                 return f
         return None
 
+    def _halves(self, f: Found) -> bool:
+        """True where orbits meet those of half the period."""
+        return f.point.type == "BPC" and self.problem.reverses(f.point.z, f.sample.tangent * self.scale, (HALF_PERIOD,))
+
     def _mirror(self, found: list[Found]) -> Found | None:
         """The branch point at which the branch meets its own mirror image, or orbits those of half the period.
 
@@ -281,7 +285,7 @@ class Arm:
                 continue
             tangent, at = f.sample.tangent * self.scale, float(f.point.z[-1])
             where = f"{self.problem.parameters[0]} = {at:.10g}"
-            if f.point.type == "BPC" and self.problem.reverses(f.point.z, tangent, (HALF_PERIOD,)):
+            if self._halves(f):
                 text = f"came together with orbits of half the period, at their period doubling {where}"
             elif self.symmetries and self.problem.reverses(f.point.z, tangent, self.symmetries):
                 text = f"met its own mirror image at the branch point {where}"

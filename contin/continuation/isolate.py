@@ -104,9 +104,9 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
         if isinstance(verified, Verified):
             moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
             length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
-            if verified.type != type_:  # what was looked for is part of another event next to it
-                slack += width
-            if moved <= 0.2 * width + 1e-6 + (width if verified.type != type_ else 0.0) and min(first, last) - slack <= length <= max(first, last) + slack:
+            other = width if verified.type != type_ else 0.0  # what was looked for belongs to another event beside it
+            slack += other
+            if moved <= 0.2 * width + other + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
                 return low, high, Found(length, verified, _at_point(stretch, near, verified))
             outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
         else:

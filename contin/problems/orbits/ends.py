@@ -19,7 +19,8 @@ from contin.problems.orbits.problem import dwelling
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
 VERTICAL = 1e-6  # ... or relative to the range
-STILL, GROWN = 1e-10, 1e8  # dp/ds (scaled) below which the parameter stands still, and amplitude up to which one looks on
+STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
+GROWN = 1e8  # ... and the amplitude up to which orbits are followed then
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this

@@ -22,7 +22,7 @@ CRITICAL = 1e-4  # a multiplier this close to the unit circle takes part in a co
 FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
 VERTICAL = 1e-10  # ... and below which it may vanish all along the family
 RESOLVED = 1e-3  # ... and the multiplier is told from 1
-BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork, passed along its side branch
+BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork passed on its side branch
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,24 @@ NEAR = 3e-2  # ... and one this close is tried when time is up
 SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
 LONGEST_MULTIPLE = 16  # forcing periods
+CHANCE = 4  # loops from which an unstable orbit is one that a chaotic trajectory came close to by chance
+UNSTABLE = 1.05  # largest modulus of a multiplier above which an orbit is unstable beyond doubt
+ADVICE = (
+    "It may be chaotic or quasi-periodic, or drift slowly. Try: parameters at which an orbit is stable, following it "
+    "from there; the orbits born at a Hopf point (from: LINE.HB1); another start; a longer transient"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Return:
+    """Where a trajectory nearly closes: a state of it, the time it takes (forcing periods: `multiple`), its loops."""
+
+    u: Array
+    period: float
+    multiple: int
+    loops: int
+    distance: float  # relative to the extent
+    after: float  # time simulated
 
 
 def orbit_by_simulation(
@@ -39,14 +57,22 @@ def orbit_by_simulation(
     Raises NoSolutionError where the trajectory comes to rest, does not return within the time, or where Newton on the
     closed trajectory fails; NotFiniteError where it escapes.
     """
-    at, period, multiple = find_return(system, u, p, periods, transient)
-    return _polished(system, at, p, periods, period, multiple, intervals, points)
+    near = find_return(system, u, p, periods, transient)
+    orbit = _polished(system, near, p, periods, intervals, points)
+    if near.loops >= CHANCE:
+        found = orbit.problem(system.parameter_names[0]).multipliers(orbit.profile.vector())
+        largest = float(np.nanmax(np.abs(found), initial=0.0))
+        if largest > UNSTABLE:
+            raise NoSolutionError(
+                f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Its nearest "
+                f"return, after {near.loops} loops, is by chance: the orbit there, of period {orbit.period:.6g}, is "
+                f"unstable (a multiplier of modulus {largest:.2g}). {ADVICE}."
+            )
+    return orbit
 
 
-def find_return(
-    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0
-) -> tuple[Array, float, int]:
-    """(state, period, forcing periods) where the trajectory from u, settled, nearly closes; errors as above."""
+def find_return(system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0) -> Return:
+    """Where the trajectory from u, settled, nearly closes; errors as above."""
     from contin.simulate.trajectory import integrate
 
     start = np.array(u, dtype=float)
@@ -56,7 +82,7 @@ def find_return(
         return _forced(system, start, p)
     scale = _time_scale(system, start, p)
     largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
-    time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 1.0)
+    time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
     while total < LONGEST * scale:
         path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800))
         total += time
@@ -77,13 +103,13 @@ def find_return(
             if found[0] < CLOSE:
                 break
         start, time = path.end, min(1.6 * time, 0.2 * LONGEST * scale)
-    distance, at, period, _ = best
+    distance, at, period, loops = best
     if distance > NEAR:
         raise NoSolutionError(
             f"no return found: the trajectory does not close within t = {total:.4g} (nearest return: {distance:.1e} of "
-            "its extent). It may be chaotic or quasi-periodic, or drift slowly: try another start or other parameters."
+            f"its extent). {ADVICE}."
         )
-    return at, period, 1
+    return Return(at, period, 1, loops, distance, total)
 
 
 def _turns(extent: Array, periods: Array) -> bool:
@@ -98,8 +124,8 @@ def _time_scale(system: Any, u: Array, p: Array) -> float:
 
 def _return(
     system: Any, u: Array, p: Array, periods: Array, time: float, extent: Array
-) -> tuple[float, Array, float, float] | None:
-    """(distance, state, period, 0): the best return to a section through u, looking at up to CROSSINGS crossings."""
+) -> tuple[float, Array, float, int] | None:
+    """(distance, state, period, loops): the best return to a section through u, of at most CROSSINGS."""
     from contin.simulate.trajectory import Section, integrate
 
     unit = np.where(extent > 0.0, extent, 1.0)
@@ -111,7 +137,7 @@ def _return(
     section = Section(normal, float(normal @ u), 1)
     path = integrate(system, u, p, time, section=section, events=CROSSINGS)
     states, times = path.event_states, path.event_times
-    best: tuple[float, Array, float, float] | None = None
+    best: tuple[float, Array, float, int] | None = None
     for k in range(1, len(states) // 2 + 1):
         difference = states[-1] - states[-1 - k]
         angles = periods > 0.0
@@ -120,20 +146,21 @@ def _return(
         )
         distance = float(np.max(np.abs(difference) / np.where(angles, periods, unit)))
         if best is None or distance < 0.3 * best[0]:
-            best = distance, states[-1], float(times[-1] - times[-1 - k]), 0.0
+            best = distance, states[-1], float(times[-1] - times[-1 - k]), k
         if best[0] < CLOSE:
             break
     return best
 
 
-def _forced(system: Any, u: Array, p: Array) -> tuple[Array, float, int]:
+def _forced(system: Any, u: Array, p: Array) -> Return:
     """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
     from contin.model.evaluate import evaluate
     from contin.simulate.trajectory import integrate
 
     period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
-    start, best = u, (np.inf, u, 1)
+    start, best, total = u, (np.inf, u, 1), 0
     for _ in range(60):
+        total += 64
         path = integrate(system, start, p, 64 * period, times=period * np.arange(65.0))
         unit = np.maximum(np.ptp(path.u, axis=0), 1e-9 * np.maximum(np.abs(path.u).max(axis=0), 1e-9))
         for k in range(1, LONGEST_MULTIPLE + 1):
@@ -145,20 +172,22 @@ def _forced(system: Any, u: Array, p: Array) -> tuple[Array, float, int]:
         start = path.end
     if best[0] > NEAR:
         raise NoSolutionError(
-            "no periodic response found: the stroboscopic states do not return within 16 forcing periods"
+            f"no periodic response found: the stroboscopic states do not return within {LONGEST_MULTIPLE} forcing "
+            f"periods (nearest: {best[0]:.1e} of their extent). {ADVICE}."
         )
-    return best[1], best[2] * period, best[2]
+    return Return(best[1], best[2] * period, best[2], best[2], best[0], total * period)
 
 
 def _polished(
-    system: Any, u: Array, p: Array, periods: Array, period: float, multiple: int, intervals: int | None, points: int
+    system: Any, near: Return, p: Array, periods: Array, intervals: int | None, points: int
 ) -> PeriodicOrbit:
-    """The closed trajectory from u on an adapted mesh, solved by Newton at fixed parameters."""
+    """The nearly closed trajectory on an adapted mesh, solved by Newton at fixed parameters."""
+    period, multiple = near.period, near.multiple
     problem: OrbitProblem | None = None
     h = np.full(100, 0.01)
     profile = Profile(points, np.empty((0, system.n)), period, h, 0.0)
     angles = periods > 0.0
-    u = np.where(angles, u - periods * np.floor(u / np.where(angles, periods, 1.0)), u)
+    u = np.where(angles, near.u - periods * np.floor(near.u / np.where(angles, periods, 1.0)), near.u)
     for _ in range(3):
         profile = _sampled(system, u, p, period, h, points)
         change = profile.u[-1] - profile.u[0]
@@ -174,8 +203,9 @@ def _polished(
     solved = problem.at_parameter(z, float(p[0]), scale)
     if solved is None or float(np.linalg.norm((solved - z) / scale)) > 1.0:
         raise NoSolutionError(
-            f"the simulation nearly returns after {period:.6g}, but Newton does not close the orbit: integrate longer "
-            "(transient), or start nearer to the orbit"
+            f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Newton finds none "
+            f"next to its closest return, at {period:.6g} ({near.loops} loops, to {near.distance:.1e} of its extent). "
+            f"{ADVICE}."
         )
     if problem.is_constant(solved, 1e3 * scale):
         raise NoSolutionError("the closed orbit is an equilibrium: start further away from it")
