@@ -25,6 +25,7 @@ LINGERING = 0.3  # part of the period spent near equilibria from which an approa
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
 AGREED_SPIRAL = 1e-7  # ... with complex leading eigenvalues, where infinitely many folds accumulate
+SWINGING = 6.0  # the error estimate's factor of safety there
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 PRECISE = Settings(tolerance=1e-11)
@@ -200,7 +201,8 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     if not (settled or remaining < REACHED * width or (drift > remaining and remaining < NOISE * width)):
         return None
     at_limit = [s.at(problem, limits[0], sizes) for s in saddles]
-    return _connection(problem, origin, profile, at_limit, limits[0], 3.0 * error + 2e-11 * width)
+    doubt = (SWINGING if q > 0.0 else 3.0) * error
+    return _connection(problem, origin, profile, at_limit, limits[0], doubt + 2e-11 * width)
 
 
 def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
+from contin.problems.orbits.symmetry import symmetry_of
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
@@ -96,6 +97,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         theta = float(np.angle(pair))
     if type_ in ("LPC", "BPC") and _extent(problem, near.z, frame) < NO_ORBIT:
         return ""
+    if type_ == "PD" and _orientable(problem, near.z):
+        return ""
     solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
     solved = solve(problem, z=near.z, scale=frame.scale)
     if type_ == "LPC" and not flat and (solved is None or not solved.confirmed or solved.error > BLURRED * width):
@@ -125,6 +128,18 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         vectors={"right": solved.right, "left": solved.left, "theta": solved.theta},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _orientable(problem: Any, z: Array) -> bool:
+    """True for orbits without a simple negative multiplier: a sign that changes is rounding.
+
+    In the plane the multiplier is exp(integral of the divergence). The multipliers of an orbit that a symmetry shifts by
+    half a period are the squares of those of half the orbit (Swift and Wiesenfeld, Phys. Rev. Lett. 52 (1984) 705).
+    """
+    if problem.autonomous and problem.n == 2:
+        return True
+    kept = symmetry_of(problem, z)
+    return kept is not None and kept[1] == 0.5
 
 
 def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:
