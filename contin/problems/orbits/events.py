@@ -133,7 +133,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
 def _orientable(problem: Any, z: Array) -> bool:
     """True for orbits without a simple negative multiplier: a sign that changes is rounding.
 
-    In the plane the multiplier is exp(integral of the divergence). The multipliers of an orbit that a symmetry shifts by
+    In the plane the multiplier is exp(integral of the divergence). Those of an orbit that a symmetry shifts by
     half a period are the squares of those of half the orbit (Swift and Wiesenfeld, Phys. Rev. Lett. 52 (1984) 705).
     """
     if problem.autonomous and problem.n == 2:
