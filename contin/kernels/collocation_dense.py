@@ -19,7 +19,7 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
     Multipliers are stored below the diagonal, pivots (N, count); panel (4, rows) is memory.
     Returns the sign of the product of all pivots and row exchanges; 0 where a pivot vanishes or is NaN.
     """
-    _, rows, width = a.shape
+    rows = a.shape[1]
     sign = 1
     first = 0
     while first < count:
@@ -29,17 +29,19 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
             return 0
         sign *= part
         if end - first == 4:
+            _pivot_rows(a, i, first)
             r = end
-            while r + 1 < rows:
-                _update_two(a, i, r, first, end)
-                r += 2
-            if r < rows:
-                _update_one(a, i, r, first, end)
+            while r + 2 < rows:
+                _update_three(a, i, r, first)
+                r += 3
+            while r < rows:
+                _update_one(a, i, r, first)
+                r += 1
         else:
-            for r in range(end, rows):
-                for k in range(first, end):
+            for k in range(np.uint64(first), np.uint64(end)):
+                for r in range(k + np.uint64(1), np.uint64(rows)):
                     factor = a[i, r, k]
-                    for c in range(np.uint64(end), np.uint64(width)):
+                    for c in range(np.uint64(end), np.uint64(a.shape[2])):
                         a[i, r, c] -= factor * a[i, k, c]
         first = end
     return sign
@@ -47,77 +49,117 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
 
 @vector_kernel
 def _panel(a, i, first, end, candidates, pivots, panel):
-    """Factor columns first .. end - 1, and apply them to the rows that hold their pivots.
+    """Factor columns first .. end - 1 (at most four), worked on side by side in panel (4, rows).
 
-    The columns are worked on side by side in panel (4, rows).
+    Rows are exchanged as a whole; the other columns of the pivot rows are not touched otherwise.
     """
-    _, rows, width = a.shape
+    rows, start, one = np.uint64(a.shape[1]), np.uint64(first), np.uint64(1)
+    columns = np.uint64(end) - start
     sign = 1
-    top = np.uint64(rows)
-    for r in range(first, rows):
-        for j in range(end - first):
-            panel[j, r] = a[i, r, first + j]
-    for k in range(first, end):
-        j = k - first
+    _to_panel(a, i, start, columns, panel)
+    for j in range(columns):
+        k = start + j
         p = k
         limit = abs(panel[j, k]) / THRESHOLD
         exceeding = 0
-        for r in range(np.uint64(k + 1), np.uint64(candidates)):
+        for r in range(k + one, np.uint64(candidates)):
             exceeding += 1 if abs(panel[j, r]) > limit else 0
         if exceeding > 0:
-            for r in range(k + 1, candidates):
+            for r in range(k + one, np.uint64(candidates)):
                 if abs(panel[j, r]) > abs(panel[j, p]):
                     p = r
-        pivots[i, k] = p
-        if p != k:
             sign = -sign
-            for c in range(np.uint64(0), np.uint64(width)):
+            for c in range(np.uint64(a.shape[2])):
                 swap = a[i, k, c]
                 a[i, k, c] = a[i, p, c]
                 a[i, p, c] = swap
-            for c in range(end - first):
+            for c in range(columns):
                 swap = panel[c, k]
                 panel[c, k] = panel[c, p]
                 panel[c, p] = swap
+        pivots[i, k] = p
         pivot = panel[j, k]
         if not abs(pivot) > 0.0:
             return 0
         if pivot < 0.0:
             sign = -sign
         inverse = 1.0 / pivot
-        for r in range(np.uint64(k + 1), top):
+        for r in range(k + one, rows):
             panel[j, r] *= inverse
-        for c in range(j + 1, end - first):
+        for c in range(j + one, columns):
             factor = panel[c, k]
-            for r in range(np.uint64(k + 1), top):
+            for r in range(k + one, rows):
                 panel[c, r] -= factor * panel[j, r]
-    for r in range(first, rows):
-        for j in range(end - first):
-            a[i, r, first + j] = panel[j, r]
-    for k in range(first, end):
-        for r in range(k + 1, end):
-            factor = a[i, r, k]
-            for c in range(np.uint64(end), np.uint64(width)):
-                a[i, r, c] -= factor * a[i, k, c]
+    _from_panel(a, i, start, columns, panel)
     return sign
 
 
 @vector_kernel
-def _update_two(a, i, r, first, end):
-    f0, f1, f2, f3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
-    g0, g1, g2, g3 = a[i, r + 1, first], a[i, r + 1, first + 1], a[i, r + 1, first + 2], a[i, r + 1, first + 3]
-    for c in range(np.uint64(end), np.uint64(a.shape[2])):
-        u0, u1, u2, u3 = a[i, first, c], a[i, first + 1, c], a[i, first + 2, c], a[i, first + 3, c]
-        x = a[i, r, c] - f0 * u0 - f1 * u1 - f2 * u2 - f3 * u3
-        y = a[i, r + 1, c] - g0 * u0 - g1 * u1 - g2 * u2 - g3 * u3
-        a[i, r, c] = x
-        a[i, r + 1, c] = y
+def _to_panel(a, i, start, columns, panel):
+    """panel[:columns] = columns of a[i] from `start` on, from row `start` on."""
+    second, third, fourth = start + np.uint64(1), start + np.uint64(2), start + np.uint64(3)
+    for r in range(start, np.uint64(a.shape[1])):
+        if columns == 4:
+            panel[0, r] = a[i, r, start]
+            panel[1, r] = a[i, r, second]
+            panel[2, r] = a[i, r, third]
+            panel[3, r] = a[i, r, fourth]
+        else:
+            for j in range(columns):
+                panel[j, r] = a[i, r, start + j]
 
 
 @vector_kernel
-def _update_one(a, i, r, first, end):
+def _from_panel(a, i, start, columns, panel):
+    """The opposite of `_to_panel`."""
+    second, third, fourth = start + np.uint64(1), start + np.uint64(2), start + np.uint64(3)
+    for r in range(start, np.uint64(a.shape[1])):
+        if columns == 4:
+            a[i, r, start] = panel[0, r]
+            a[i, r, second] = panel[1, r]
+            a[i, r, third] = panel[2, r]
+            a[i, r, fourth] = panel[3, r]
+        else:
+            for j in range(columns):
+                a[i, r, start + j] = panel[j, r]
+
+
+@vector_kernel
+def _pivot_rows(a, i, first):
+    """Apply four factored columns to the rest of the rows that hold their pivots."""
+    k0 = np.uint64(first)
+    k1, k2, k3 = k0 + np.uint64(1), k0 + np.uint64(2), k0 + np.uint64(3)
+    f, g, h = a[i, k1, k0], a[i, k2, k0], a[i, k2, k1]
+    p, q, r = a[i, k3, k0], a[i, k3, k1], a[i, k3, k2]
+    for c in range(k3 + np.uint64(1), np.uint64(a.shape[2])):
+        x = a[i, k0, c]
+        y = a[i, k1, c] - f * x
+        z = a[i, k2, c] - g * x - h * y
+        a[i, k1, c] = y
+        a[i, k2, c] = z
+        a[i, k3, c] -= p * x + q * y + r * z
+
+
+@vector_kernel
+def _update_three(a, i, r, first):
+    """Subtract from the rest of three rows their multiples of the four pivot rows."""
+    e0, e1, e2, e3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
+    f0, f1, f2, f3 = a[i, r + 1, first], a[i, r + 1, first + 1], a[i, r + 1, first + 2], a[i, r + 1, first + 3]
+    g0, g1, g2, g3 = a[i, r + 2, first], a[i, r + 2, first + 1], a[i, r + 2, first + 2], a[i, r + 2, first + 3]
+    for c in range(np.uint64(first + 4), np.uint64(a.shape[2])):
+        u0, u1, u2, u3 = a[i, first, c], a[i, first + 1, c], a[i, first + 2, c], a[i, first + 3, c]
+        x = a[i, r, c] - e0 * u0 - e1 * u1 - e2 * u2 - e3 * u3
+        y = a[i, r + 1, c] - f0 * u0 - f1 * u1 - f2 * u2 - f3 * u3
+        z = a[i, r + 2, c] - g0 * u0 - g1 * u1 - g2 * u2 - g3 * u3
+        a[i, r, c] = x
+        a[i, r + 1, c] = y
+        a[i, r + 2, c] = z
+
+
+@vector_kernel
+def _update_one(a, i, r, first):
     f0, f1, f2, f3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
-    for c in range(np.uint64(end), np.uint64(a.shape[2])):
+    for c in range(np.uint64(first + 4), np.uint64(a.shape[2])):
         x = a[i, r, c] - f0 * a[i, first, c] - f1 * a[i, first + 1, c]
         a[i, r, c] = x - f2 * a[i, first + 2, c] - f3 * a[i, first + 3, c]
 

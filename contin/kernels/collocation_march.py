@@ -47,6 +47,7 @@ ITERATIONS = 14
 FACTORISATIONS = 6
 SLOW = 0.15  # a chord iteration that contracts less than this is followed by a new factorisation
 STALE = 2e-3  # factors are renewed before measuring when the point has moved further than this part of the orbit since
+MOVED = 0.05  # scaled distance beyond which the corrected point on a new mesh is not the same orbit
 WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
 
@@ -197,6 +198,33 @@ def renew(e, w, s, x, tangent, scale):
         return 0
     fill(e, w, x.z, tangent, scale, s.local, x.border)
     return factorise(s, e.n, e.m, x.border, 1.0)
+
+
+@part
+def settle(e, w, s, x, here, tangents, scale, sizes, tolerance):
+    """Correct row 0 of `here` where it is not on the family to `tolerance`: after a change of mesh it is not.
+
+    Returns the sign of the determinant, with `s` the factors there; 0, and x.z as it was, where it stays as it is
+    although it is not on the family, or where it has moved too far for the factors.
+    """
+    z, size = x.z, scale.size
+    nodes = size - 2 - x.density.size
+    sign = correct(e, w, s, x, here[0], tangents[0], scale, 0.0, tolerance)
+    distance = 0.0
+    for j in range(size):
+        d = (z[j] - here[0, j]) / scale[j] if j <= nodes or j == size - 1 else 0.0
+        distance += d * d
+    distance = math.sqrt(distance)
+    kept = sign == 0 or sign == 2 or not distance < MOVED
+    for j in range(size):
+        if kept or distance <= tolerance:
+            z[j] = here[0, j]
+        else:
+            here[0, j] = z[j]
+    if kept or x.sizes[2] > STALE * min(1.0, amplitude(z, e.n, nodes // e.n, sizes)):
+        sign = 0
+    set_phase(e, w, z, sizes)
+    return sign
 
 
 @part
@@ -378,7 +406,13 @@ def follow(
             out_re[0, k + n - x.re.size] = x.re[k]
             out_im[0, k + n - x.re.size] = x.im[k]
         return 1 if math.isfinite(out_re[0, 0]) else 0
-    sign = renew(e, w, s, x, out_t[0], scale)
+    evaluations = 0.0
+    if mode == MARCH:
+        sign = settle(e, w, s, x, out_z, out_t, scale, sizes, tolerance)
+        evaluations = sizes_of[1]
+    if mode == PROBE or sign == 0:
+        sign = renew(e, w, s, x, out_t[0], scale)
+        evaluations += 1.0
     if sign == 0:
         return -1 if mode == PROBE else CORRECTOR
     unstable = measure(e, w, s, x, scale, sizes, sign, reference, -1, start, out_t, tests, out_re, out_im)
@@ -391,7 +425,7 @@ def follow(
     for i in range(6):
         info[i] = 0.0
     info[1] = h
-    info[2] = 1.0
+    info[2] = evaluations
     reference = math.log(abs(tests[1]))
     tests[1] = float(sign)
     info[3] = reference

@@ -19,6 +19,7 @@ import math
 import numpy as np
 
 from contin.kernels.collocation import LANES
+from contin.kernels.collocation_dense import eliminate_dense
 from contin.kernels.compile import kernel, vector_kernel
 from contin.kernels.eigen import eigenvalues
 
@@ -33,45 +34,74 @@ def transitions(local, n, m, out):
     """
     inner = (m - 1) * n
     dense = n > LANES
-    a = np.empty((n, 2 * n))  # [right | left]
-    width = np.uint64(2 * n)
+    a = np.empty((1, n, 2 * n))  # [right | left]
+    pivots = np.empty((1, n), np.int64)
+    panel = np.empty((4, n))
     for i in range(out.shape[0]):
         for r in range(n):
             for c in range(n):
                 if dense:
-                    a[r, c] = local[i, inner + r, inner + n + c]
-                    a[r, n + c] = -local[i, inner + r, inner + c]
+                    a[0, r, c] = local[i, inner + r, inner + n + c]
+                    a[0, r, n + c] = -local[i, inner + r, inner + c]
                 else:
-                    a[r, c] = local[inner + r, inner + n + c, i]
-                    a[r, n + c] = -local[inner + r, inner + c, i]
-        for k in range(n):
-            p = k
-            for r in range(k + 1, n):
-                if abs(a[r, k]) > abs(a[p, k]):
-                    p = r
-            if not abs(a[p, k]) > 0.0:
+                    a[0, r, c] = local[inner + r, inner + n + c, i]
+                    a[0, r, n + c] = -local[inner + r, inner + c, i]
+        if dense:
+            if eliminate_dense(a, 0, n, n, pivots, panel) == 0:
                 return False
-            if p != k:
-                for c in range(np.uint64(k), width):
-                    swap = a[k, c]
-                    a[k, c] = a[p, c]
-                    a[p, c] = swap
-            for r in range(k + 1, n):
-                factor = a[r, k] / a[k, k]
-                for c in range(np.uint64(k + 1), width):
-                    a[r, c] -= factor * a[k, c]
-        for k in range(n - 1, -1, -1):
-            for r in range(k + 1, n):
-                factor = a[k, r]
-                for c in range(np.uint64(n), width):
-                    a[k, c] -= factor * a[r, c]
-            inverse = 1.0 / a[k, k]
-            for c in range(np.uint64(n), width):
-                a[k, c] *= inverse
+        elif not _eliminate_small(a):
+            return False
+        _substitute(a)
         for r in range(n):
             for c in range(n):
-                out[i, r, c] = a[r, n + c]
+                out[i, r, c] = a[0, r, n + c]
     return True
+
+
+@vector_kernel
+def _eliminate_small(a):
+    """Eliminate below the diagonal of the left half of a (1, n, 2 n); False where a pivot vanishes."""
+    n, width = a.shape[1], np.uint64(a.shape[2])
+    for k in range(n):
+        p = k
+        for r in range(k + 1, n):
+            if abs(a[0, r, k]) > abs(a[0, p, k]):
+                p = r
+        if not abs(a[0, p, k]) > 0.0:
+            return False
+        if p != k:
+            for c in range(np.uint64(k), width):
+                swap = a[0, k, c]
+                a[0, k, c] = a[0, p, c]
+                a[0, p, c] = swap
+        for r in range(k + 1, n):
+            factor = a[0, r, k] / a[0, k, k]
+            for c in range(np.uint64(k + 1), width):
+                a[0, r, c] -= factor * a[0, k, c]
+    return True
+
+
+@vector_kernel
+def _substitute(a):
+    """The right half of a (1, n, 2 n) becomes the solution with the triangular left half; four rows at once."""
+    n, width = a.shape[1], np.uint64(a.shape[2])
+    first = np.uint64(n)
+    for k in range(n - 1, -1, -1):
+        r = k + 1
+        while r + 4 <= n:
+            f0, f1, f2, f3 = a[0, k, r], a[0, k, r + 1], a[0, k, r + 2], a[0, k, r + 3]
+            for c in range(first, width):
+                x = f0 * a[0, r, c] + f1 * a[0, r + 1, c] + f2 * a[0, r + 2, c] + f3 * a[0, r + 3, c]
+                a[0, k, c] -= x
+            r += 4
+        while r < n:
+            factor = a[0, k, r]
+            for c in range(first, width):
+                a[0, k, c] -= factor * a[0, r, c]
+            r += 1
+        inverse = 1.0 / a[0, k, k]
+        for c in range(first, width):
+            a[0, k, c] *= inverse
 
 
 @kernel
@@ -133,13 +163,7 @@ def sweep(m_all, skip, q, r_product):
         for b in range(d):
             r_product[a, b] = 1.0 if a == b else 0.0
     for i in range(count):
-        for a in range(d):
-            for b in range(columns):
-                y[a, b] = 0.0
-            for c in range(d):
-                x = m_all[i, skip + a, skip + c]
-                for b in range(columns):
-                    y[a, b] += x * q[c, b]
+        _times(m_all, i, skip, q, y)
         for a in range(d):
             for b in range(columns):
                 q[a, b] = y[a, b]
@@ -161,6 +185,29 @@ def sweep(m_all, skip, q, r_product):
 
 
 @vector_kernel
+def _times(m_all, i, skip, q, y):
+    """y = M_i q without the first `skip` rows and columns of M_i; four rows of q at once."""
+    d = q.shape[0]
+    columns = np.uint64(d)
+    for a in range(d):
+        for b in range(columns):
+            y[a, b] = 0.0
+        c = 0
+        while c + 4 <= d:
+            k = skip + c
+            f0, f1 = m_all[i, skip + a, k], m_all[i, skip + a, k + 1]
+            f2, f3 = m_all[i, skip + a, k + 2], m_all[i, skip + a, k + 3]
+            for b in range(columns):
+                y[a, b] += f0 * q[c, b] + f1 * q[c + 1, b] + f2 * q[c + 2, b] + f3 * q[c + 3, b]
+            c += 4
+        while c < d:
+            x = m_all[i, skip + a, skip + c]
+            for b in range(columns):
+                y[a, b] += x * q[c, b]
+            c += 1
+
+
+@vector_kernel
 def _orthonormalise(q, r, s):
     """Columns of q (d, d) become orthonormal, old q = new q r; s (d,) is memory.
 
@@ -173,10 +220,17 @@ def _orthonormalise(q, r, s):
         first = np.uint64(k)
         for b in range(first, columns):
             s[b] = 0.0
-        for a in range(d):
+        a = 0
+        while a + 4 <= d:  # four rows at once
+            f0, f1, f2, f3 = q[a, k], q[a + 1, k], q[a + 2, k], q[a + 3, k]
+            for b in range(first, columns):
+                s[b] += f0 * q[a, b] + f1 * q[a + 1, b] + f2 * q[a + 2, b] + f3 * q[a + 3, b]
+            a += 4
+        while a < d:
             x = q[a, k]
             for b in range(first, columns):
                 s[b] += x * q[a, b]
+            a += 1
         if not s[k] > 0.0:
             return 0.0
         norm = math.sqrt(s[k])
@@ -224,13 +278,25 @@ def multipliers(m_all, skip, q, re, im):
             q[0, 0] = math.nan
             return False
     product = np.empty((d, d))
-    for a in range(d):
-        for b in range(d):
-            s = 0.0
-            for c in range(a, d):
-                w = 0.0
-                for k in range(d):
-                    w += begin[k, c] * q[k, b]
-                s += r[a, c] * w
-            product[a, b] = s
+    _closed(r, begin, q, product)
     return eigenvalues(product, re, im, re, im) == 0
+
+
+@vector_kernel
+def _closed(r, begin, q, product):
+    """product = r (begin^T q), r upper triangular."""
+    d = q.shape[0]
+    columns = np.uint64(d)
+    turned = np.zeros((d, d))
+    for k in range(d):
+        for a in range(d):
+            x = begin[k, a]
+            for b in range(columns):
+                turned[a, b] += x * q[k, b]
+    for a in range(d):
+        for b in range(columns):
+            product[a, b] = 0.0
+        for c in range(a, d):
+            x = r[a, c]
+            for b in range(columns):
+                product[a, b] += x * turned[c, b]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis, interpolation
@@ -19,9 +20,8 @@ SAMPLES = 17  # points of an interval at which an extremum is looked for
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """An orbit: values u (N m + 1, n) at the nodes of a mesh with interval lengths h (N,), over the scaled time [0.
-
-    1].
+    """An orbit: values u (N m + 1, n) at the nodes of a mesh with interval lengths h (N,), over the scaled time
+    [0, 1].
     """
 
     m: int
@@ -46,8 +46,7 @@ class Profile:
     @property
     def times(self) -> Array:
         """Scaled times of the nodes, (N m + 1,)."""
-        inside = self.mesh[:-1, None] + self.h[:, None] * basis(self.m).nodes[None, :-1]
-        return np.append(inside.ravel(), 1.0)
+        return node_times(self.h, self.m)
 
     @property
     def weights(self) -> Array:
@@ -60,16 +59,45 @@ class Profile:
 
     def at(self, times: Array) -> Array:
         """Values at scaled times in [0, 1], (len(times), n)."""
-        mesh = self.mesh
-        i = np.clip(np.searchsorted(mesh, times, side="right") - 1, 0, self.intervals - 1)
-        local = np.clip((times - mesh[i]) / self.h[i], 0.0, 1.0)
-        nodes = i[:, None] * self.m + np.arange(self.m + 1)
-        return np.asarray(np.einsum("tj,tjk->tk", interpolation(self.m, local), self.u[nodes]))
+        return Transfer.to_times(self.m, self.h, times)(self.u)
 
     def on_mesh(self, h: Array) -> Profile:
         """The same orbit on another mesh (interpolated)."""
-        empty = Profile(self.m, np.empty((len(h) * self.m + 1, self.n)), self.period, h, self.parameter)
-        return Profile(self.m, self.at(empty.times), self.period, h, self.parameter)
+        return Profile(self.m, Transfer.to_mesh(self.m, self.h, h)(self.u), self.period, h, self.parameter)
+
+
+@dataclass(frozen=True, eq=False)
+class Transfer:
+    """Interpolation of functions on one mesh; the same for all of them, so it is worth keeping for several."""
+
+    nodes: NDArray[np.intp]  # (K, m + 1) nodes of the interval in which each of the K times lies
+    weights: Array  # (K, m + 1)
+
+    @classmethod
+    def to_times(cls, m: int, h: Array, times: Array) -> Transfer:
+        """From the nodes of the mesh h to scaled times in [0, 1]."""
+        mesh = np.concatenate([[0.0], np.cumsum(h)])
+        i = np.clip(np.searchsorted(mesh, times, side="right") - 1, 0, len(h) - 1)
+        local = np.clip((times - mesh[i]) / h[i], 0.0, 1.0)
+        return cls(i[:, None] * m + np.arange(m + 1), interpolation(m, local))
+
+    @classmethod
+    def to_mesh(cls, m: int, h: Array, other: Array) -> Transfer:
+        """From the nodes of the mesh h to those of another one."""
+        return cls.to_times(m, h, node_times(other, m))
+
+    def __call__(self, u: Array) -> Array:
+        """(K, k) from values (N m + 1, k) at the nodes."""
+        return np.asarray(np.einsum("tj,tjk->tk", self.weights, u[self.nodes]))
+
+
+def node_times(h: Array, m: int) -> Array:
+    """Scaled times of all nodes, (N m + 1,)."""
+    out = np.empty(len(h) * m + 1)
+    ends = np.cumsum(h)
+    out[:-1] = (h[:, None] * basis(m).nodes[:-1] + (ends - h)[:, None]).ravel()
+    out[-1] = 1.0
+    return out
 
 
 def node_weights(h: Array, m: int) -> Array:

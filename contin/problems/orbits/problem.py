@@ -85,6 +85,11 @@ class OrbitProblem(FamilyOfOrbits):
         """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
         return max(10, min(120, 2000 // self.n**2))
 
+    @cached_property
+    def state_periods(self) -> Array:
+        """Period of each state (n,), 0 where it is not an angle."""
+        return np.asarray(self.system.model.periods(self.constants()))
+
     def profile(self, z: Array) -> Profile:
         return profile_of(z, self.n, self.points)
 
@@ -118,7 +123,7 @@ class OrbitProblem(FamilyOfOrbits):
     def state_sizes(self, profile: Profile) -> Array:
         """Typical size of every state on an orbit: its largest modulus, an angle's amplitude."""
         largest = np.abs(profile.u).max(axis=0)
-        periods = self.system.model.periods(self.constants())
+        periods = self.state_periods
         largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
         small = largest <= TINY_STATE * float(largest.max())
         if small.any():  # zero, up to rounding: as large as the coupling to the other states makes it

@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
-from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.layout import Profile, Transfer, make_scale
 from contin.problems.orbits.mesh import choose_mesh, estimate
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
@@ -30,7 +30,7 @@ def renew(
     profile = problem.profile(origin.z)
     m = problem.points
     sizes = problem.sizes(origin.z, frame.scale)
-    grown = np.maximum(sizes, _state_growth(problem, profile, sizes))
+    grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     position = profile.u.size
     period = float(frame.scale[position])
     if profile.period > period:
@@ -44,38 +44,43 @@ def renew(
     if h is profile.h and np.array_equal(grown, sizes) and period == frame.scale[position]:
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(h, m, grown, period, float(frame.scale[-1]))
-    moved = _moved(problem, origin, frame.scale, scale, h)
-    corrected = problem.corrected(moved, Frame(scale), settings.newton_tolerance)
-    if corrected is not None and float(np.linalg.norm((corrected - moved.z) / scale)) < 0.05:
-        moved = replace(moved, z=corrected)
-    return Renewal(
-        scale,
-        moved,
-        None if before is None else _moved(problem, before, frame.scale, scale, h),
-        None if loop is None else _moved(problem, loop, _metric_of(problem, loop, frame.scale), scale, h),
-    )
+    move = Move(problem, frame.scale, scale, h)
+    return Renewal(scale, move(origin), None if before is None else move(before), None if loop is None else move(loop))
 
 
-def _state_growth(problem: Any, profile: Profile, sizes: Array) -> Array:
+def state_growth(problem: Any, profile: Profile, sizes: Array) -> Array:
+    """The states' sizes, where an orbit has outgrown them its own; an angle's does not change."""
     largest = np.abs(profile.u).max(axis=0)
-    periods = problem.system.model.periods(problem.constants())
-    return np.where((periods == 0.0) & (largest > 1.5 * sizes), largest, sizes)
+    return np.where((problem.state_periods == 0.0) & (largest > 1.5 * sizes), largest, sizes)
 
 
-def _metric_of(problem: Any, sample: Sample, scale: Array) -> Array:
-    """The present metric on a sample's own mesh."""
-    if sample.z.size == scale.size:
-        return scale
-    profile = problem.profile(sample.z)
-    return make_scale(profile.h, problem.points, np.ones(problem.n), 1.0, 1.0)
+class Move:
+    """Takes samples to another mesh (by interpolation: the next march corrects its origin) and another metric."""
 
+    def __init__(self, problem: Any, old_scale: Array, scale: Array, h: Array) -> None:
+        self.problem, self.old_scale, self.scale, self.h = problem, old_scale, scale, h
+        self._transfers: dict[bytes, Transfer] = {}  # by the mesh from which they lead: mostly one
 
-def _moved(problem: Any, sample: Sample, old_scale: Array, scale: Array, h: Array) -> Sample:
-    """A sample on another mesh and in another metric."""
-    profile = problem.profile(sample.z)
-    raw = sample.tangent * old_scale
-    raw[profile.u.size + 1 : -1] = profile.h
-    direction = problem.profile(raw).on_mesh(h).vector()
-    direction[-1 - len(h) : -1] = 0.0
-    t = direction / scale
-    return replace(sample, z=profile.on_mesh(h).vector(), tangent=t / np.linalg.norm(t))
+    def __call__(self, sample: Sample) -> Sample:
+        profile, n = self.problem.profile(sample.z), self.problem.n
+        raw = sample.tangent * self._metric(sample, profile)
+        values = np.hstack([profile.u, raw[: profile.u.size].reshape(-1, n)])
+        if not np.array_equal(profile.h, self.h):
+            values = self._transfer(profile)(values)
+        moved = replace(profile, u=values[:, :n], h=self.h)
+        still = np.zeros(len(self.h))
+        t = np.concatenate([values[:, n:].ravel(), raw[profile.u.size : profile.u.size + 1], still, raw[-1:]])
+        t /= self.scale
+        return replace(sample, z=moved.vector(), tangent=t / np.linalg.norm(t))
+
+    def _metric(self, sample: Sample, profile: Profile) -> Array:
+        """The present metric on a sample's own mesh."""
+        if sample.z.size == self.old_scale.size:
+            return self.old_scale
+        return make_scale(profile.h, profile.m, np.ones(profile.n), 1.0, 1.0)
+
+    def _transfer(self, profile: Profile) -> Transfer:
+        key = profile.h.tobytes()
+        if key not in self._transfers:
+            self._transfers[key] = Transfer.to_mesh(profile.m, profile.h, self.h)
+        return self._transfers[key]

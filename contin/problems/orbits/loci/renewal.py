@@ -12,7 +12,7 @@ from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
 from contin.problems.orbits.mesh import choose_mesh, estimate
-from contin.problems.orbits.renewal import NEARLY, TOO_FINE, _moved, _state_growth
+from contin.problems.orbits.renewal import NEARLY, TOO_FINE, Move, state_growth
 
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 
@@ -23,7 +23,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
     orbits, profile = curve.at(origin.z), curve.profile(origin.z)
     metric = curve.orbit(scale)
     sizes = orbits.sizes(curve.orbit(origin.z), metric)
-    grown = np.maximum(sizes, _state_growth(orbits, profile, sizes))
+    grown = np.maximum(sizes, state_growth(orbits, profile, sizes))
     period = float(scale[profile.u.size])
     if profile.period > period:
         period = 2.0 * profile.period
@@ -36,10 +36,11 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
     if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
         return Renewal(scale, origin, before, None)
     renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), 1.0)
+    move = Move(orbits, metric, curve.orbit(renewed), h)
 
     def moved(sample: Sample) -> Sample:
         inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
-        there = _moved(orbits, inner, metric, curve.orbit(renewed), h)
+        there = move(inner)
         share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
         rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
         t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
