@@ -67,7 +67,7 @@ def _panel(a, i, first, end, candidates, pivots, panel):
         if exceeding > 0:
             for r in range(k + one, np.uint64(candidates)):
                 if abs(panel[j, r]) > abs(panel[j, p]):
-                    p = r
+                    p = np.uint64(r)
             sign = -sign
             for c in range(np.uint64(a.shape[2])):
                 swap = a[i, k, c]
