@@ -17,7 +17,7 @@ from contin.problems.symmetry import symmetry_names
 
 MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the metric have moved away at least
 LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes: it does not move at all
-OWN = 0.1  # part of the size a state has along the branch of equilibria that it has at the Hopf point at least
+OWN = 0.05  # a state larger than this part of its size along the equilibria is measured in its size at the Hopf point
 HOPF_INTERVALS = 20  # a small cycle is a sine
 
 
@@ -68,7 +68,8 @@ def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[See
     first = 2.0 * (np.exp(1j * phases)[:, None] * cycles.q).real
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
     sizes = point.scale[:-1] / np.sqrt(n)
-    sizes = np.minimum(sizes, np.maximum(np.abs(point.z[:-1]), OWN * sizes))
+    own = np.abs(point.z[:-1])
+    sizes = np.where(own < OWN * sizes, sizes, np.minimum(sizes, own))
     moved = np.sqrt(MOVED * float(point.scale[-1]) / max(abs(float(cycles.p2[0])), 1e-300))
     enlarged = moved * float(np.max(np.abs(2.0 * cycles.q) / sizes))
     if 1.0 < enlarged < LARGEST:  # the cycles grow far beyond the equilibrium's size before the parameter changes
