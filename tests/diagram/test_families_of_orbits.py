@@ -1,5 +1,7 @@
 """Diagrams with periodic orbits: what is followed, what is known already, what a symmetry makes of it."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -103,3 +105,20 @@ def test_doubled_orbits_from_a_simulation_end_where_they_meet_those_of_half_the_
     assert [end.reason for end in family.ends] == ["joined", "joined"]
     assert [end.data["at"] for end in family.ends] == pytest.approx([0.25, 0.75], abs=1e-7)
     assert not family.points
+
+
+def test_the_time_of_a_budget_ends_a_family_that_would_go_on():
+    model = Model(
+        "rotating", states={"x": 0, "y": 0}, parameters={"p": -1.0}, definitions={"s": "x^2 + y^2"},
+        equations={"x": "(p - s)*x - y", "y": "x + (p - s)*y"},
+    )  # fmt: skip
+    full = api.diagram(model, "p", (-1.0, 1e6), settings={"max_step": 1e-4, "steps": 2000})
+    assert len(full["start/HB1"]) > 1000
+    began = time.perf_counter()
+    diagram = api.diagram(
+        model, "p", (-1.0, 1e6), settings={"max_step": 1e-4, "steps": 10**8}, budget={"seconds": 0.5, "steps": 10**9}
+    )
+    assert time.perf_counter() - began < 10.0
+    end = diagram.branches[-1].ends[1]
+    assert end.reason == "steps"
+    assert end.text.startswith("the time of the budget was used up at p = ")

@@ -36,3 +36,37 @@ def test_rotations_end_at_one_saddle_whatever_sheet_of_the_angle_it_is_on():
     assert end.reason == "homoclinic"
     assert end.data["at"]["I"] == pytest.approx(4.0 * 0.1 / pi, rel=0.01)
     assert end.data["saddle"]["w"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_large_orbits_are_not_taken_for_the_hopf_point_whose_parameter_they_pass():
+    """A one-cell enzyme model (AUTO-07p's demo `plp`): two Hopf points, two folds; AUTO's values with 100 intervals."""
+    model = Model(
+        "enzyme", states={"s": 45.56, "a": 177.8}, parameters={"rho": 2.021628}, definitions={"R": "s*a/(1 + s + s^2/10)"},
+        equations={"s": "110 - s - rho*R", "a": "(500 - a)/5 - rho*R"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "rho", (0.5, 20.0))
+    assert [line[f"HB{k}"].values["rho"] for k in (1, 2)] == pytest.approx([3.49995, 4.65046], abs=1e-5)
+    family = api.continuation(line["HB1"].switch(), "rho", (0.5, 20.0))
+    assert [p.type for p in family.points] == ["LPC", "LPC"]
+    assert [p.values["rho"] for p in family.points] == pytest.approx([2.7596874555, 5.0078397608], rel=1e-9)
+    assert [p.values["period"] for p in family.points] == pytest.approx([10.006393029, 5.6765785963], rel=1e-8)
+    assert family.ends[1].reason == "hopf"
+    assert family.ends[1].data["at"]["rho"] == pytest.approx(line["HB2"].values["rho"], abs=1e-9)
+
+
+def test_subharmonic_orbits_turn_round_at_their_branch_points_without_a_fold():
+    """x'' + 0.1 x' + x^3 = F cos t: orbits of three forcing periods that break (x, t) -> (-x, t + pi), in a closed loop."""
+    model = Model(
+        "ueda", states={"x": 3, "y": 4}, parameters={"F": 7.5}, forcing={"period": "2*pi"},
+        equations={"x": "y", "y": "-0.1*y - x^3 + F*cos(t)"},
+    )  # fmt: skip
+    start = api.periodic_orbit(model)
+    assert start.period == pytest.approx(6.0 * pi)
+    family = api.continuation(start, "F", (0.0, 12.0))
+    assert [p.type for p in family.points] == ["BPC", "BPC"]
+    low, high = sorted(p.values["F"] for p in family.points)
+    assert family.columns["F"].min() >= low - 1e-7
+    assert family.columns["F"].max() <= high + 1e-7
+    assert {end.reason for end in family.ends} == {"closed"}
+    for p in family.points:  # Liouville: the product of the multipliers is exp(-0.1 T)
+        assert np.prod(p.eigenvalues).real == pytest.approx(np.exp(-0.6 * pi), rel=1e-7)
