@@ -39,9 +39,10 @@ def test_rotations_end_at_one_saddle_whatever_sheet_of_the_angle_it_is_on():
 
 
 def test_large_orbits_are_not_taken_for_the_hopf_point_whose_parameter_they_pass():
-    """A one-cell enzyme model (AUTO-07p's demo `plp`): two Hopf points, two folds; AUTO's values with 100 intervals."""
+    """A one-cell enzyme model, the demo `plp` of AUTO-07p: two Hopf points, two folds; its values (100 intervals)."""
     model = Model(
-        "enzyme", states={"s": 45.56, "a": 177.8}, parameters={"rho": 2.021628}, definitions={"R": "s*a/(1 + s + s^2/10)"},
+        "enzyme", states={"s": 45.56, "a": 177.8}, parameters={"rho": 2.021628},
+        definitions={"R": "s*a/(1 + s + s^2/10)"},
         equations={"s": "110 - s - rho*R", "a": "(500 - a)/5 - rho*R"},
     )  # fmt: skip
     line = api.continuation(api.equilibrium(model), "rho", (0.5, 20.0))
@@ -55,7 +56,7 @@ def test_large_orbits_are_not_taken_for_the_hopf_point_whose_parameter_they_pass
 
 
 def test_subharmonic_orbits_turn_round_at_their_branch_points_without_a_fold():
-    """x'' + 0.1 x' + x^3 = F cos t: orbits of three forcing periods that break (x, t) -> (-x, t + pi), in a closed loop."""
+    """x'' + 0.1 x' + x^3 = F cos t: orbits of three forcing periods that break (x, t) -> (-x, t + pi)."""
     model = Model(
         "ueda", states={"x": 3, "y": 4}, parameters={"F": 7.5}, forcing={"period": "2*pi"},
         equations={"x": "y", "y": "-0.1*y - x^3 + F*cos(t)"},
