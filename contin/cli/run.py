@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contin.cli.interrupt import check
+from contin.cli.interrupt import check, hold
 from contin.cli.outputs import provenance, tell_and_write, writable
 from contin.cli.terminal import console
 from contin.errors import InputError
@@ -161,7 +161,8 @@ def compute(
     warm = time.perf_counter()
     with status:
         result = execute(plan, engine, status.say)
-        simulated, whole = carry_out_simulations(plan, status.say, status.count)
+        simulated, whole = ({}, False) if result.stopped else carry_out_simulations(plan, status.say, status.count)
+    hold()
     ended = time.perf_counter()
     notes = [*result.notes]
     if journal is not None:

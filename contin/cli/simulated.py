@@ -24,7 +24,7 @@ def writers(plan: Plan, document: Mapping[str, Any], report: Console) -> list[Ca
     for simulation, found in zip(plan.simulations, document.get("simulations", []), strict=False):
         for kind, path in simulation.outputs.items():
             tasks.append(partial(_write, simulation, kind, path, found["columns"], report))
-    if plan.sweep is not None and "csv" in plan.sweep.outputs:
+    if plan.sweep is not None and "csv" in plan.sweep.outputs and "sweep" in document:
         path = plan.sweep.outputs["csv"]
         tasks.append(partial(_table, document["sweep"]["columns"], path, report))
     return tasks

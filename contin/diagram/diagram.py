@@ -25,6 +25,7 @@ class Diagram:
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     explorer: Any = None
+    stopped: bool = False  # by the user
 
     def __iter__(self) -> Iterator[Branch]:
         return iter(self.branches)

@@ -67,6 +67,8 @@ class Explorer:
         self._work(diagram, queue)
         number = 1
         for seed in reserve:
+            if diagram.stopped:
+                break
             if self._known(diagram, seed) is None and self._work(diagram, deque([(f"all{number}", seed)])):
                 number += 1
         return diagram
@@ -81,15 +83,20 @@ class Explorer:
                 diagram.notes.append(f"{reason}; not followed: {waiting}")
                 break
             name, seed = queue.popleft()
-            branch = self._follow(diagram, name, seed, began + self.budget.seconds)
-            if branch is None:
-                continue
-            added.append(branch)
-            if any(end.reason == "stopped" for end in branch.ends):
+            try:
+                branch = self._follow(diagram, name, seed, began + self.budget.seconds)
+                if branch is None:
+                    continue
+                added.append(branch)
+                diagram.stopped = any(end.reason == "stopped" for end in branch.ends)
+                if not diagram.stopped:
+                    for point in branch.points:
+                        queue.extend(self._departures(diagram, branch, point))
+            except KeyboardInterrupt:  # between two branches
+                diagram.stopped = True
+            if diagram.stopped:
                 diagram.notes.append("stopped by the user")
                 break
-            for point in branch.points:
-                queue.extend(self._departures(diagram, branch, point))
         return added
 
     def _spent(self, diagram: Diagram, began: float) -> str | None:

@@ -23,6 +23,9 @@ class Found(Protocol):
     @property
     def notes(self) -> Sequence[str]: ...
 
+    @property
+    def stopped(self) -> bool: ...
+
 
 class FoundPhase(Protocol):
     """What a phase diagram consists of."""

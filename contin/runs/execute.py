@@ -28,6 +28,7 @@ class RunResult:
     complete: bool
     seconds: float
     phase: Mapping[str, Any] | None = None  # the regions of a phase diagram, as plain data
+    stopped: bool = False  # by the user
 
 
 @dataclass
@@ -43,6 +44,9 @@ class _State:
         self.stopped |= any(end.reason == "stopped" for end in branch.ends)
         if any(end.reason in ANNOUNCED_FAILURES for end in branch.ends):
             self.complete = False
+
+    def stop(self) -> None:
+        self.stopped, self.complete = True, False
 
     def skip(self, note: str) -> None:
         self.notes.append(note)
@@ -70,7 +74,8 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
             continue
         say(run.name)
         _carry_out(plan, run, engine, state)
-    return RunResult(state.branches, state.notes, state.complete, time.perf_counter() - began, state.phase)
+    seconds = time.perf_counter() - began
+    return RunResult(state.branches, state.notes, state.complete, seconds, state.phase, state.stopped)
 
 
 def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:
@@ -79,6 +84,8 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
         for branch in found.branches:
             state.add(branch)
         state.notes.extend(found.notes)
+        if found.stopped:
+            state.stop()
 
 
 def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _State) -> None:
@@ -102,6 +109,9 @@ def _skipping(what: str, state: _State, wrong_input: bool = False) -> Iterator[N
         if not wrong_input:
             raise
         state.skip(f"{what} skipped: {error}")
+    except KeyboardInterrupt:
+        state.stop()
+        state.skip(f"{what}: stopped by the user")
     except Exception as error:  # noqa: BLE001 - a defect of contin must not lose what the other runs found
         state.skip(f"{what} skipped: {_defect(error)}")
 

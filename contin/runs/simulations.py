@@ -15,21 +15,25 @@ def carry_out(
 ) -> tuple[dict[str, Any], bool]:
     """The entries `simulations` and `sweep` of the result document, and whether all of them ran to their end.
 
-    A trajectory that escapes, and a run of the sweep that does not settle, are incomplete results, not errors.
+    A trajectory that escapes, and a run of the sweep that does not settle, are incomplete results, not errors. Ctrl-C
+    keeps the simulations that are done.
     watch : called with (runs done, runs in all) of the sweep.
     """
     found: dict[str, Any] = {}
     complete = True
-    if plan.simulations:
-        found["simulations"] = []
-        for simulation in plan.simulations:
-            say(simulation.name)
-            found["simulations"].append(_simulated(simulation))
-            complete &= found["simulations"][-1]["outcome"] == "done"
-    if plan.sweep is not None:
-        say(f"sweep in {plan.sweep.parameter}")
-        found["sweep"] = _swept(plan.sweep, watch)
-        complete &= all(outcome == "settled" for outcome in found["sweep"]["columns"]["outcome"])
+    try:
+        if plan.simulations:
+            found["simulations"] = []
+            for simulation in plan.simulations:
+                say(simulation.name)
+                found["simulations"].append(_simulated(simulation))
+                complete &= found["simulations"][-1]["outcome"] == "done"
+        if plan.sweep is not None:
+            say(f"sweep in {plan.sweep.parameter}")
+            found["sweep"] = _swept(plan.sweep, watch)
+            complete &= all(outcome == "settled" for outcome in found["sweep"]["columns"]["outcome"])
+    except KeyboardInterrupt:
+        return found, False
     return found, complete
 
 

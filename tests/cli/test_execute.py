@@ -48,6 +48,7 @@ class Double:
         class Found:
             branches = [branch("low/BP1", {"p": [0.0, 1.0], "x": [0.0, 1.0]}, [special("HB", "HB1", 0, {})])]  # noqa: RUF012
             notes = ["a note of the explorer"]  # noqa: RUF012
+            stopped = False
 
         return Found()
 
@@ -119,6 +120,14 @@ def test_stopping_one_run_stops_those_after_it():
     result = carried_out(double, A, {**A, "name": "d"})
     assert list(result.branches) == ["a"]
     assert result.notes == ["d skipped: stopped by the user"]
+
+
+def test_stopping_where_no_branch_is_followed_keeps_the_branches_before():
+    double = Double({"b": KeyboardInterrupt()})
+    result = carried_out(double, A, B, {**A, "name": "d"})
+    assert list(result.branches) == ["a"]
+    assert result.notes == ["b: stopped by the user", "d skipped: stopped by the user"]
+    assert (result.stopped, result.complete) == (True, False)
 
 
 @pytest.mark.parametrize(

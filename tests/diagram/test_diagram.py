@@ -6,6 +6,7 @@ import networkx as nx
 import pytest
 
 import contin
+from contin.continuation.departure import Seed
 from contin.errors import InputError
 from tests.diagram.crossings import assert_same_points, explore, model, solutions
 
@@ -101,6 +102,22 @@ def test_interruption_keeps_what_was_computed_and_the_diagram_says_so():
     assert "stopped" in {e.reason for e in diagram.branches[-1].ends}
     assert "stopped by the user" in diagram.notes
     assert sum(len(b) for b in diagram) > 2
+
+
+def test_interruption_between_branches_keeps_the_branches_before():
+    whole = explore(FORK, {"x": 0.0}, {"p": -1.0}, R)
+    assert not whole.stopped
+
+    def ahead(seed):
+        if seed.born:
+            raise KeyboardInterrupt
+
+    whole.explorer.ahead = ahead
+    first = Seed(whole["start"].problem, whole["start"].z[0])
+    cut = whole.explorer.explore([("start", first)], reserve=[first])
+    assert [b.name for b in cut] == ["start"]
+    assert cut.stopped
+    assert cut.notes[-1] == "stopped by the user"
 
 
 def test_two_starts_on_one_branch_are_one_branch():
