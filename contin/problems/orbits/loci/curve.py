@@ -10,17 +10,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.vectors import norm
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.loci import frames
+from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
-
-KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
-STILL = 1e-8  # a part of the unit tangent this small has no direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,21 +37,6 @@ class Corrected:
     curvature: float  # of Newton's corrections, see `OrbitCurve.correct`
 
 
-@dataclass(eq=False)
-class _Work:
-    """Memory of the kernel for one mesh, and the frame that the curve's equations are written in."""
-
-    mesh: Array
-    points: Any
-    factors: Any
-    scratch: Any
-    memory: Any
-    frame: Any
-    weights: Array  # of differences between the neighbours of the inner nodes, repeated for every state
-    settled: bool = False
-    normals: list[tuple[Array, Array]] = field(default_factory=list)  # (parameters, unit normal of the curve there)
-
-
 @dataclass(frozen=True, eq=False)
 class OrbitCurve:
     """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
@@ -59,7 +44,7 @@ class OrbitCurve:
     type: str
     orbits: OrbitProblem
     second: int
-    _works: dict[str, _Work] = field(default_factory=dict)
+    _works: dict[str, Work] = field(default_factory=dict)
 
     @property
     def system(self) -> Any:
@@ -101,6 +86,23 @@ class OrbitCurve:
         base[self.second] = z[-2]
         return replace(self.orbits, base=base)
 
+    def intervals(self, z: Array) -> int:
+        return int((z.size - self._few) // self._many)
+
+    @cached_property
+    def _few(self) -> int:
+        """Unknowns that do not belong to an interval."""
+        return self.orbits.n + 3 + self.extra
+
+    @cached_property
+    def _many(self) -> int:
+        """Unknowns of an interval, its length included."""
+        return self.orbits.points * self.orbits.n + 1
+
+    def nodes(self, z: Array) -> int:
+        """Number of node values, the place of the period in z."""
+        return self.intervals(z) * (self._many - 1) + self.orbits.n
+
     def profile(self, z: Array) -> Profile:
         return self.orbits.profile(self.orbit(z))
 
@@ -135,8 +137,7 @@ class OrbitCurve:
 
     def _in_phase(self, z0: Array, guess: Array, scale: Array) -> Array:
         """The guess, to which the kernel's phase condition refers, shifted in time until it is in phase with z0."""
-        n = self.orbits.n
-        nodes = (self._works["now"].mesh.size * self.orbits.points + 1) * n
+        n, nodes = self.orbits.n, self.nodes(z0)
         if not self.orbits.autonomous or guess is z0:
             return guess
         u, metric = z0[:nodes], scale[:nodes]
@@ -153,10 +154,8 @@ class OrbitCurve:
 
     def _sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes."""
-        n, m = self.orbits.n, self.orbits.points
-        count = (z.size - n - 3 - self.extra) // (m * n + 1)
-        h = z[(count * m + 1) * n + 1]
-        weight = h * self._first_weight
+        n = self.orbits.n
+        weight = z[self.nodes(z) + 1] * self._first_weight
         return np.asarray(scale[:n] * np.sqrt(weight / n))
 
     @cached_property
@@ -171,144 +170,63 @@ class OrbitCurve:
 
         return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
 
-    def _work(self, z: Array, scale: Array) -> _Work:
-        profile_size = (z.size - self.orbits.n - 3 - self.extra) // (self.orbits.points * self.orbits.n + 1)
-        nodes = (profile_size * self.orbits.points + 1) * self.orbits.n
-        mesh = z[nodes + 1 : nodes + 1 + profile_size]
+    def _work(self, z: Array, scale: Array) -> Work:
+        nodes = self.nodes(z)
+        mesh = z[nodes + 1 : nodes + 1 + self.intervals(z)]
         known = self._works.get("now")
         if known is None or not np.array_equal(known.mesh, mesh):
-            known = self._works["now"] = self._new_work(z, mesh.copy(), [] if known is None else known.normals)
+            normals = Normals() if known is None else known.normals
+            p = self.at(z).full_parameters(z)
+            known = self._works["now"] = Work.of(self.type, self.orbits, p, mesh.copy(), normals)
         if not known.settled:
             known.settled = True
             self.settle(z, scale)
         return known
 
-    def _new_work(self, z: Array, mesh: Array, normals: list[tuple[Array, Array]]) -> _Work:
-        from contin.kernels.collocation_march import new_memory
-        from contin.kernels.special_orbits.memory import Frame, new_curve_memory
-
-        n, m, count = self.orbits.n, self.orbits.points, len(mesh)
-        p = self.at(z).full_parameters(z)
-        free = n - 1 if self.orbits.autonomous else n
-        size = (count * m + 1) * n + count + 2
-        points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
-        memory = new_curve_memory(KINDS[self.type], n, m, count, p.size)  # type: ignore[no-untyped-call]
-        frame = Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
-        times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
-        weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)
-        return _Work(mesh, points, factors, scratch, memory, frame, weights, normals=normals)
-
-    # -- borders ------------------------------------------------------------------------------------------------------
+    # -- the frame ----------------------------------------------------------------------------------------------------
 
     def settle(self, z: Array, scale: Array) -> None:
         """A frame that fits at z: directions of the parameters, rows and jumps from singular vectors."""
-        work = self._work(z, scale)
-        frame, n = work.frame, self.orbits.n
-        widths = scale[[-1, -2]]
-        if not frame.across.any():
-            frame.across[:], frame.along[:] = (widths[0], 0.0), (0.0, widths[1])
-            generator = np.random.default_rng(5)
-            for border in (frame.rows, frame.jump, frame.start):
-                border[:] = generator.normal(size=border.shape)
-        sizes = self._sizes(z, scale)
-        position = (len(work.mesh) * self.orbits.points + 1) * n
-        units = np.concatenate([sizes, [scale[position], 1.0]])
+        work, widths = self._work(z, scale), scale[[-1, -2]]
+        if not work.frame.across.any():
+            frames.begin(work.frame, widths)
         for _ in range(2):
             measured = self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
-            self._borders(work, units, self.further(z))
+            frames.set_borders(self.type, work, self._units(z, scale), self.further(z))
             if self.type != "LPC":
                 break
             if not isinstance(measured, str):
-                self._turn(work, widths, np.array([1.0, -float(work.memory.y[1, position + 1])]))
-
-    def _borders(self, work: _Work, units: Array, further: float) -> None:
-        """Rows, jumps and start vectors from the reduced matrices of the last linearisation."""
-        n, frame, end = self.orbits.n, work.frame, work.factors.end
-        left, right = end[:n, :n], end[:n, n : 2 * n]
-        sizes = units[:n]
-        whole = np.zeros((n + 1, n + 2))
-        whole[:, :n] = end[: n + 1, :n] + end[: n + 1, n : 2 * n]
-        whole[:, n:] = end[: n + 1, 2 * n :]
-        whole[n, n:] += work.memory.corner[0]
-        whole *= units
-        whole[:n] = np.linalg.solve(right * sizes, whole[:n])  # rows: what the jump u(1) - u(0) would have to be
-        whole[n] /= max(float(np.linalg.norm(whole[n])), 1e-300)
-        matrix = whole[:, : n + 1] if self.type == "LPC" else whole
-        vectors, _, null = np.linalg.svd(matrix)
-        frame.rows[:] = 0.0
-        for k in range(2 if self.type == "BPC" else 1):
-            frame.rows[k, : matrix.shape[1]] = null[-1 - k] / units[: matrix.shape[1]]
-        if self.type == "BPC":
-            frame.jump[:, 0] = vectors[:n, -1] * sizes
-        if self.type in ("PD", "NS"):
-            monodromy = -np.linalg.solve(right * sizes, left * sizes)
-            one = np.eye(n)
-            critical = monodromy + one
-            if self.type == "NS":
-                critical = monodromy @ monodromy - 2.0 * further * monodromy + one
-            vectors, _, null = np.linalg.svd(critical)
-            for k in range(min(2, n)):
-                frame.jump[:, k] = vectors[:, -1 - k] * sizes
-                frame.start[:, k] = null[-1 - k] / sizes
-
-    def _turn(self, work: _Work, widths: Array, direction: Array) -> None:
-        """New directions of the parameters: `direction` in the basis (across, along), scaled."""
-        frame = work.frame
-        across = (direction[0] * frame.across + direction[1] * frame.along) / widths
-        across /= float(np.linalg.norm(across))
-        frame.across[:] = across * widths
-        frame.along[:] = np.array([-across[1], across[0]]) * widths
+                frames.turn(work.frame, widths, 1.0, -measured.slope)
 
     def follow(self, found: Corrected, scale: Array) -> None:
         """Carry the frame on to a new point, which was corrected last."""
         work = self._works["now"]
         if self.type == "LPC":
-            work.normals.append((self._place(found.z, scale), self._normal(work, found, scale)))
-        frame, n, widths = work.frame, self.orbits.n, scale[[-1, -2]]
-        position = (len(work.mesh) * self.orbits.points + 1) * n
-        y = work.memory.y
-        if self.type == "LPC":
-            self._turn(work, widths, np.array([1.0, -float(y[1, position + 1])]))
-        else:
-            part = found.tangent[[-1, -2]]
-            if float(np.linalg.norm(part)) > STILL:
-                now = np.array([frame.across @ (part / widths), frame.along @ (part / widths)])
-                self._turn(work, widths, now if now[0] >= 0.0 else -now)
-        if self.type == "BPC":
-            return
-        sizes = self._sizes(found.z, scale)
-        units = np.concatenate([sizes, [scale[position], 1.0]])
-        row = np.concatenate([y[2, :n], y[2, position : position + 2]]) / units
-        if self.type == "LPC":
-            row[-1] = 0.0
-        frame.rows[0] = row / units / float(np.linalg.norm(row))
-        if self.type == "PD":
-            start = work.memory.v[0, :n] / sizes
-            frame.start[:, 0] = start / sizes / float(np.linalg.norm(start))
+            work.normals.add(self._place(found.z, scale), self._normal(work, found, scale))
+        frames.carry(self.type, work, self._units(found.z, scale), scale[[-1, -2]], found.tangent)
 
-    def _speed(self, work: _Work, found: Corrected, scale: Array) -> float:
+    def _units(self, z: Array, scale: Array) -> Array:
+        """Scales of (u(0), T, s)."""
+        return np.append(self._sizes(z, scale), [scale[self.nodes(z)], 1.0])
+
+    def _speed(self, work: Work, found: Corrected, scale: Array) -> float:
         """Component of the tangent along the curve in the plane of the parameters, with a sense that never jumps.
 
         (p, q)' is normal to (w F_p, w F_q), w the left null vector, a direction that turns continuously along a curve
         of folds; the component vanishes at a cusp of cycles, where both parameters turn.
         """
         normal = self._normal(work, found, scale)
-        if not work.normals:
-            work.normals.append((self._place(found.z, scale), normal))
-        part = found.tangent[[-1, -2]]
-        return float(normal[0] * part[1] - normal[1] * part[0])
+        if not work.normals.count:
+            work.normals.add(self._place(found.z, scale), normal)
+        p, q = float(found.tangent[-1]), float(found.tangent[-2])
+        return float(normal[0]) * q - float(normal[1]) * p
 
-    def _normal(self, work: _Work, found: Corrected, scale: Array) -> Array:
+    def _normal(self, work: Work, found: Corrected, scale: Array) -> Array:
         """Unit normal of the curve in the scaled plane of the parameters, in the sense of the nearest point known."""
         normal = (work.frame.across - found.slope * work.frame.along) / scale[[-1, -2]]
-        normal = normal / float(np.linalg.norm(normal))
-        if not work.normals:
-            return np.asarray(normal)
-        place = self._place(found.z, scale)
-        near = min(work.normals, key=lambda known: float(np.abs(known[0] - place).sum()))
-        return np.asarray(normal if float(near[1] @ normal) >= 0.0 else -normal)
+        return work.normals.oriented(self._place(found.z, scale), normal / norm(normal))
 
     def _place(self, z: Array, scale: Array) -> Array:
         """Parameters and period, which tell points of a curve apart."""
-        position = (self._works["now"].mesh.size * self.orbits.points + 1) * self.orbits.n
-        return np.asarray(z[[-1, -2, position]] / scale[[-1, -2, position]])
+        places = [-1, -2, self.nodes(z)]
+        return np.asarray(z[places] / scale[places])

@@ -59,10 +59,8 @@ def tests_of(locus: str, others: NDArray[np.complex128], further: float, speed: 
     count = 0
     if others.size:
         count = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
-        sign = 1.0
-        for value in others:
-            if value.imag == 0.0 and value.real < 1.0:
-                sign = -sign
+        below = np.count_nonzero((others.imag == 0.0) & (others.real < 1.0))
+        sign = -1.0 if below % 2 else 1.0
         tests[4] = sign * float(np.min(np.abs(others - 1.0) / (1.0 + np.abs(others))))
     tests[2], tests[3] = (four[2] if others.size > 1 else 1.0), four[3]
     if locus == "LPC":

@@ -10,6 +10,7 @@ from contin.abi import Array
 from contin.continuation.march import GROWTH
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.continuation.vectors import norm
 from contin.problems.orbits.loci.curve import Corrected
 
 WANTED = 2e-3  # first correction (scaled) that the step control aims at
@@ -78,7 +79,7 @@ def _predicted(last: Sample, old: Sample | None, h: float, h_previous: float, sc
     if old is None or h_previous == 0.0:
         return ahead
     chord = (last.z - old.z) / scale
-    reach = float(np.linalg.norm(chord))
+    reach = norm(chord)
     t = h / reach
     bend = reach * (2.0 * last.tangent + old.tangent) - 3.0 * chord
     twist = reach * (last.tangent + old.tangent) - 2.0 * chord
@@ -90,7 +91,7 @@ def _refused(
     problem: Any, last: Sample, found: Corrected, h: float, cos_max: float, scale: Array, settings: Settings
 ) -> str | None:
     """Why a corrected point is not taken."""
-    moved = float(np.linalg.norm((found.z - last.z) / scale))
+    moved = norm((found.z - last.z) / scale)
     if moved > 2.0 * h + 10.0 * settings.newton_tolerance:
         return "not the curve that the step set out on"
     if problem.turned_over(last.z, found.z):

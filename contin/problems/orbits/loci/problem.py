@@ -31,7 +31,7 @@ class OrbitLocusProblem(OrbitCurveProblem):
 
     curve: OrbitCurve
 
-    maximum_chunk = 40  # a step takes about 1 ms
+    maximum_chunk = 80  # a step takes about 0.6 ms
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
@@ -80,20 +80,20 @@ class OrbitLocusProblem(OrbitCurveProblem):
         """True where the orbit between these has shrunk to a point: seen from its mean it lies on the other side."""
         if self.curve.orbits.winding.any():
             return False
-        nodes = self.curve.profile(before).u.size
-        n = self.curve.orbits.n
-        a, b = (z[:nodes].reshape(-1, n) for z in (before, after))
-        return float(np.sum((a - a.mean(axis=0)) * (b - b.mean(axis=0)))) < 0.0
+        n, nodes = self.curve.orbits.n, self.curve.nodes(before)
+        a, b = before[:nodes], after[:nodes]
+        return float(a @ b) < float(a.reshape(-1, n).sum(axis=0) @ b.reshape(-1, n).sum(axis=0)) * n / nodes
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return self.curve.at(z).multipliers(self.curve.orbit(z))
 
     def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
         """The multipliers without the trivial and the critical ones."""
-        left = list(values[1:] if self.curve.orbits.autonomous else values)
+        left = values[1:].tolist() if self.curve.orbits.autonomous else values.tolist()
         for target in events.critical(self.locus, self.curve.further(z)):
             if left:
-                left.pop(min(range(len(left)), key=lambda k: abs(left[k] - target)))
+                gaps = [abs(value - target) for value in left]
+                left.pop(gaps.index(min(gaps)))
         return np.array(left, complex)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:

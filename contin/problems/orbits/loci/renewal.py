@@ -12,7 +12,7 @@ from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
 from contin.problems.orbits.mesh import choose_mesh, estimate
-from contin.problems.orbits.renewal import NEARLY, TOO_FINE, Move, state_growth
+from contin.problems.orbits.renewal import NEARLY, TOO_FINE, WORTHWHILE, Move, state_growth
 
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 
@@ -31,7 +31,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
     error, _ = estimate(profile, grown)
     chosen = choose_mesh(profile, grown, orbits.tolerance, orbits.intervals)
     unfit = error > NEARLY * orbits.tolerance or len(chosen.h) < TOO_FINE * len(h)
-    if unfit and (chosen.error < error or len(chosen.h) != len(h)):
+    if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
         h = chosen.h
     if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
         return Renewal(scale, origin, before, None)
