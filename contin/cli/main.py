@@ -111,6 +111,7 @@ def phase(
     sets: Sets = None,
     json: Json = None,
     plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    orbits: Annotated[bool, typer.Option(help="Periodic orbits and their curves, too.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Cut a box of two parameters into regions by all curves of special points that can be reached."""
@@ -118,7 +119,7 @@ def phase(
 
     ranges = ((low, high), (bottom, top))
     raise typer.Exit(
-        run_phase(model, (first, second), ranges, start or [], sets or [], json, plot, quiet, STARTED)
+        run_phase(model, (first, second), ranges, start or [], sets or [], json, plot, orbits, quiet, STARTED)
     )
 
 

@@ -77,6 +77,7 @@ def run_phase(
     sets: Sequence[str],
     json: str | None,
     plot: Path | None,
+    orbits: bool,
     quiet: bool,
     began: float,
 ) -> int:
@@ -88,7 +89,8 @@ def run_phase(
     from contin.runs.plan import make_plan
 
     bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
-    phase = {"parameter": list(parameters), "range": bounds, **({"start": list(starts)} if starts else {})}
+    chosen = {"start": list(starts)} if starts else {}
+    phase = {"parameter": list(parameters), "range": bounds, "orbits": orbits, **chosen}
     source = CallSource("contin phase")
     entry = read_run({"model": model, "phase": phase}, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))

@@ -73,6 +73,10 @@ class Explorer:
                 number += 1
         return diagram
 
+    def add(self, diagram: Diagram, name: str, seed: Seed) -> list[Branch]:
+        """Follow one more start, and what is reachable from it."""
+        return self._work(diagram, deque([(name, seed)]))
+
     def _work(self, diagram: Diagram, queue: deque[tuple[str, Seed]]) -> list[Branch]:
         began = time.perf_counter()
         added: list[Branch] = []

@@ -69,6 +69,25 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
     return None
 
 
+def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> tuple[Any, Array] | None:
+    """The one of the `known` orbits, at the same parameters, that z is, or is an image of."""
+    here = list(_variants(problem, z))
+    for other, row in known:
+        profile = other.profile(row)
+        if any(_same(profile, one) for one in here):
+            return other, row
+    return None
+
+
+def copies(problem: Any, z: Array) -> int:
+    """How many different orbits the declared symmetries make of one."""
+    distinct: list[Any] = []
+    for profile in _variants(problem, z):
+        if not any(_same(profile, one) for one in distinct):
+            distinct.append(profile)
+    return len(distinct)
+
+
 def _variants(problem: Any, z: Array) -> Iterator[Any]:
     yield problem.profile(z)
     if hasattr(problem, "moved"):

@@ -12,6 +12,7 @@ from contin.plot.vocabulary import PALETTE, locus_words, style_of
 
 COLOURS: Final = {
     "LP": PALETTE[0], "HB": PALETTE[1], "BP": PALETTE[2], "PD": PALETTE[3], "NS": PALETTE[4], "LPC": PALETTE[5],
+    "BPC": "#8C564B", "HOM": PALETTE[6],
 }  # fmt: skip
 SHADES: Final = ("#f7f7f7", "#e3eef7", "#c6dcee", "#a9cae4")  # none, one, two, three or more stable states
 MARKED: Final = 14  # names of points are written while there are no more than this
@@ -64,7 +65,7 @@ def _shade(axes: Any, data: Mapping[str, Any]) -> None:
     for region in data["regions"]:
         rings = [np.array([*ring, ring[0]]) for ring in (region["outline"], *region["holes"])]
         codes = np.concatenate([[Path.MOVETO, *([Path.LINETO] * (len(r) - 2)), Path.CLOSEPOLY] for r in rings])
-        shade = SHADES[min(region["stable"], len(SHADES) - 1)]
+        shade = SHADES[min(region["stable"] + region.get("stable_orbits", 0), len(SHADES) - 1)]
         axes.add_patch(PathPatch(Path(np.concatenate(rings), codes), facecolor=shade, edgecolor="none", zorder=0))
 
 

@@ -136,6 +136,7 @@ class ContinEngine:
             phase.range,
             start=list(phase.starts),
             parameters=parameters,
+            orbits=phase.orbits,
             settings=phase.settings,
             watch=self.watch,
         )

@@ -67,6 +67,7 @@ class PhasePlan:
     range: Mapping[str, tuple[float, float]]
     starts: Sequence[StartPoint] = (None,)
     settings: Mapping[str, Any] = field(default_factory=dict)
+    orbits: bool = True
 
 
 @dataclass(frozen=True)
@@ -209,7 +210,7 @@ class _Planner:
         bounds = self.bounds(entry.range, (first, second), path) if all(known) else {}
         if len(bounds) < 2:
             return None
-        return PhasePlan((first, second), bounds, starts or [None], entry.settings.chosen())
+        return PhasePlan((first, second), bounds, starts or [None], entry.settings.chosen(), entry.orbits)
 
     def runs(self, entries: Sequence[ContinuationEntry]) -> list[RunPlan]:
         names: list[str] = []

@@ -196,6 +196,7 @@ class PhaseEntry(Section):
     parameter: Annotated[Texts, Field(min_length=2, max_length=2)]
     range: Ranges | None = None
     start: Starts | None = None
+    orbits: bool = True
     settings: SettingsEntry = SettingsEntry()
 
     @model_validator(mode="after")

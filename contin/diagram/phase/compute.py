@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -12,9 +12,10 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
+from contin.diagram.phase.attractors import orbits_reached
 from contin.diagram.phase.diagram import PhaseDiagram, Region
 from contin.diagram.phase.lines import Box, polylines
-from contin.diagram.phase.plane import Arrangement, arrangement
+from contin.diagram.phase.plane import Arrangement, Face, arrangement, inside
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.states import State, states_on
 from contin.errors import InputError
@@ -32,25 +33,30 @@ def phase(
     box: Mapping[str, Sequence[float]] | Box,
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
+    orbits: bool = True,
 ) -> PhaseDiagram:
-    """The phase diagram of the equilibria connected with `starts` in a box of two parameters.
+    """The phase diagram of the states connected with `starts` in a box of two parameters.
 
-    Curves of folds, Hopf points and branch points are found on lines across the box and followed to its edges; the
-    equilibria of each region are those on all branches through its representative point that are connected with a
-    start or with one of the curves. Special points on those branches that lie on no known curve start new ones, and the
-    box is cut again. Cost: about ten branches a line, and one line a region.
+    Curves of folds, Hopf points and branch points, and with `orbits` those of LPC, PD, NS, BPC and of homoclinic
+    orbits, are found on lines across the box and followed to its edges. The states of each region are those on all
+    branches through its representative point that are connected with a start or with one of the curves, and the stable
+    orbits on which trajectories settle that leave unstable equilibria there. Special points on those branches that lie
+    on no known curve start new ones, and the box is cut again. Cost: about ten branches a line, and one line a region.
     """
     listed: list[Any] = list(starts) if isinstance(starts, list | tuple) else [starts]
     first, second = _pair(parameters)
     bounds = _bounds(box, (first, second))
     chosen = Settings.of(DEFAULTS | dict(settings or {}) if not isinstance(settings, Settings) else settings)
     points = [(np.asarray(s.u), np.asarray(s.p)) for s in listed]
-    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch)
+    flow = listed[0].system.kind != "map"
+    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, orbits and flow)
     search.run()
+    visited: list[_Visit] = []
     for _ in range(ROUNDS):
         lines, owners = polylines(search.loci, bounds)
         plane = arrangement(lines)
-        found = [_states(search, face.point) for face in plane.faces]
+        plane, visited = _visited(search, plane, visited)
+        found = [(visit.states, visit.branches) for visit in visited]
         more = [search.absorb(branches) for _, branches in found]
         if not any(more):
             break
@@ -82,22 +88,51 @@ def _bounds(box: Any, names: tuple[str, str]) -> Box:
     return (a, b), (c, d)
 
 
-def _states(search: LociSearch, point: Array) -> tuple[tuple[State, ...], list[Any]]:
-    """The equilibria at a point of the unit square, and the branches in the first parameter that they are on."""
+@dataclass(frozen=True, eq=False)
+class _Visit:
+    """A point of the unit square, the states there and the branches in the first parameter that they are on."""
+
+    point: Array
+    states: tuple[State, ...]
+    branches: list[Branch]
+
+
+def _visited(search: LociSearch, plane: Arrangement, known: Sequence[_Visit]) -> tuple[Arrangement, list[_Visit]]:
+    """Every face with the states at its point; a point of an earlier visit inside it serves as well."""
+    faces, visits = [], []
+    for face in plane.faces:
+        visit = next((v for v in known if _contains(face, v.point)), None) or _visit(search, face.point)
+        faces.append(replace(face, point=visit.point))
+        visits.append(visit)
+    return replace(plane, faces=tuple(faces)), visits
+
+
+def _contains(face: Face, point: Array) -> bool:
+    return bool(inside(point[None], [face.outline, *face.holes])[0])
+
+
+def _visit(search: LociSearch, point: Array) -> _Visit:
     low = np.array([b[0] for b in search.box])
     width = np.array([b[1] - b[0] for b in search.box])
     at = low + width * point
-    branches = search.line(0, float(at[1]), target=float(at[0]))
-    return states_on(branches), branches
+    line = search.line(0, float(at[1]), target=float(at[0]))
+    states = states_on(line.branches)
+    if search.orbits:
+        problem = replace(search.problem, base=search.held(0, float(at[1])))
+        line.add(orbits_reached(problem, states, float(at[0])))
+        states = states_on(line.branches)
+    return _Visit(point, states, line.branches)
 
 
 def _regions(plane: Arrangement, found: Sequence[tuple[State, ...]], search: LociSearch) -> tuple[Region, ...]:
     low = np.array([b[0] for b in search.box])
     width = np.array([b[1] - b[0] for b in search.box])
-    names: dict[tuple[tuple[int, int], ...], str] = {}
+    names: dict[Any, str] = {}
     regions = []
     for number, (face, states) in enumerate(zip(plane.faces, found, strict=True)):
-        kind = tuple(sorted((state.unstable, state.copies) for state in states))
+        rests = tuple(sorted((state.unstable, state.copies) for state in states if state.orbit is None))
+        cycles = tuple(sorted(state.copies for state in states if state.orbit is not None and state.unstable == 0))
+        kind = rests, cycles
         name = names.setdefault(kind, _letter(len(names)))
         values = dict(zip(search.parameters, (low + width * face.point).tolist(), strict=True))
         outline, *holes = (low + width * ring for ring in (face.outline, *face.holes))

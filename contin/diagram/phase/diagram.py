@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A part of the box in which the same equilibria exist with the same stability.
+    """A part of the box in which the same states exist with the same stability.
 
-    `point` maps the two parameters to a representative point, where `states` are all equilibria that were found.
-    Regions of one `name` have the same numbers of equilibria of every stability.
+    `point` maps the two parameters to a representative point, where `states` are all states that were found.
+    Regions of one `name` have the same numbers of equilibria of every stability, and of stable periodic orbits.
     """
 
     name: str
@@ -37,16 +37,33 @@ class Region:
     @property
     def total(self) -> int:
         """How many equilibria there are, images under symmetries counted."""
-        return sum(state.copies for state in self.states)
+        return sum(state.copies for state in self.states if state.orbit is None)
 
     @property
     def stable(self) -> int:
         """How many of them are stable."""
-        return sum(state.copies for state in self.states if state.unstable == 0)
+        return sum(state.copies for state in self.states if state.orbit is None and state.unstable == 0)
+
+    @property
+    def orbits(self) -> int:
+        """How many periodic orbits were found, images under symmetries counted."""
+        return sum(state.copies for state in self.states if state.orbit is not None)
+
+    @property
+    def stable_orbits(self) -> int:
+        """How many of them are stable."""
+        return sum(state.copies for state in self.states if state.orbit is not None and state.unstable == 0)
 
     @property
     def words(self) -> str:
-        """Such as '2 of 3 equilibria stable'."""
+        """Such as '2 of 3 equilibria stable, 1 stable orbit'."""
+        cycles = self.stable_orbits
+        if cycles == 0:
+            return self._equilibria
+        return f"{self._equilibria}, {cycles} stable orbit{'s' if cycles > 1 else ''}"
+
+    @property
+    def _equilibria(self) -> str:
         if self.total == 0:
             return "no equilibrium found"
         if self.total == 1:
@@ -73,7 +90,8 @@ class PhaseDiagram:
 
         graph = nx.Graph(parameters=self.parameters)
         for region in self.regions:
-            graph.add_node(region.number, name=region.name, stable=region.stable, states=region.total)
+            counts = {"stable": region.stable, "states": region.total, "stable_orbits": region.stable_orbits}
+            graph.add_node(region.number, name=region.name, **counts)
         for (i, j), curves in self.borders.items():
             graph.add_edge(i, j, curves=sorted(curves))
         return graph

@@ -9,31 +9,76 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
 
 Box = tuple[tuple[float, float], tuple[float, float]]
 
 PARTS: Final = 4  # segments between two rows
 BULGE: Final = 0.3  # of a step's length: a cubic that leaves the chord by more is not trusted
+THIN: Final = 3e-5  # how far a curve of orbits may lie from the polyline that stands for it
 GAP: Final = 0.02  # an end of a curve that could not be followed is joined to what is this near
-CONTINUED: Final = frozenset({"corrector", "degenerate", "steps"})
+CONTINUED: Final = frozenset({"corrector", "degenerate", "steps", "hopf", "bt", "saddle-node"})
 
 
 def polylines(loci: Sequence[Branch], box: Box) -> tuple[list[Array], list[int]]:
     """Polylines without neutral saddles (which change nothing), and the number of the curve that each belongs to."""
     lines: list[Array] = []
     owners: list[int] = []
+    loose: list[tuple[bool, bool]] = []  # first and last ends of lines that have not reached where they lead to
     for number, branch in enumerate(loci):
         points = unit(branch.z[:, [-1, -2]], box)
-        slopes = _slopes(branch, box)
+        slopes = _slopes(branch, points, box)
         shown = ~np.asarray(branch.columns.get("neutral", np.zeros(len(points), bool)), bool)
         for p in branch.points:
             if p.type in ("BT", "R1", "R2"):
                 shown[p.index] = True
+        lost = [end.reason in CONTINUED for end in branch.ends]
         for piece in np.split(np.arange(len(points)), np.flatnonzero(np.diff(shown.astype(int))) + 1):
             if shown[piece[0]] and len(piece) > 1:
-                lines.append(np.clip(_cubic(points[piece], slopes[0][piece[:-1]], slopes[1][piece[:-1]]), 0.0, 1.0))
+                line = np.clip(_cubic(points[piece], slopes[0][piece[:-1]], slopes[1][piece[:-1]]), 0.0, 1.0)
+                if is_orbital(branch):
+                    line = thinned(line)
+                lines.append(np.vstack([*_birthplace(branch, loci, box), line]) if piece[0] == 0 else line)
                 owners.append(number)
-    return _closed_gaps(lines, owners, loci, box), owners
+                loose.append((lost[0] or piece[0] > 0, lost[1] or piece[-1] < len(points) - 1))
+    return _closed_gaps(lines, owners, loose, loci, box), owners
+
+
+def _birthplace(branch: Branch, loci: Sequence[Branch], box: Box) -> list[Array]:
+    """Where a curve of connecting orbits was born, which it cannot be followed down to."""
+    if branch.locus == "HOM" and branch.parent is not None:
+        for other in loci:
+            if other.name == branch.parent.branch:
+                return [unit(other[branch.parent.label].z[None, [-1, -2]], box)]
+    return []
+
+
+def is_orbital(branch: Branch | Seed) -> bool:
+    """True for curves of orbits, closed or connecting (and for seeds of them)."""
+    return hasattr(getattr(branch.problem, "curve", None), "orbits")
+
+
+def thinned(line: Array) -> Array:
+    """The polyline without the vertices that it stays within THIN of (Ramer 1972, Douglas and Peucker 1973).
+
+    Curves of orbits may have thousands of rows, where they pass near other special orbits.
+    """
+    kept = np.zeros(len(line), bool)
+    kept[[0, -1]] = True
+    waiting = [(0, len(line) - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        offset, chord = line[first + 1 : last] - line[first], line[last] - line[first]
+        t = np.clip(offset @ chord / max(float(chord @ chord), 1e-300), 0.0, 1.0)
+        gaps = np.linalg.norm(offset - t[:, None] * chord, axis=1)
+        farthest = int(np.argmax(gaps))
+        if gaps[farthest] > THIN:
+            middle = first + 1 + farthest
+            kept[middle] = True
+            waiting += [(first, middle), (middle, last)]
+    return np.asarray(line[kept])
 
 
 def unit(points: Array, box: Box) -> Array:
@@ -43,10 +88,17 @@ def unit(points: Array, box: Box) -> Array:
     return np.asarray((points - low) / width)
 
 
-def _slopes(branch: Branch, box: Box) -> tuple[Array, Array]:
+def smooth_rows(branch: Branch, points: Array, box: Box) -> Array:
+    """A curve in the unit square, `points` its rows there, with PARTS segments for each step."""
+    return _cubic(points, *_slopes(branch, points, box))
+
+
+def _slopes(branch: Branch, points: Array, box: Box) -> tuple[Array, Array]:
     """Derivatives of the two parameters along each step, at its beginning and its end, per step length."""
     curve: Any = branch.problem.curve
     width = np.array([b[1] - b[0] for b in box])
+    if is_orbital(branch):  # states on meshes that change: only the plane is looked at
+        return _plane_slopes(points, branch.tangents[:, [-1, -2]] / width)
     scale = np.concatenate([curve.sizes, width[::-1]])
     keep = [*range(curve.n), -2, -1]
     z, t = branch.z[:, keep] / scale, branch.tangents[:, keep] / scale
@@ -56,6 +108,17 @@ def _slopes(branch: Branch, box: Box) -> tuple[Array, Array]:
     begin = np.sum(chord * t[:-1], axis=1)[:, None] * t[:-1][:, pair]
     end = np.sum(chord * t[1:], axis=1)[:, None] * t[1:][:, pair]
     return np.asarray(begin), np.asarray(end)
+
+
+def _plane_slopes(points: Array, t: Array) -> tuple[Array, Array]:
+    t = t / np.maximum(np.linalg.norm(t, axis=1, keepdims=True), 1e-300)
+    chord = np.diff(points, axis=0)
+    length = np.linalg.norm(chord, axis=1, keepdims=True)
+    pair = []
+    for side in (t[:-1], t[1:]):
+        sense = np.sign(np.sum(side * chord, axis=1, keepdims=True))
+        pair.append(length * sense * side)
+    return pair[0], pair[1]
 
 
 def _cubic(points: Array, begin: Array, end: Array) -> Array:
@@ -78,17 +141,16 @@ def _cubic(points: Array, begin: Array, end: Array) -> Array:
     return np.vstack([rows, points[-1:]])
 
 
-def _closed_gaps(lines: list[Array], owners: list[int], loci: Sequence[Branch], box: Box) -> list[Array]:
-    """Ends of curves that the corrector could not follow to the degenerate point they lead to, led there."""
+def _closed_gaps(
+    lines: list[Array], owners: Sequence[int], loose: Sequence[tuple[bool, bool]], loci: Sequence[Branch], box: Box
+) -> list[Array]:
+    """Loose ends of curves led to the degenerate point that they lead to, where the corrector could not follow them."""
     result = list(lines)
-    marked = [unit(p.z[[-1, -2]][None], box)[0] for branch in loci for p in branch.points]
-    for k, (line, owner) in enumerate(zip(lines, owners, strict=True)):
-        first, last = loci[owner].ends
-        for end, row in ((first, 0), (last, -1)):
-            if end.reason not in CONTINUED or (row == 0) != (end is first):
-                continue
-            others = [m for j, m in enumerate(lines) if j != k]
-            target = _nearest(line[row], marked, others)
+    marked = [(unit(p.z[[-1, -2]][None], box)[0], k) for k, branch in enumerate(loci) for p in branch.points]
+    for k, (line, sides) in enumerate(zip(lines, loose, strict=True)):
+        for row in (row for row, is_loose in zip((0, -1), sides, strict=True) if is_loose):
+            others = [place for place, owner in marked if owner != owners[k] or loci[owner].locus != "HOM"]
+            target = _nearest(line[row], others, [m for j, m in enumerate(lines) if j != k])
             if target is not None:
                 line = np.vstack([target[None], line]) if row == 0 else np.vstack([line, target[None]])
         result[k] = line

@@ -45,10 +45,20 @@ def region_lines(data: Mapping[str, Any]) -> list[str]:
         lines.append(text + (f"; beside {', '.join(names[k] for k in beside)})" if beside else ")"))
         for state in region["states"]:
             if state["stable"]:
-                values = ", ".join(f"{key} = {value:.4g}" for key, value in state["values"].items())
+                values = _state_words(state)
                 images = {1: "", 2: " and its mirror image"}.get(state["copies"], f" and {state['copies'] - 1} images")
                 lines.append(f"  stable: {values}{images}")
     return lines
+
+
+def _state_words(state: Mapping[str, Any]) -> str:
+    """The values of an equilibrium; of an orbit the period and the ranges of its states and observables."""
+    values = state["values"]
+    if state.get("kind") != "orbit":
+        return ", ".join(f"{key} = {value:.4g}" for key, value in values.items())
+    names = [key.removesuffix(".min") for key in values if key.endswith(".min")]
+    ranges = [f"{name} {values[f'{name}.min']:.4g} to {values[f'{name}.max']:.4g}" for name in names]
+    return f"orbit of period {values['period']:.6g}, " + ", ".join(ranges)
 
 
 def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
@@ -64,9 +74,12 @@ def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
             "words": region.words,
             "stable": region.stable,
             "total": region.total,
+            "stable_orbits": region.stable_orbits,
+            "orbits": region.orbits,
             "point": dict(region.point),
             "states": [
                 {
+                    "kind": "equilibrium" if state.orbit is None else "orbit",
                     "values": dict(state.values),
                     "unstable": state.unstable,
                     "stable": state.unstable == 0,

@@ -1,7 +1,7 @@
 """All curves of special points in a box of two parameters that can be reached.
 
-They are found on branches of equilibria along a few lines across the box, and from curve to curve through points of
-codimension two.
+They are found on branches of equilibria, and on families of periodic orbits, along a few lines across the box, and
+from curve to curve through points of codimension two.
 """
 
 from __future__ import annotations
@@ -21,15 +21,21 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.known import is_known_locus, repeats
-from contin.diagram.phase.lines import Box
+from contin.diagram.phase.line import Line
+from contin.diagram.phase.lines import Box, is_orbital
+from contin.diagram.phase.orbit_curves import ORBITAL, families_across, is_known_curve, repeats_curve
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
 
 LINES: Final = (0.5, 0.12, 0.88)  # where lines across the box are explored, as parts of the other parameter's range
 MOST: Final = 60  # curves
-FOLLOWED: Final = ("LP", "HB", "BP", "PD", "NS")
-CROSSING: Final = ("BT", "ZH", "HH", "DP", "R1", "R2", "LPPD", "LPNS", "PDNS", "NSNS")
+MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a homoclinic orbit to a saddle-focus
+MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones
+COARSE, FEW, LEAST = 0.1, 120, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
+BUDGET: Final = Budget(branches=40, seconds=60.0)  # of one line
+FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
+CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "LPPD", "LPNS", "PDNS", "NSNS")
 
 
 @dataclass(eq=False)
@@ -42,6 +48,7 @@ class LociSearch:
     box: Box
     settings: Settings
     watch: Watcher | None = None
+    orbits: bool = True  # curves of periodic and of connecting orbits, too
     loci: list[Branch] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -52,33 +59,42 @@ class LociSearch:
         for axis in (0, 1):
             for part in LINES:
                 low, high = self.box[1 - axis]
-                self.absorb(self.line(axis, low + part * (high - low)))
+                line = self.line(axis, low + part * (high - low))
+                self.branches.extend(line.branches)
+                self.absorb(line.branches)
 
     def absorb(self, branches: Sequence[Branch]) -> bool:
         """Follow the curves through the special points of branches that are new; True where there was one."""
         before = len(self.loci)
         queue: deque[SpecialPoint] = deque(
-            p for b in branches if b.image_of is None for p in b.points if p.type in FOLLOWED
+            p for b in branches if b.image_of is None for p in b.points if p.type in FOLLOWED[b.kind]
         )
         while queue and len(self.loci) < MOST:
             queue.extend(self._follow(queue.popleft()))
         return len(self.loci) > before
 
-    def line(self, axis: int, value: float, target: float | None = None) -> list[Branch]:
-        """Branches of equilibria in parameter `axis` over its range, the other one at `value`.
+    def line(self, axis: int, value: float, target: float | None = None) -> Line:
+        """Branches of equilibria and of orbits in parameter `axis` over its range, the other one at `value`.
 
         From the starts and from curves that cross that line; `target` marks a value of the parameter as UZ.
         """
         name = self.parameters[axis]
         targets = [] if target is None else [Target(name, target)]
         explorer = Explorer(
-            name, self.box[axis], self.settings, Budget(branches=30), targets, orbits=False, watch=self.watch
+            name, self.box[axis], self.settings, BUDGET, targets, orbits=self.orbits, watch=self.watch
         )
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
-        branches = [b for b in explorer.explore(seeds).branches if b.kind in ("equilibrium", "fixed-point")]
-        if target is None:
-            self.branches.extend(branches)
-        return branches
+        line = Line(axis, value, explorer, explorer.explore(seeds))
+        if self.orbits:
+            for locus in self.loci:
+                line.add(families_across(locus, axis, value, line.orbits))
+        return line
+
+    def held(self, axis: int, value: float) -> Array:
+        """All parameters, with the one that a line along `axis` holds at its value."""
+        base: Array = self.problem.base.copy()
+        base[list(self.problem.system.parameter_names).index(self.parameters[1 - axis])] = value
+        return base
 
     def seeds(self, axis: int, value: float) -> list[Seed]:
         """Equilibria with the other parameter at `value`: the starts brought there, and points of known curves."""
@@ -86,9 +102,11 @@ class LociSearch:
         for u, p in self.starts:
             found.extend(self._brought(u, p, axis, value))
         for locus in self.loci:
-            found.extend(_crossings(locus, self.problem, axis, value))
+            if not is_orbital(locus):
+                found.extend(_crossings(locus, self.problem, axis, value))
         for branch in self.branches:
-            if branch.parameters[0] == self.parameters[1 - axis] and branch.image_of is None:
+            across = branch.parameters[0] == self.parameters[1 - axis]
+            if across and branch.image_of is None and branch.kind != "orbit":
                 found.extend(self._crossings_of_branch(branch, axis, value))
         return found
 
@@ -135,27 +153,45 @@ class LociSearch:
             return []
         found: list[SpecialPoint] = []
         for seed in seeds:
-            if not isinstance(seed.problem, LocusProblem):  # curves of orbits bound no region of equilibria
-                continue
-            if is_known_locus(self.loci, seed, self.box):
+            orbital = is_orbital(seed)
+            if not (orbital or isinstance(seed.problem, LocusProblem)) or not self._wanted(seed, orbital):
                 continue
             seed = replace(seed, problem=seed.problem.within(*self.box))
             number = 1 + sum(b.locus == seed.problem.locus for b in self.loci)
             name = f"phase/{seed.problem.locus}-{number}"
             try:
-                branch = trace(seed, self.box[0], name=name, settings=self.settings, watch=self.watch)
+                branch = trace(seed, self.box[0], name=name, settings=self._settings_of(seed), watch=self.watch)
             except ContinError as error:
                 self._refuse(point, f"{point.type} at {self._where(point)}: {error}")
                 continue
             if "unfolding" in branch.columns:  # an isolated branch point: no curve of this model
                 self._refuse(point, f"the branch point at {self._where(point)} is isolated in this plane")
                 continue
-            if repeats(branch, self.loci, self.box):
+            if len(branch) < 2 or (repeats_curve if orbital else repeats)(branch, self.loci, self.box):
                 continue
             self.loci.append(branch)
             self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
             found.extend(p for p in branch.points if p.type in CROSSING)
         return found
+
+    def _wanted(self, seed: Seed, orbital: bool) -> bool:
+        """True where the curve through this seed is new, and of a kind that is looked for."""
+        if not orbital:
+            return not is_known_locus([b for b in self.loci if not is_orbital(b)], seed, self.box)
+        if not self.orbits or is_known_curve(self.loci, seed, self.box):
+            return False
+        if sum(is_orbital(b) for b in self.loci) < MOST_ORBITAL:
+            return True
+        note = f"{MOST_ORBITAL} curves of orbits were followed; there are more"
+        self.notes.extend([note] if note not in self.notes else [])
+        return False
+
+    def _settings_of(self, seed: Seed) -> Settings:
+        if not is_orbital(seed):
+            return self.settings
+        if seed.problem.locus == "HOM":
+            return replace(self.settings, steps=FEW, min_step=LEAST, max_step=max(COARSE, self.settings.max_step))
+        return replace(self.settings, steps=min(MOST_STEPS, self.settings.steps), min_step=SHORTEST)
 
     def _within(self, point: SpecialPoint) -> bool:
         return all(low <= point.values[n] <= high for n, (low, high) in zip(self.parameters, self.box, strict=True))

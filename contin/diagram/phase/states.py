@@ -1,4 +1,4 @@
-"""Which equilibria there are at one point of a phase diagram, and how stable they are."""
+"""Which equilibria and periodic orbits there are at one point of a phase diagram, and how stable they are."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.diagram.identity import wrapped
+from contin.diagram.orbits import copies, known_orbit
 
 SAME: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """An equilibrium: values of the states and observables, and its number of unstable eigenvalues.
+    """An equilibrium or a periodic orbit: its values and its number of unstable eigenvalues (multipliers).
 
+    `values` : of the states and observables; of an orbit the period and the smallest and largest ones.
+    `vector` : the states of an equilibrium.  `orbit` : the problem and unknowns of a periodic orbit, else None.
     `copies` counts it together with its images under the declared symmetries.
     """
 
@@ -26,14 +29,18 @@ class State:
     unstable: int
     vector: Array
     copies: int = 1
+    orbit: tuple[Any, Array] | None = None
 
 
 def states_on(branches: Sequence[Branch]) -> tuple[State, ...]:
-    """The equilibria marked by user values on branches (images left out), each once, up to declared symmetries."""
+    """The states marked by user values on branches (images left out), each once, up to declared symmetries."""
     states: list[State] = []
     seen: list[Array] = []
     for branch in branches:
         if branch.image_of is not None:
+            continue
+        if branch.kind == "orbit":
+            states += _orbits_on(branch, [s.orbit for s in states if s.orbit is not None])
             continue
         problem = branch.problem
         names = [*problem.system.state_names, *problem.system.observable_names]
@@ -44,6 +51,19 @@ def states_on(branches: Sequence[Branch]) -> tuple[State, ...]:
             seen.extend(images)
             states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], len(images)))
     return tuple(states)
+
+
+def _orbits_on(branch: Branch, known: Sequence[tuple[Any, Array]]) -> list[State]:
+    """The orbits marked by user values on a family, without those that are known."""
+    problem = branch.problem
+    names = [name for name in problem.column_names() if name != branch.parameters[0]]
+    found: list[State] = []
+    for p in branch.points:
+        if p.type != "UZ" or known_orbit(problem, p.z, known) is not None:
+            continue
+        values = {name: p.values[name] for name in names}
+        found.append(State(values, int(p.values["unstable"]), p.z[:0], copies(problem, p.z), (problem, p.z)))
+    return found
 
 
 def _images(problem: Any, z: Array) -> list[Array]:

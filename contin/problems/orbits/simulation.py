@@ -51,13 +51,14 @@ def orbit_by_simulation(
     transient: float = 0.0,
     intervals: int | None = None,
     points: int = 4,
+    longest: float = LONGEST,
 ) -> PeriodicOrbit:
-    """The orbit that the trajectory from u settles on (or already lies on).
+    """The orbit that the trajectory from u settles on (or already lies on), within `longest` time scales.
 
     Raises NoSolutionError where the trajectory comes to rest, does not return within the time, or where Newton on the
     closed trajectory fails; NotFiniteError where it escapes.
     """
-    near = find_return(system, u, p, periods, transient)
+    near = find_return(system, u, p, periods, transient, longest)
     orbit = _polished(system, near, p, periods, intervals, points)
     if near.loops >= CHANCE:
         found = orbit.problem(system.parameter_names[0]).multipliers(orbit.profile.vector())
@@ -71,7 +72,9 @@ def orbit_by_simulation(
     return orbit
 
 
-def find_return(system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0) -> Return:
+def find_return(
+    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0, longest: float = LONGEST
+) -> Return:
     """Where the trajectory from u, settled, nearly closes; errors as above."""
     from contin.simulate.trajectory import integrate
 
@@ -80,10 +83,10 @@ def find_return(system: Any, u: Array, p: Array, periods: Array, transient: floa
         start = integrate(system, start, p, transient).end
     if system.is_forced:
         return _forced(system, start, p)
-    scale = _time_scale(system, start, p)
+    scale = time_scale(system, start, p)
     largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
-    while total < LONGEST * scale:
+    while total < longest * scale:
         path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800))
         total += time
         largest = np.maximum(largest, np.abs(path.u).max(axis=0))
@@ -102,7 +105,7 @@ def find_return(system: Any, u: Array, p: Array, periods: Array, transient: floa
                 best = found
             if found[0] < CLOSE:
                 break
-        start, time = path.end, min(1.6 * time, 0.2 * LONGEST * scale)
+        start, time = path.end, min(1.6 * time, 0.2 * longest * scale)
     distance, at, period, loops = best
     if distance > NEAR:
         raise NoSolutionError(
@@ -116,7 +119,7 @@ def _turns(extent: Array, periods: Array) -> bool:
     return bool(np.any((periods > 0) & (extent > 0.5 * periods)))
 
 
-def _time_scale(system: Any, u: Array, p: Array) -> float:
+def time_scale(system: Any, u: Array, p: Array) -> float:
     _, jacobian = system.jacobian(u, np.append(p, 0.0) if system.is_forced else p)
     fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max())
     return 1.0 / fastest if np.isfinite(fastest) and fastest > 0.0 else 1.0

@@ -21,7 +21,7 @@ def cusp():
 
 @pytest.fixture(scope="module")
 def takens():
-    return contin.phase(TAKENS, ("p", "q"), TAKENS_BOX)
+    return contin.phase(TAKENS, ("p", "q"), TAKENS_BOX, orbits=False)
 
 
 def test_the_cusp_has_a_bistable_wedge_of_the_right_size(cusp):
@@ -104,7 +104,7 @@ def test_the_diagram_of_the_averaged_pair():
     slow = contin.average(contin.load("metronomes/pair"), form="stokes")
     diagram = contin.phase(
         slow, ("mu", "beta"), {"mu": (0.05, 8), "beta": (0.05, 1)}, start=["in-phase", "anti-phase"],
-        parameters={"mu": 8, "beta": 0.8},
+        parameters={"mu": 8, "beta": 0.8}, orbits=False,
     )  # fmt: skip
     above = diagram.region_at({"mu": 4.0, "beta": 0.97})  # beta > 3 a^2/(16 pi b): total rest only
     assert above.total == 0

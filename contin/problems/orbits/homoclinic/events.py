@@ -20,6 +20,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 
+ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
 NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 
 
@@ -34,7 +35,7 @@ def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple
         slow_in = leading(matrices[0], curve.stable_count, True)
         slow_out = leading(matrices[0], curve.unstable_count, False)
     size = abs(slow_in.value) + abs(slow_out.value)
-    tests = np.ones(len(NAMES))
+    tests = np.full(len(NAMES), np.nan)
     tests[0] = (slow_in.value.real + slow_out.value.real) / size
     tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
     u = z[: curve.nodes(z)]
@@ -43,19 +44,32 @@ def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple
     tests[2] = _component(memory, "OFS", slow_in, slow_in.left, arriving)
     tests[3] = _component(memory, "OFU", slow_out, slow_out.left, leaving)
     if adjoint is not None and curve.saddles == 1:
-        known = memory.setdefault("adjoint", adjoint[len(adjoint) // 2].copy())
-        turned = adjoint if float(adjoint[len(adjoint) // 2] @ known) >= 0.0 else -adjoint
-        tests[4] = _component(memory, "IFS", slow_in, slow_in.right, turned[0])
-        tests[5] = _component(memory, "IFU", slow_out, slow_out.right, turned[-1])
+        turned = _same_sense(memory, adjoint)
+        sizes_of_rows = np.linalg.norm(turned, axis=1)
+        accurate = np.flatnonzero(sizes_of_rows > ABOVE_ROUNDING * float(sizes_of_rows.max()))
+        tests[4] = _component(memory, "IFS", slow_in, slow_in.right, turned[accurate[0]])
+        tests[5] = _component(memory, "IFU", slow_out, slow_out.right, turned[accurate[-1]])
     values = np.linalg.eigvals(matrices[0]).astype(complex)
     return tests, values[np.lexsort((-values.imag, -values.real))]
 
 
+def _same_sense(memory: dict[str, Array], adjoint: Array) -> Array:
+    """The adjoint solution with the sense that it had at the last point: compared row by row along the orbit."""
+    known = memory.get("adjoint")
+    if known is not None:
+        own, old = np.linspace(0.0, 1.0, len(adjoint)), np.linspace(0.0, 1.0, len(known))
+        there = np.stack([np.interp(own, old, column) for column in known.T], axis=1)
+        if float(np.sum(there * adjoint)) < 0.0:
+            adjoint = -adjoint
+    memory["adjoint"] = adjoint
+    return adjoint
+
+
 def _component(memory: dict[str, Array], name: str, slow: Leading, direction: Array, vector: Array) -> float:
-    """Part of a unit vector along a leading direction, whose sense is kept; 1 where the direction turns."""
+    """Part of a unit vector along a leading direction, whose sense is kept; none (NaN) where the direction turns."""
     if not slow.is_real:
         memory.pop(name, None)
-        return 1.0
+        return float("nan")
     unit = direction / float(np.linalg.norm(direction))
     unit = aligned(unit, memory.get(name))
     memory[name] = unit

@@ -1,0 +1,39 @@
+"""A line across the box: every branch of states on it, with one parameter free and the other one held."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
+from contin.diagram.diagram import Diagram
+from contin.diagram.explore import Explorer
+
+STATES: Final = ("equilibrium", "fixed-point", "orbit")
+
+
+@dataclass(eq=False)
+class Line:
+    """What the explorer found along one line; `add` follows further states that it did not lead to."""
+
+    axis: int
+    value: float  # of the other parameter
+    explorer: Explorer
+    diagram: Diagram
+    added: int = field(default=0)
+
+    @property
+    def branches(self) -> list[Branch]:
+        return [b for b in self.diagram.branches if b.kind in STATES]
+
+    @property
+    def orbits(self) -> list[Branch]:
+        """The families of orbits that were computed."""
+        return [b for b in self.diagram.branches if b.kind == "orbit" and b.image_of is None]
+
+    def add(self, seeds: Sequence[Seed]) -> None:
+        for seed in seeds:
+            self.added += 1
+            self.explorer.add(self.diagram, f"more{self.added}", seed)

@@ -1,0 +1,111 @@
+"""Curves of special and of connecting orbits in a phase diagram: which are known, and the families through them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
+from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
+
+NEAR: Final = 1e-3  # distance in the unit square of a point from a curve that it is on
+ALIKE: Final = 0.05  # relative difference of period and extent of two orbits that may be one, or images
+SAMPLES: Final = 7  # rows of a curve that are looked up on another
+SAME_PARAMETER, SAME_PERIOD = 1e-6, 1e-3  # of two special orbits of a line, relative
+
+ORBITAL: Final = ("LPC", "BPC", "PD", "NS", "HOM")
+
+
+def is_known_curve(loci: Sequence[Branch], seed: Seed, box: Box) -> bool:
+    """True where the seed is a point of one of the curves, or the image of one."""
+    problem: Any = seed.problem
+    place, marks = unit(seed.z[None, [-1, -2]], box)[0], _marks(problem, problem.columns(seed.z[None]))[0]
+    return any(_passes(b, place, marks, box) for b in loci if b.locus == problem.locus and is_orbital(b))
+
+
+def repeats_curve(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
+    """True where every sampled row of a curve is on one that is known."""
+    rows = np.unique(np.linspace(0, len(branch) - 1, SAMPLES).astype(int))
+    places, marks = unit(branch.z[:, [-1, -2]], box), _marks(branch.problem, branch.columns)
+    return any(
+        all(_passes(known, places[row], marks[row], box) for row in rows)
+        for known in loci
+        if known.locus == branch.locus and is_orbital(known)
+    )
+
+
+def _marks(problem: Any, columns: Any) -> Array:
+    """(rows, 2): period (of connecting orbits: 1) and extent, which symmetries leave as they are."""
+    names = problem.system.state_names
+    extents = np.array([columns[f"{name}.max"] - columns[f"{name}.min"] for name in names])
+    size = np.linalg.norm(extents, axis=0)
+    return np.column_stack([columns.get("period", np.ones_like(size)), size])
+
+
+def _passes(branch: Branch, place: Array, marks: Array, box: Box) -> bool:
+    """True where the curve passes this place of the unit square with an orbit that looks like this one."""
+    rows = unit(branch.z[:, [-1, -2]], box)
+    fine = smooth_rows(branch, rows, box)
+    own = _marks(branch.problem, branch.columns)
+    typical = np.array([0.0, float(own[:, 1].max())])  # the extent vanishes where the curve was born
+    along = np.linspace(0.0, len(rows) - 1.0, len(fine))
+    a, d = fine[:-1] - place, np.diff(fine, axis=0)
+    t = np.clip(-np.sum(a * d, axis=1) / np.maximum(np.sum(d * d, axis=1), 1e-300), 0.0, 1.0)
+    gaps = np.linalg.norm(a + t[:, None] * d, axis=1)
+    for k in np.flatnonzero(gaps < NEAR):
+        here = [np.interp(along[k] + t[k] * (along[k + 1] - along[k]), np.arange(len(rows)), own[:, j]) for j in (0, 1)]
+        if np.all(np.abs(here - marks) <= ALIKE * np.maximum(np.maximum(here, marks), typical)):
+            return True
+    return False
+
+
+def families_across(locus: Branch, axis: int, value: float, found: Sequence[Branch]) -> list[Seed]:
+    """Families of orbits through the points of a curve on a line, unless those points are labelled in `found`."""
+    if locus.locus == "HOM" or not is_orbital(locus):
+        return []
+    problem: Any = locus.problem
+    index = -1 if axis == 1 else -2  # where the parameter that is held stands
+    column = locus.z[:, index] - value
+    seeds = []
+    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+        z = _on_line(locus, int(row), index, value)
+        if z is None:
+            continue
+        orbits, orbit = problem.curve.at(z), problem.curve.orbit(z)
+        if axis == 1:
+            orbits = orbits.with_active(problem.parameters[1], orbit)
+            orbit = np.append(orbit[:-1], z[-2])
+        if not _is_labelled(str(locus.locus), orbits.profile(orbit), found):
+            seeds.append(Seed(orbits, orbit))
+    return seeds
+
+
+def _on_line(locus: Branch, row: int, index: int, value: float) -> Array | None:
+    """The special orbit with this value of a parameter, between a row and the next one."""
+    problem: Any = locus.problem
+    near = row if abs(locus.z[row, index] - value) <= abs(locus.z[row + 1, index] - value) else row + 1
+    ahead = row + 1 if near == row else row
+    z, other = (locus.z[k][~np.isnan(locus.z[k])] for k in (near, ahead))
+    if z.size == other.size:
+        t = (value - z[index]) / (other[index] - z[index])
+        guess = (1.0 - t) * z + t * other
+        solved = problem.at_unknown(index, guess, value, problem.initial_scale(guess, problem.first_bounds))
+        if solved is not None:
+            return np.asarray(solved)
+    solved = problem.at_unknown(index, z, value, problem.initial_scale(z, problem.first_bounds))
+    return None if solved is None else np.asarray(solved)
+
+
+def _is_labelled(type_: str, profile: Any, found: Sequence[Branch]) -> bool:
+    for branch in found:
+        for p in branch.points:
+            if p.type == type_ and "period" in p.values:
+                here = p.values[branch.parameters[0]]
+                same = abs(here - profile.parameter) <= SAME_PARAMETER * max(1.0, abs(here))
+                if same and abs(p.values["period"] - profile.period) <= SAME_PERIOD * profile.period:
+                    return True
+    return False

@@ -1,0 +1,61 @@
+"""Phase diagrams with periodic orbits: normal forms whose regions are known, and the averaged pair of metronomes."""
+
+import numpy as np
+import pytest
+
+import contin
+from contin.problems.orbits.simulation import orbit_by_simulation
+from tests.problems.follow import model
+
+
+@pytest.fixture(scope="module")
+def bautin():
+    """|w|^2 = s: orbits where p + q s - s^2 = 0; Hopf points on p = 0, folds of orbits on p = -q^2/4 with q > 0."""
+    growth = "(p + q*(x^2 + y^2) - (x^2 + y^2)^2)"
+    form = model({"x": f"x*{growth} - y", "y": f"y*{growth} + x"}, {"x": 0.0, "y": 0.0}, {"p": -0.5, "q": 0.5})
+    return contin.phase(form, ("p", "q"), {"p": (-0.5, 0.5), "q": (-1.0, 1.0)})
+
+
+def test_the_bautin_form_has_its_three_regions_and_their_areas(bautin):
+    assert sorted(b.locus for b in bautin.loci) == ["HB", "LPC"]
+    kinds = {(r.stable, r.stable_orbits, r.orbits): r for r in bautin.regions}
+    assert set(kinds) == {(1, 0, 0), (0, 1, 1), (1, 1, 2)}
+    assert kinds[1, 1, 2].area == pytest.approx(1 / 12 / 2, rel=1e-3)  # the integral of q^2/4 from 0 to 1
+    assert kinds[0, 1, 1].area == pytest.approx(0.5, rel=1e-3)
+    assert kinds[1, 1, 2].words == "1 equilibrium, stable, 1 stable orbit"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_orbits_of_the_bautin_form_are_the_positive_roots(bautin, seed):
+    p, q = np.random.default_rng(seed).uniform([-0.5, -1.0], [0.5, 1.0])
+    roots = [s.real for s in np.roots([-1.0, q, p]) if abs(s.imag) < 1e-12 and s.real > 0.0]
+    region = bautin.region_at({"p": p, "q": q})
+    assert (region.orbits, region.stable_orbits) == (len(roots), sum(q - 2 * s < 0.0 for s in roots))
+
+
+def test_without_orbits_only_the_equilibria_divide_the_box():
+    growth = "(p + q*(x^2 + y^2) - (x^2 + y^2)^2)"
+    form = model({"x": f"x*{growth} - y", "y": f"y*{growth} + x"}, {"x": 0.0, "y": 0.0}, {"p": -0.5, "q": 0.5})
+    diagram = contin.phase(form, ("p", "q"), {"p": (-0.5, 0.5), "q": (-1.0, 1.0)}, orbits=False)
+    assert [b.locus for b in diagram.loci] == ["HB"]
+    assert sorted(r.words for r in diagram.regions) == ["1 equilibrium, stable", "1 equilibrium, unstable"]
+
+
+def test_the_cycle_of_the_bogdanov_takens_form_lives_between_hopf_and_homoclinic_curve():
+    """x' = y, y' = p + q x + x^2 - x y: Hopf points p = 0, q < 0; homoclinic orbits p = -6/25 q^2 + O(q^3)."""
+    form = model({"x": "y", "y": "p + q*x + x^2 - x*y"}, {"x": -1.0, "y": 0.0}, {"p": -0.5, "q": -0.5})
+    diagram = contin.phase(form, ("p", "q"), {"p": (-0.3, 0.1), "q": (-0.5, 0.2)})
+    (loops,) = [b for b in diagram.loci if b.locus == "HOM"]
+    between = [r for r in diagram.regions if r.stable_orbits == 1]
+    assert [(r.stable, r.total) for r in between] == [(0, 2)]
+    # area = integral of 6/25 q^2 (1 + O(q)) from -1/2 to 0, of the box
+    assert between[0].area * 0.4 * 0.7 == pytest.approx(6 / 25 / 24, rel=0.1)
+    rows = np.argsort(loops.columns["q"])
+    border = np.interp(-0.3, loops.columns["q"][rows], loops.columns["p"][rows])
+    for side in (1.0, -1.0):  # a simulation agrees with the border
+        at = np.array([border + 0.004 * side, -0.3])
+        region = diagram.region_at({"p": at[0], "q": at[1]})
+        assert region.stable_orbits == (1 if side > 0 else 0)
+    system = contin.api.compiled(form)
+    orbit = orbit_by_simulation(system, np.array([0.0, 0.01]), np.array([border + 0.004, -0.3]), np.zeros(2))
+    assert orbit.period > 2 * np.pi
