@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
@@ -46,6 +47,37 @@ def orbits_reached(problem: Any, states: Sequence[State], value: float) -> list[
             if known_orbit(seed.problem, seed.z, known) is None:
                 known.append((seed.problem, seed.z))
                 found.append(seed)
+    return found
+
+
+def carried(family: Branch, names: tuple[str, str], values: tuple[float, float], search: Any) -> list[Seed]:
+    """Orbits of a family in the first parameter, followed in the second one to another point of the box."""
+    from contin.continuation.trace import trace
+
+    problem: Any = family.problem
+    first, second = values
+    column = family.z[:, -1] - first
+    found: list[Seed] = []
+    for row in np.flatnonzero(column[:-1] * column[1:] <= 0.0):
+        z = family.z[row][~np.isnan(family.z[row])]
+        z = problem.at_parameter(z, first, problem.initial_scale(z, search.box[0]))
+        if z is None:
+            continue
+        across = problem.with_active(names[1], z)
+        here = float(across.base[across.active])
+        start = np.append(z[:-1], here)
+        if here != second:
+            bounds = min(here, second), max(here, second)
+            try:
+                way = trace(Seed(across, start, arms=(1 if second > here else -1,)), bounds, settings=search.settings)
+            except ContinError:
+                continue
+            last = way.z[-1 if second > here else 0]
+            if abs(float(last[-1]) - second) > 1e-9 * max(1.0, abs(second)):
+                continue
+            start = last[~np.isnan(last)]
+        along = across.with_active(names[0], start)
+        found.append(Seed(along, np.append(start[:-1], first)))
     return found
 
 

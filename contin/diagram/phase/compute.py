@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
-from contin.diagram.phase.attractors import orbits_reached
+from contin.diagram.orbits import known_orbit
+from contin.diagram.phase.attractors import carried, orbits_reached
 from contin.diagram.phase.diagram import PhaseDiagram, Region
+from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, polylines
 from contin.diagram.phase.plane import Arrangement, Face, arrangement, inside
 from contin.diagram.phase.search import LociSearch
@@ -56,6 +59,7 @@ def phase(
         lines, owners = polylines(search.loci, bounds)
         plane = arrangement(lines)
         plane, visited = _visited(search, plane, visited)
+        _share(search, visited)
         found = [(visit.states, visit.branches) for visit in visited]
         more = [search.absorb(branches) for _, branches in found]
         if not any(more):
@@ -88,13 +92,25 @@ def _bounds(box: Any, names: tuple[str, str]) -> Box:
     return (a, b), (c, d)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Visit:
-    """A point of the unit square, the states there and the branches in the first parameter that they are on."""
+    """A point of the unit square, its coordinates, and the line in the first parameter through it."""
 
     point: Array
+    at: tuple[float, float]
+    line: Line
     states: tuple[State, ...]
-    branches: list[Branch]
+    offered: set[int] = field(default_factory=set)  # families of other visits that were looked for here
+
+    @property
+    def branches(self) -> list[Branch]:
+        return self.line.branches
+
+    def add(self, seeds: Sequence[Seed]) -> None:
+        """Follow orbits at this point that are new."""
+        known = [state.orbit for state in self.states if state.orbit is not None]
+        self.line.add([seed for seed in seeds if known_orbit(seed.problem, seed.z, known) is None])
+        self.states = states_on(self.branches)
 
 
 def _visited(search: LociSearch, plane: Arrangement, known: Sequence[_Visit]) -> tuple[Arrangement, list[_Visit]]:
@@ -116,12 +132,23 @@ def _visit(search: LociSearch, point: Array) -> _Visit:
     width = np.array([b[1] - b[0] for b in search.box])
     at = low + width * point
     line = search.line(0, float(at[1]), target=float(at[0]))
-    states = states_on(line.branches)
+    visit = _Visit(point, (float(at[0]), float(at[1])), line, states_on(line.branches))
     if search.orbits:
         problem = replace(search.problem, base=search.held(0, float(at[1])))
-        line.add(orbits_reached(problem, states, float(at[0])))
-        states = states_on(line.branches)
-    return _Visit(point, states, line.branches)
+        visit.add(orbits_reached(problem, visit.states, float(at[0])))
+    return visit
+
+
+def _share(search: LociSearch, visits: Sequence[_Visit]) -> None:
+    """Stable orbits that trajectories led to in one region are looked for in the others."""
+    if not search.orbits:
+        return
+    families = [b for visit in visits for b in visit.line.orbits if b.parent is None]
+    for visit in visits:
+        for family in families:
+            if family not in visit.branches and id(family) not in visit.offered:
+                visit.offered.add(id(family))
+                visit.add(carried(family, search.parameters, visit.at, search))
 
 
 def _regions(plane: Arrangement, found: Sequence[tuple[State, ...]], search: LociSearch) -> tuple[Region, ...]:

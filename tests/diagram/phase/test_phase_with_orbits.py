@@ -59,3 +59,23 @@ def test_the_cycle_of_the_bogdanov_takens_form_lives_between_hopf_and_homoclinic
     system = contin.api.compiled(form)
     orbit = orbit_by_simulation(system, np.array([0.0, 0.01]), np.array([border + 0.004, -0.3]), np.zeros(2))
     assert orbit.period > 2 * np.pi
+
+
+def test_every_beating_state_of_the_averaged_pair_has_its_region():
+    """At beta = 0.8 the small beats live from 4.4699 to the Hopf points, the large ones from 3.2093, the turning ones
+    from 0.7153 on; curves through these values by shooting in the equations of the amplitudes."""
+    slow = contin.average(contin.load("metronomes/pair"), form="stokes")
+    box = {"mu": (3.0, 5.0), "beta": (0.78, 0.82)}
+    diagram = contin.phase(slow, ("mu", "beta"), box, start="in-phase", parameters={"mu": 5, "beta": 0.8})
+    assert sorted(b.locus for b in diagram.loci) == ["BP", "HB", "HOM", "LPC"]
+    stable = {}  # equilibria, orbits: with mirror images
+    for mu in (3.1, 3.8, 4.5, 4.6, 4.9):
+        region = diagram.region_at({"mu": mu, "beta": 0.8})
+        stable[mu] = region.stable, region.stable_orbits
+    assert stable == {3.1: (0, 1), 3.8: (0, 2), 4.5: (0, 3), 4.6: (2, 1), 4.9: (1, 1)}
+    for locus, value in (("HOM", 4.469914868654), ("LPC", 3.2092895356)):
+        (curve,) = [b for b in diagram.loci if b.locus == locus]
+        rows = np.argsort(curve.columns["beta"])
+        beta, mu = (curve.columns[name][rows] for name in ("beta", "mu"))
+        near = np.argsort(np.abs(beta - 0.8))[:5]
+        assert np.polynomial.Polynomial.fit(beta[near] - 0.8, mu[near], 4)(0.0) == pytest.approx(value, abs=2e-5)
