@@ -18,7 +18,7 @@ from contin.diagram.phase.attractors import carried, orbits_reached
 from contin.diagram.phase.diagram import PhaseDiagram, Region
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, polylines
-from contin.diagram.phase.plane import Arrangement, Face, arrangement, inside
+from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.states import State, states_on
 from contin.errors import InputError
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from contin.problems.start import Equilibrium
 
 ROUNDS: Final = 3  # the box is cut anew when the regions' own branches show a curve that was missed
+SMALLEST_WITH_ORBITS: Final = 2e-4  # of the box: curves of orbits cross in swarms of small regions
 DEFAULTS: Final = {"steps": 3000, "max_step": 0.03}
 
 
@@ -57,7 +58,7 @@ def phase(
     visited: list[_Visit] = []
     for _ in range(ROUNDS):
         lines, owners = polylines(search.loci, bounds)
-        plane = arrangement(lines)
+        plane = arrangement(lines, SMALLEST_WITH_ORBITS if search.orbits else SMALLEST)
         plane, visited = _visited(search, plane, visited)
         _share(search, visited)
         found = [(visit.states, visit.branches) for visit in visited]

@@ -41,13 +41,16 @@ class Arrangement:
     borders: Mapping[tuple[int, int], frozenset[int]]
 
 
-def arrangement(curves: Sequence[Array]) -> Arrangement:
-    """Cut the unit square by polylines (k, 2).  Cost: the square of the number of segments, a comparison each."""
+def arrangement(curves: Sequence[Array], smallest: float = SMALLEST) -> Arrangement:
+    """Cut the unit square by polylines (k, 2); faces with less than the `smallest` area join a neighbour.
+
+    Cost: the square of the number of segments, a comparison each.
+    """
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
     vertices, edges = noded([corners, *curves])
     numbered = {edge: {owner - 1 for owner in owners if owner > 0} for edge, owners in edges.items()}
     cycles, side = _trace(vertices, edges)
-    return _assembled(vertices, numbered, cycles, side)
+    return _assembled(vertices, numbered, cycles, side, smallest)
 
 
 def _trace(vertices: Array, edges: Edges) -> tuple[list[list[int]], dict[tuple[int, int], int]]:
@@ -77,7 +80,9 @@ def _trace(vertices: Array, edges: Edges) -> tuple[list[list[int]], dict[tuple[i
     return cycles, side
 
 
-def _assembled(vertices: Array, edges: Edges, cycles: list[list[int]], side: dict[tuple[int, int], int]) -> Arrangement:
+def _assembled(
+    vertices: Array, edges: Edges, cycles: list[list[int]], side: dict[tuple[int, int], int], smallest: float
+) -> Arrangement:
     areas = [_area(vertices[cycle]) for cycle in cycles]
     inner = [k for k, area in enumerate(areas) if area > 0.0]
     home: dict[int, int] = {k: k for k in inner}
@@ -94,7 +99,7 @@ def _assembled(vertices: Array, edges: Edges, cycles: list[list[int]], side: dic
             holes[home[k]].append(k)
     rings = {k: [vertices[cycles[k]], *(vertices[cycles[h]] for h in holes[k])] for k in inner}
     size = {k: areas[k] + sum(areas[h] for h in holes[k]) for k in inner}
-    points = {k: _inner_point(rings[k]) if size[k] > SMALLEST else None for k in inner}
+    points = {k: _inner_point(rings[k]) if size[k] > smallest else None for k in inner}
     length: dict[tuple[int, int], float] = defaultdict(float)
     for i, j in edges:
         pair = tuple(sorted(home.get(side[e], -1) for e in ((i, j), (j, i))))
