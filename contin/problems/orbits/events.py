@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
+from contin.problems.orbits import planar
 from contin.problems.orbits.symmetry import symmetry_of
 
 RESIDUAL_LIMIT = 1e-7  # scaled
@@ -136,7 +137,7 @@ def _orientable(problem: Any, z: Array) -> bool:
     In the plane the multiplier is exp(integral of the divergence). Those of an orbit that a symmetry shifts by
     half a period are the squares of those of half the orbit (Swift and Wiesenfeld, Phys. Rev. Lett. 52 (1984) 705).
     """
-    if problem.autonomous and problem.n == 2:
+    if planar.applies(problem):
         return True
     kept = symmetry_of(problem, z)
     return kept is not None and kept[1] == 0.5

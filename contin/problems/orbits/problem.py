@@ -22,6 +22,7 @@ from contin.problems.orbits.columns import names_of, orbit_columns, periods, wit
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.planar import applies, resolve
 from contin.problems.scales import balance
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
@@ -165,6 +166,12 @@ class OrbitProblem(FamilyOfOrbits):
         if stop in (Stop.EVENT, Stop.DIP):
             for row in range(max(m - 2, 0), m):
                 self._measure(out, row, Frame(frame.scale, float(info[3])))
+        if applies(self):
+            for row in range(m):
+                self._resolve(out, row)
+            changed = np.flatnonzero(np.diff(out.unstable[:m]))
+            if changed.size:  # the march may have counted otherwise: what happens in its last step is looked at
+                m, stop = (int(changed[0]) + 2, Stop.EVENT) if changed[0] + 2 < m or stop is Stop.LIMIT else (m, stop)
         detail = ""
         if stop is Stop.NOT_FINITE:
             nearby = self.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
@@ -181,6 +188,11 @@ class OrbitProblem(FamilyOfOrbits):
         if exact is not None and float(exact.tangent @ out.t[row]) > ALIGNED:
             out.tests[row], out.unstable[row] = exact.tests, exact.unstable
             out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
+
+    def _resolve(self, out: _Rows, row: int) -> None:
+        """Planar orbits have a formula for their multiplier."""
+        count = resolve(self, out.z[row], out.re[row], out.im[row], out.tests[row])
+        out.unstable[row] = out.unstable[row] if count is None else count
 
     def _error_limit(self, profile: Profile, sizes: Array) -> float:
         from contin.problems.orbits.mesh import estimate
@@ -209,6 +221,10 @@ class OrbitProblem(FamilyOfOrbits):
         out.info[3] = frame.reference
         controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, 0.0, 0.0])
         count = self._kernel(1, out, frame.scale, controls, 0)
+        out.unstable[1] = max(count, 0)
+        if count >= 0:
+            self._resolve(out, 1)
+            count = int(out.unstable[1])
         return None if count < 0 else Sample(out.z[1], out.t[1], out.tests[1], int(count), out.re[1] + 1j * out.im[1])
 
     def corrected(self, sample: Sample, frame: Frame, tolerance: float) -> Array | None:
@@ -224,6 +240,7 @@ class OrbitProblem(FamilyOfOrbits):
         out = _Rows.of(1, z.size, self.n)
         out.z[0], out.t[0] = z, 0.0
         self._kernel(2, out, np.ones_like(z), np.zeros(9), 0)
+        resolve(self, z, out.re[0], out.im[0])
         return np.asarray(out.re[0] + 1j * out.im[0])
 
     def _kernel(

@@ -1,0 +1,53 @@
+"""The multiplier of a planar orbit by the formula of Liouville, where the product of matrices does not resolve it.
+
+Along a canard perturbations first grow and then shrink (or the other way round) by hundreds of powers of ten. In the
+plane their net growth is exp of an integral, log mu = T int_0^1 div f(u(x)) dx, which loses nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.kernels.collocation_basis import basis
+
+LOST = 1e-3  # distance of the trivial multiplier from 1 from which the other one is computed anew
+EXPLODING = 1e-4  # ... and |dp/ds| (scaled) below which it always is: orbits explode at nearly one parameter
+LARGEST = 690.0  # of |log mu|, so that mu is a number
+
+
+def applies(problem: Any) -> bool:
+    """True for orbits of autonomous equations in the plane."""
+    return bool(problem.autonomous and problem.n == 2)
+
+
+def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
+    """Mend in place the multipliers re + i im (2,) of an orbit, and the signs of its tests for NS and PD.
+
+    Returns the unstable count; None, and nothing changes, where the multipliers are fine or the orbit is not planar.
+    """
+    moving = tests is not None and abs(tests[0]) > EXPLODING
+    fine = abs(re[0] - 1.0) < LOST and im[0] == 0.0 and re[1] > 0.0 and im[1] == 0.0
+    if not applies(problem) or (moving and fine):
+        return None
+    mu = multiplier(problem, z)
+    if not np.isfinite(mu):
+        return None
+    re[:], im[:] = (1.0, mu), 0.0
+    if tests is not None:
+        tests[2:] = np.abs(tests[2:])
+    return int(mu > 1.0)
+
+
+def multiplier(problem: Any, z: Array) -> float:
+    """exp(T int div f), by the quadrature of the collocation points."""
+    from contin.kernels.collocation import evaluate, new_points
+
+    profile = problem.profile(z)
+    w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(z))  # type: ignore[no-untyped-call]
+    evaluate(problem.equations, w, z, True)
+    divergence = w.fu[:, 0, 0, :] + w.fu[:, 1, 1, :]  # (m, N)
+    growth = profile.period * float(basis(profile.m).gauss_weights @ divergence @ profile.h)
+    return float(np.exp(np.clip(growth, -LARGEST, LARGEST)))
