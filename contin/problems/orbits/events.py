@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
 from contin.problems.orbits import planar
+from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.symmetry import symmetry_of
 
 RESIDUAL_LIMIT = 1e-7  # scaled
@@ -25,6 +26,7 @@ FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
 VERTICAL = 1e-7  # ... and below which it may vanish all along the family
 RESOLVED = 1e-3  # ... and the multiplier is told from 1
 BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork passed on its side branch
+LEVEL = 1e-6  # cosine of the left null vector and F_p up to which they are normal to each other
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
@@ -102,7 +104,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return ""
     solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
     solved = solve(problem, z=near.z, scale=frame.scale)
-    if type_ == "LPC" and not flat and (solved is None or not solved.confirmed or solved.error > BLURRED * width):
+    blurred = solved is None or not solved.confirmed or solved.error > BLURRED * width
+    if type_ == "LPC" and not flat and (blurred or not _turns(problem, solved, frame)):
         pitchfork = solve_special(problem, z=near.z, scale=frame.scale, type_="BPC")
         if pitchfork is not None and (solved is None or _one(solved, pitchfork, frame)):
             solved, type_ = pitchfork, "BPC"
@@ -141,6 +144,13 @@ def _orientable(problem: Any, z: Array) -> bool:
         return True
     kept = symmetry_of(problem, z)
     return kept is not None and kept[1] == 0.5
+
+
+def _turns(problem: Any, fold: Any, frame: Frame) -> bool:
+    """True where p is quadratic along the family: w . F_p is not zero, as it is at branch points."""
+    column = OrbitLinear(problem, fold.z, frame.scale, fold.z).jacobian[:, [-1]].toarray()[:, 0]
+    left = fold.left[:, 0]
+    return bool(abs(float(left @ column)) > LEVEL * float(np.linalg.norm(left)) * float(np.linalg.norm(column)))
 
 
 def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:

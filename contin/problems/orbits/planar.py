@@ -28,9 +28,10 @@ def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = 
 
     Returns the unstable count; None, and nothing changes, where the multipliers are fine or the orbit is not planar.
     """
+    if not applies(problem):
+        return None
     moving = tests is not None and abs(tests[0]) > EXPLODING
-    fine = abs(re[0] - 1.0) < LOST and im[0] == 0.0 and re[1] > 0.0 and im[1] == 0.0
-    if not applies(problem) or (moving and fine):
+    if moving and abs(re[0] - 1.0) < LOST and im[0] == 0.0 and re[1] > 0.0 and im[1] == 0.0:
         return None
     mu = multiplier(problem, z)
     if not np.isfinite(mu):
