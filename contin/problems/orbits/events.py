@@ -26,7 +26,7 @@ FLAT = 1e-5  # |dp/ds| below which its sign may be due to the discretisation
 VERTICAL = 1e-7  # ... and below which it may vanish all along the family
 RESOLVED = 1e-3  # ... and the multiplier is told from 1
 BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork passed on its side branch
-LEVEL = 1e-6  # cosine of the left null vector and F_p up to which they are normal to each other
+LEVEL = 0.02  # cosine of the left null vector and F_p below which a fold may be an imperfect pitchfork of the mesh
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
@@ -147,7 +147,7 @@ def _orientable(problem: Any, z: Array) -> bool:
 
 
 def _turns(problem: Any, fold: Any, frame: Frame) -> bool:
-    """True where p is quadratic along the family: w . F_p is not zero, as it is at branch points."""
+    """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly)."""
     column = OrbitLinear(problem, fold.z, frame.scale, fold.z).jacobian[:, [-1]].toarray()[:, 0]
     left = fold.left[:, 0]
     return bool(abs(float(left @ column)) > LEVEL * float(np.linalg.norm(left)) * float(np.linalg.norm(column)))
