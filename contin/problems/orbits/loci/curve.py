@@ -45,6 +45,7 @@ class OrbitCurve:
     orbits: OrbitProblem
     second: int
     _works: dict[str, Work] = field(default_factory=dict)
+    critical: dict[str, Any] = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
 
     @property
     def system(self) -> Any:

@@ -2,8 +2,8 @@
 
     on LPC   R1 (a third multiplier 1), LPPD, LPNS, CPC (both parameters turn: the fold's coefficient vanishes)
     on BPC   R1, LPPD, LPNS of the multipliers beside the critical one
-    on PD    R2 (a second multiplier -1), LPPD, PDNS
-    on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS
+    on PD    R2 (a second multiplier -1), LPPD, PDNS, GPD (the coefficient c vanishes)
+    on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS, CH (Re d vanishes)
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.loci import criticality
 
 # test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
 NAMES: Final = {
     "LPC": ("LPNS", "LPPD", "R1", "CPC"),
     "BPC": ("LPNS", "LPPD", "R1"),
-    "PD": ("PDNS", "R2", "LPPD"),
-    "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4"),
+    "PD": ("PDNS", "R2", "LPPD", "GPD"),
+    "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4", "CH"),
 }
 STEPS: Final = 40
 ACCURATE: Final = 1e-11  # scaled arclength
@@ -66,9 +67,9 @@ def tests_of(locus: str, others: NDArray[np.complex128], further: float, speed: 
     if locus == "LPC":
         tests[5] = speed
     elif locus == "NS":
-        tests[5:] = further - 1.0, further + 1.0, further + 0.5, further
+        tests[5:] = further - 1.0, further + 1.0, further + 0.5, further, np.nan
     elif locus == "PD":
-        tests[2:5] = tests[2], tests[3], tests[4]
+        tests[5] = np.nan
     return tests, count
 
 
@@ -82,6 +83,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
         return NEUTRAL
+    if type_ in ("GPD", "CH") and not criticality.is_zero(problem.curve, float(found.tests[index])):
+        return NEUTRAL  # a pole, at a strong resonance
     error = 10.0 * ACCURATE * float(frame.scale[-1])
     return Verified(type_, found.z, abs(float(found.tests[index])), error, found.eigenvalues, found.unstable)
 

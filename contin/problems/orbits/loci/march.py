@@ -11,6 +11,7 @@ from contin.continuation.march import GROWTH
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
+from contin.problems.orbits.loci.criticality import cut_at_change
 from contin.problems.orbits.loci.curve import Corrected
 
 WANTED = 2e-3  # first correction (scaled) that the step control aims at
@@ -31,6 +32,9 @@ def march(
     walls, curvature, trusted = problem.walls, np.inf, 0
 
     def chunk(stop: Stop, next_step: float) -> Chunk:
+        if cut_at_change(curve, rows, scale):
+            del lengths[len(rows) :]
+            stop, next_step = Stop.EVENT, lengths[-1]
         return Chunk(
             np.array([r.z for r in rows]), np.array([r.tangent for r in rows]), np.array([r.tests for r in rows]),
             np.array([r.unstable for r in rows]), np.array([r.eigenvalues for r in rows]), np.array(lengths), stop,

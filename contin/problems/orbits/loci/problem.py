@@ -15,7 +15,7 @@ from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
-from contin.problems.orbits.loci import events
+from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.curve import Corrected, OrbitCurve
 from contin.problems.orbits.loci.march import march
 from contin.problems.orbits.loci.renewal import renew
@@ -74,7 +74,11 @@ class OrbitLocusProblem(OrbitCurveProblem):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
         found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
-        return None if isinstance(found, str) else self.sample(found)
+        if isinstance(found, str):
+            return None
+        sample = self.sample(found)
+        wanted = criticality.is_measured(self.curve, base)
+        return criticality.measured(self.curve, sample, frame.scale) if wanted else sample
 
     def turned_over(self, before: Array, after: Array) -> bool:
         """True where the orbit between these has shrunk to a point: seen from its mean it lies on the other side."""

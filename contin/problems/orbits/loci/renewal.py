@@ -40,8 +40,10 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
 
     def moved(sample: Sample) -> Sample:
         inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
-        there = move(inner)
         share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
+        if share == 0.0:  # only the second parameter moves: there is no direction to take along
+            inner.tangent[-1] = 1.0
+        there = move(inner)
         rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
         t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
         z = curve.join(there.z, float(sample.z[-2]), curve.further(sample.z))

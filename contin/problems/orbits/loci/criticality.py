@@ -1,0 +1,95 @@
+"""The coefficient that decides between super- and subcritical, along curves of PD and NS: it vanishes at GPD and CH.
+
+c of PD or Re d of NS (`contin.problems.orbits.normal_form`) costs as much as some twenty steps. So it is computed at
+the first and the last row of a chunk; where its sign changes, bisection finds the two rows between which it does, and
+the chunk ends there. Rows in between have no value (NaN), which is no change of sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Sample
+
+SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
+ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
+SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
+
+
+def coefficient(curve: Any, z: Array, scale: Array) -> float:
+    """c of PD, Re d of NS; NaN where it has no value (neutral saddles, singular systems)."""
+    from contin.problems.orbits.linear import OrbitLinear
+    from contin.problems.orbits.normal_form import period_doubling, torus
+
+    orbit = curve.orbit(z)
+    linear = OrbitLinear(curve.at(z), orbit, curve.orbit(scale), orbit)
+    try:
+        if curve.type == "PD":
+            return period_doubling(linear)[0]
+        if abs(curve.further(z)) < 1.0:
+            return torus(linear, curve.theta(z))[0].real
+    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
+        pass
+    return float("nan")
+
+
+def is_measured(curve: Any, sample: Sample) -> bool:
+    """True where the coefficient of a sample is known."""
+    slot = SLOTS.get(curve.type)
+    return slot is not None and sample.tests.size > slot and bool(np.isfinite(sample.tests[slot]))
+
+
+def measured(curve: Any, sample: Sample, scale: Array) -> Sample:
+    """The sample with its coefficient."""
+    return _with(curve, sample, coefficient(curve, sample.z, scale))
+
+
+def cut_at_change(curve: Any, rows: list[Sample], scale: Array) -> bool:
+    """Where the sign changes along the rows, drop those beyond; True if it does."""
+    if curve.type not in SLOTS or len(rows) < 2:
+        return False
+    values = {0: _known(curve, rows[0]), len(rows) - 1: coefficient(curve, rows[-1].z, scale)}
+    if values[0] is None:
+        values[0] = coefficient(curve, rows[0].z, scale)
+    low, high = 0, len(rows) - 1
+    found = values[low] * values[high] < 0.0
+    while found and high - low > 1:
+        middle = (low + high) // 2
+        values[middle] = coefficient(curve, rows[middle].z, scale)
+        if values[middle] * values[low] < 0.0:
+            high = middle
+        else:
+            low = middle
+    found = found and not np.any(rows[low].tests[2:] * rows[high].tests[2:] < 0.0)  # a pole at a strong resonance
+    if found:
+        rows[low], rows[high] = (_with(curve, rows[k], values[k]) for k in (low, high))
+        curve.critical["typical"] = max(abs(values[low]), abs(values[high]))
+        del rows[high + 1 :]
+    curve.critical["last"] = _place(curve, rows[-1].z), values[high]
+    return bool(found)
+
+
+def is_zero(curve: Any, value: float) -> bool:
+    """True for a zero, not a pole, of the coefficient that `cut_at_change` found."""
+    return abs(value) <= ZERO * float(curve.critical.get("typical", np.inf))
+
+
+def _with(curve: Any, sample: Sample, value: float) -> Sample:
+    tests = sample.tests.copy()
+    tests[SLOTS[curve.type]] = value
+    return replace(sample, tests=tests)
+
+
+def _known(curve: Any, sample: Sample) -> Any:
+    """The value at the last row of the chunk before, if this is that row (perhaps on another mesh)."""
+    place, value = curve.critical.get("last", (None, None))
+    here = _place(curve, sample.z)
+    return value if place is not None and bool(np.all(np.abs(here - place) <= SAME * np.abs(place))) else None
+
+
+def _place(curve: Any, z: Array) -> Array:
+    return np.array([z[-1], z[-2], curve.profile(z).period])

@@ -1,0 +1,121 @@
+"""Points of codimension two on curves of orbits, where the Poincare map is the flow of a known amplitude equation.
+
+The unit circle of (a, b), run through once in 2 pi, carries further states. Untwisted ones obey an equation of their
+own: their map is its flow over 2 pi. A plane (c, d) that turns by half a turn in a period, with coordinates s, z in the
+turning directions e(phi/2) and its normal, carries the equations of s and z: their map is -1 times that flow.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi
+
+import numpy as np
+import pytest
+
+import contin
+from contin.model.model import Model
+from tests.problems.loci.planes import amplitude
+
+CIRCLE = {"a": "a*(1 - a^2 - b^2) - b", "b": "b*(1 - a^2 - b^2) + a"}
+ALONG = ("((1 + a)*c + b*d)/2", "(b*c + (1 - a)*d)/2")  # s e(phi/2), where (a, b) = e(phi)
+ACROSS = ("((1 - a)*c - b*d)/2", "(-b*c + (1 + a)*d)/2")  # z times the normal of e(phi/2)
+ALONG_BY_Z = ("(-b*c + (1 + a)*d)/2", "(-(1 - a)*c + b*d)/2")  # z e(phi/2)
+ACROSS_BY_S = ("(-b*c - (1 - a)*d)/2", "((1 + a)*c + b*d)/2")  # s times the normal
+SQUARE = "((1 + a)*c^2 + 2*b*c*d + (1 - a)*d^2)/2"  # s^2
+
+
+def twisted(along_by_s: str, across_by_z: str, along_by_z: str = "0", across_by_s: str = "0") -> dict[str, str]:
+    """s' = along_by_s s + along_by_z z, z' = across_by_s s + across_by_z z in the turning plane."""
+    factors = (along_by_s, across_by_z, along_by_z, across_by_s)
+    vectors = (ALONG, ACROSS, ALONG_BY_Z, ACROSS_BY_S)
+    terms = [[f"({f})*({v[k]})" for f, v in zip(factors, vectors, strict=True)] for k in (0, 1)]
+    return {"c": " + ".join(["-d/2", *terms[0]]), "d": " + ".join(["c/2", *terms[1]])}
+
+
+def orbit_on_circle(equations: dict[str, str], parameters: dict[str, float], x: float = 0.0):
+    """The unit circle with the first further state at x and the others at 0, closed by Newton."""
+    states = {name: 1.0 if name == "a" else 0.0 for name in (*CIRCLE, *equations)}
+    model = Model("circle", states=states, parameters=parameters, equations={**CIRCLE, **equations})
+    angle = np.linspace(0, 2 * pi, 101)
+    u = np.zeros((101, len(states)))
+    u[:, 0], u[:, 1], u[:, 2] = np.cos(angle), np.sin(angle), x
+    return contin.periodic_orbit(model, u, period=2 * pi)
+
+
+def curve(equations: dict[str, str], names: tuple[str, str], box: dict[str, tuple[float, float]], label: str):
+    """The curve through the first such point of the circle with the first parameter rising through the box."""
+    orbit = orbit_on_circle(equations, {name: box[name][0] for name in names})
+    family = contin.continuation(orbit, names[0], box[names[0]])
+    point = next(p for p in family.points if p.type == label)
+    return contin.continuation(point.locus(names), names, box)
+
+
+def assert_only(branch, wanted: dict[str, tuple[float, ...]], name: str) -> None:
+    found = {}
+    for p in branch.points:
+        found.setdefault(p.type, []).append(p.values[name])
+    assert set(found) == set(wanted)
+    for type_, values in wanted.items():
+        assert sorted(found[type_]) == pytest.approx(sorted(values), abs=1e-7)
+
+
+def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes():
+    """s' = p s + q s^3 - s^5, z' = -z: PD at p = 0 with c = q, the eigenfunction having |s| = 1."""
+    equations = twisted(f"p + q*{SQUARE} - ({SQUARE})^2", "-1")
+    flips = curve(equations, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "PD")
+    np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-9)
+    assert_only(flips, {"GPD": (0.0,)}, "q")
+    assert [end.reason for end in flips.ends] == ["bound", "bound"]
+
+
+def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes():
+    """v' = (p + i t + q |v|^2 - |v|^4) v: NS at p = 0 with Re d = q."""
+    x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - (c^2 + d^2)^2", "0.3")
+    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "NS")
+    np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
+    assert_only(tori, {"CH": (0.0,)}, "q")
+
+
+def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns():
+    x, y = amplitude("c", "d", "p - (c^2 + d^2)", "(q + 0.05*(c^2 + d^2))")
+    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (0.2, 0.4)}, "NS")
+    assert_only(tori, {"R4": (1 / 4,), "R3": (1 / 3,)}, "q")
+    assert tori["R31"].values["cos.theta"] == pytest.approx(cos(2 * pi / 3), abs=1e-9)
+
+
+def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form():
+    """s' = z, z' = p s + q z - s^3: multipliers -exp(2 pi l), l^2 - q l - p = 0; PD at p = 0, both at q = 0."""
+    equations = twisted("0", "q", along_by_z="1", across_by_s=f"p - {SQUARE}")
+    flips = curve(equations, ("p", "q"), {"p": (-0.2, 0.3), "q": (-0.35, 0.3)}, "PD")
+    np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-8)
+    assert_only(flips, {"R2": (0.0,)}, "q")
+
+
+def test_folds_meet_further_critical_multipliers():
+    """x' = p - x^2 beside a state with the multiplier exp(2 pi q), a turning plane, or a pair."""
+    pair = amplitude("c", "d", "q + 0.2*x - (c^2 + d^2)", "0.3")
+    folds = folds_of({"x": "p - x^2", "c": pair[0], "d": pair[1]})
+    assert_only(folds, {"LPNS": (0.0,)}, "q")
+    flips = twisted(f"q + 0.2*x - {SQUARE}", "-1")
+    assert_only(folds_of({"x": "p - x^2", **flips}), {"LPPD": (0.0,)}, "q")
+    takens = folds_of({"x": "y", "y": "p - x^2 + q*y + x*y"})
+    assert_only(takens, {"R1": (0.0,)}, "q")
+
+
+def folds_of(equations: dict[str, str]):
+    """The curve p = 0 of folds of x = +-sqrt(p), from the family at q = -0.3 followed down in p."""
+    orbit = orbit_on_circle(equations, {"p": 0.25, "q": -0.3}, 0.5)
+    family = contin.continuation(orbit, "p", (-0.5, 0.5), direction="down")
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-0.5, 0.5), "q": (-0.3, 0.4)})
+    np.testing.assert_allclose(folds.columns["p"], 0, atol=1e-8)
+    return folds
+
+
+def test_two_curves_of_folds_meet_in_a_cusp():
+    """x' = p + q x - x^3: folds 27 p^2 = 4 q^3."""
+    orbit = orbit_on_circle({"x": "p + q*x - x^3"}, {"p": 0.6, "q": 0.8}, 1.16)
+    family = contin.continuation(orbit, "p", (-1, 1))
+    folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-0.5, 1.5)})
+    np.testing.assert_allclose(27 * folds.columns["p"] ** 2, 4 * folds.columns["q"] ** 3, atol=1e-7)
+    assert [p.type for p in folds.points] == ["CPC"]
+    assert folds["CPC1"].values["q"] == pytest.approx(0, abs=1e-7)
