@@ -39,9 +39,11 @@ def glued(problem: Any, point: SpecialPoint) -> list[Seed]:
         gap = float(np.abs(image[0] - profile.u[0]).max())
         if gap > AT_SADDLE * extent or float(np.abs(image - profile.u).max()) < DISTINCT * extent:
             continue
-        seed = _joined(problem, point, profile, image)
-        if seed is not None:
-            return [seed]
+        sizes = problem.sizes(point.z, point.scale)
+        for metric in (sizes, np.full(sizes.size, sizes.max())):  # in small states the gap may be too wide for Newton
+            seed = _joined(problem, point, profile, image, metric)
+            if seed is not None:
+                return [seed]
     raise InputError(
         f"{point.branch}.{point.label}: no other family starts here: no declared symmetry keeps the saddle and moves "
         "the loop"
@@ -58,9 +60,8 @@ def _from_the_saddle(profile: Profile) -> Profile:
     return replace(profile, u=u, h=np.roll(profile.h, -first))
 
 
-def _joined(problem: Any, point: SpecialPoint, loop: Profile, image: Array) -> Seed | None:
-    """The orbit of twice the period near loop and image, by Newton at this period."""
-    sizes = problem.sizes(point.z, point.scale)
+def _joined(problem: Any, point: SpecialPoint, loop: Profile, image: Array, sizes: Array) -> Seed | None:
+    """The orbit of twice the period near loop and image, by Newton at this period, in a metric of these sizes."""
     h = np.tile(loop.h / 2.0, 2)
     both = Profile(loop.m, np.concatenate([loop.u, image[1:]]), 2.0 * loop.period, h, loop.parameter)
     both.u[-1] = both.u[0]
