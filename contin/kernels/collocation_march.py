@@ -35,7 +35,7 @@ from contin.kernels.algebraic import (
     is_dip,
 )  # fmt: skip
 from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
-from contin.kernels.collocation_mesh import mesh_error
+from contin.kernels.collocation_mesh import evened, mesh_error
 from contin.kernels.collocation_system import condense_intervals, factorise, new_factors, solve
 from contin.kernels.compile import call3, kernel, part
 from contin.kernels.floquet import deflate, multipliers, transitions
@@ -47,6 +47,8 @@ ITERATIONS = 14
 FACTORISATIONS = 6
 SLOW = 0.15  # a chord iteration that contracts less than this is followed by a new factorisation
 STALE = 2e-3  # factors are renewed before measuring when the point has moved further than this part of the orbit since
+EXACT = 1e-9  # scaled distance within which factors give the tests of a probed point
+PATIENCE = 2.0  # growth of the error after which an even mesh of a fixed number of intervals is looked at again
 MOVED = 0.05  # scaled distance beyond which the corrected point on a new mesh is not the same orbit
 WANTED = 1.5e-3  # first correction, as a part of the orbit's size, that the step control aims at
 SHRINKING = 3.0  # an orbit is looked at as it shrinks when its amplitude falls below this many steps
@@ -366,8 +368,10 @@ def follow(
     STABILITY : multipliers of row 0, whatever the rank of the boundary-value problem. Returns 1 (done) or 0.
 
     e : `Equations`; w, s, x : `new_memory`.
-    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, error_limit, period_limit]
+    controls : [h, h_min, h_max, cos_max_angle, tolerance, h_previous, target_angle, error_limit, period_limit,
+        worthwhile]
         h_previous = 0 where `previous_*` (z, tangent, tests relative to row 0) are unknown.
+    worthwhile : of a fixed number of intervals: part of the error that a better mesh must leave at most; else 0.
     info : [rows beyond row 0, next h, evaluations, log reference of test 1, test that dipped, h that failed]
     """
     n, m = e.n, e.m
@@ -378,6 +382,7 @@ def follow(
     count = intervals * m + 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
     h_previous, target_angle, error_limit, period_limit = controls[5], controls[6], controls[7], controls[8]
+    worthwhile = controls[9]
     reference = info[3] if mode == PROBE else 0.0
     start = 1 if mode in (PROBE, CORRECT) else 0
     for j in range(size):
@@ -410,7 +415,7 @@ def follow(
     if mode == MARCH:
         sign = settle(e, w, s, x, out_z, out_t, scale, sizes, tolerance)
         evaluations = sizes_of[1]
-    if mode == PROBE or sign == 0:
+    if sign == 0 or (mode == PROBE and sizes_of[2] > EXACT):
         sign = renew(e, w, s, x, out_t[0], scale)
         evaluations += 1.0
     if sign == 0:
@@ -526,6 +531,10 @@ def follow(
         swing = amplitude(z, n, count, sizes)
         if swing < before and swing < SHRINKING * max(h, h_used):
             return RESCALE
-        if out_error[row] > error_limit or outgrown(z, n, count, sizes, period_limit):
+        if outgrown(z, n, count, sizes, period_limit):
             return RESCALE
+        if out_error[row] > error_limit:
+            if evened(z, n, m, error_constant, density) <= worthwhile * out_error[row] or worthwhile == 0.0:
+                return RESCALE
+            error_limit = PATIENCE * out_error[row]
     return LIMIT

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from contin.kernels.collocation import LANES
 from contin.kernels.collocation_basis import basis, interpolation
 from contin.kernels.collocation_system import factorise, new_factors, solve
-from contin.kernels.floquet import multipliers
+from contin.kernels.floquet import multipliers, transitions
 
 
 @pytest.mark.parametrize("m", [2, 3, 4, 7])
@@ -106,3 +106,33 @@ def test_a_complex_pair_of_multipliers_survives_beside_a_tiny_one():
     assert multipliers(np.array([step] * count), 0, np.full((3, 3), np.nan), re, im)
     found = sorted(re + 1j * im, key=lambda v: v.imag)
     np.testing.assert_allclose(found, [np.exp(-1j * angle), 1e-9, np.exp(1j * angle)], rtol=1e-10)
+
+
+@pytest.mark.parametrize("n", [1, 3, 5, 6, 11])
+def test_transitions_solve_with_the_condensed_blocks(n):
+    """M = -right^-1 left, also where the rows have to be exchanged."""
+    m, intervals = 2, 3
+    generator = np.random.default_rng(n)
+    left, right = generator.normal(size=(2, intervals, n, n))
+    right[0] = np.roll(np.eye(n), 1, axis=0) + 1e-3 * right[0]
+    s, out = new_factors(n, m, intervals), np.empty((intervals, n, n))
+    local = s.local if n > LANES else np.moveaxis(s.local, -1, 0)
+    inner = (m - 1) * n
+    local[:, inner : inner + n, inner : inner + n] = left
+    local[:, inner : inner + n, inner + n : inner + 2 * n] = right
+    assert transitions(s.local, n, m, out)
+    np.testing.assert_allclose(right @ out, -left, atol=1e-11)
+    local[1, inner, inner + n : inner + 2 * n] = 0.0
+    assert not transitions(s.local, n, m, out)
+
+
+def test_ten_multipliers_over_ten_orders_of_magnitude_keep_nine_digits_each():
+    generator = np.random.default_rng(8)
+    exact, count = np.geomspace(1e3, 1e-7, 10), 30
+    bases = [np.linalg.qr(generator.normal(size=(10, 10)))[0] for _ in range(count)]
+    factors = np.exp(np.log(exact) / count)
+    cycle = np.array([bases[(i + 1) % count] @ np.diag(factors) @ bases[i].T for i in range(count)])
+    re, im = np.full(10, np.nan), np.zeros(10)
+    assert multipliers(cycle, 0, np.full((10, 10), np.nan), re, im)
+    np.testing.assert_allclose(np.sort(re)[::-1], exact, rtol=1e-9)
+    np.testing.assert_allclose(im, 0.0)

@@ -111,7 +111,8 @@ def node_weights(h: Array, m: int) -> Array:
 
 def profile_of(z: Array, n: int, m: int) -> Profile:
     """Read z (NaN padding on the left is dropped)."""
-    z = z[np.argmax(~np.isnan(z)) :]
+    if np.isnan(z[0]):
+        z = z[np.argmax(~np.isnan(z)) :]
     intervals = (z.size - n - 2) // (m * n + 1)
     nodes = (intervals * m + 1) * n
     return Profile(m, z[:nodes].reshape(-1, n), float(z[nodes]), z[nodes + 1 : -1], float(z[-1]))

@@ -18,6 +18,7 @@ from contin.problems.orbits.layout import Profile
 
 SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
+WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
 MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
 
 

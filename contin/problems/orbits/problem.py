@@ -22,6 +22,7 @@ from contin.problems.orbits.columns import names_of, orbit_columns, periods, wit
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.mesh import WORTHWHILE
 from contin.problems.orbits.planar import applies, resolve
 from contin.problems.scales import balance
 
@@ -33,6 +34,8 @@ ALIGNED = 0.99  # cosine of two tangents at one point, up to rounding
 SAME_PERIOD = 1e-5  # relative
 SAME_EXTENT = 1e-2  # relative: of families that are born at one point with one period there are many
 TINY_STATE = 1e-6  # a state this small beside the others may be zero with rounding errors
+CONTROLS = 10  # numbers that steer the kernel, see `follow`
+LONGEST_CHUNK = 120
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
 _STOPS = (
     Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
@@ -83,8 +86,7 @@ class OrbitProblem(FamilyOfOrbits):
 
     @property
     def maximum_chunk(self) -> int:
-        """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
-        return max(10, min(120, 2000 // self.n**2))
+        return LONGEST_CHUNK
 
     @cached_property
     def state_periods(self) -> Array:
@@ -150,15 +152,15 @@ class OrbitProblem(FamilyOfOrbits):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        rows = limit + 1
-        out = _Rows.of(rows, origin.z.size, self.n)
-        out.z[0], out.t[0] = origin.z, origin.tangent
         profile = self.profile(origin.z)
+        limit = min(limit, self._chunk(profile.intervals))
+        out = _Rows.of(limit + 1, origin.z.size, self.n)
+        out.z[0], out.t[0] = origin.z, origin.tangent
         sizes = self.sizes(origin.z, frame.scale)
         controls = np.array([
             step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,  # noqa: E501
             length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._error_limit(profile, sizes),  # noqa: E501
-            self._period_limit(profile, frame.scale),
+            self._period_limit(profile, frame.scale), 0.0 if self.intervals is None else WORTHWHILE,
         ])  # fmt: skip
         reason = self._kernel(0, out, frame.scale, controls, limit, bounds, before, loop)
         z, t, info = out.z, out.t, out.info
@@ -181,6 +183,11 @@ class OrbitProblem(FamilyOfOrbits):
             z[:m], t[:m], out.tests[:m], out.unstable[:m], out.re[:m] + 1j * out.im[:m], out.lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
+
+    def _chunk(self, intervals: int) -> int:
+        """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
+        step = 1e-6 * intervals * (2.0 + 0.8 * self.n + 0.007 * self.n**3)  # seconds
+        return int(np.clip(0.05 / step, 10, LONGEST_CHUNK))
 
     def _measure(self, out: _Rows, row: int, frame: Frame) -> None:
         """Tests and multipliers of a row anew: the march takes them from factors of a point nearby."""
@@ -219,7 +226,7 @@ class OrbitProblem(FamilyOfOrbits):
         out = _Rows.of(2, z0.size, self.n)
         out.z[0], out.t[0], out.z[1] = z0, tangent, guess
         out.info[3] = frame.reference
-        controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, 0.0, 0.0])
+        controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, 0.0, 0.0, 0.0])
         count = self._kernel(1, out, frame.scale, controls, 0)
         out.unstable[1] = max(count, 0)
         if count >= 0:
@@ -231,7 +238,7 @@ class OrbitProblem(FamilyOfOrbits):
         """The orbit on the hyperplane through the sample, normal to its tangent; no measuring."""
         out = _Rows.of(2, sample.z.size, self.n)
         out.z[0], out.t[0], out.z[1] = sample.z, sample.tangent, sample.z
-        controls = np.zeros(9)
+        controls = np.zeros(CONTROLS)
         controls[4] = tolerance
         return out.z[1] if self._kernel(3, out, frame.scale, controls, 0) == 0 else None
 
@@ -239,7 +246,7 @@ class OrbitProblem(FamilyOfOrbits):
         """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
         out = _Rows.of(1, z.size, self.n)
         out.z[0], out.t[0] = z, 0.0
-        self._kernel(2, out, np.ones_like(z), np.zeros(9), 0)
+        self._kernel(2, out, np.ones_like(z), np.zeros(CONTROLS), 0)
         resolve(self, z, out.re[0], out.im[0])
         return np.asarray(out.re[0] + 1j * out.im[0])
 

@@ -11,11 +11,10 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile, Transfer, make_scale
-from contin.problems.orbits.mesh import choose_mesh, estimate
+from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
-WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
-TOO_FINE = 0.55  # ... and part of the present number of intervals below which it is made coarser
+TOO_FINE = 0.55  # part of the present number of intervals below which the mesh is made coarser
 
 
 def renew(

@@ -11,8 +11,8 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
-from contin.problems.orbits.mesh import choose_mesh, estimate
-from contin.problems.orbits.renewal import NEARLY, TOO_FINE, WORTHWHILE, Move, state_growth
+from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
+from contin.problems.orbits.renewal import NEARLY, TOO_FINE, Move, state_growth
 
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 

@@ -1,0 +1,78 @@
+"""Meshes of orbits: interpolation between them, correction after a change, and when there is none."""
+
+from math import ceil
+
+import numpy as np
+import pytest
+
+from contin import api
+from contin.continuation.problem import Frame, Sample
+from contin.continuation.settings import Settings
+from contin.model.model import Model
+from contin.problems.orbits.layout import Transfer, node_times
+from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.problem import OrbitProblem
+
+BOUNDS = (-0.5, 1.0)
+
+
+@pytest.fixture(scope="module")
+def born():
+    """The Hopf point of x' + i y' = (r - s + i (1 + s / 2)) (x + i y), s = x^2 + y^2: cycles turn at constant speed."""
+    model = Model(
+        "stuart", states={"x": 0, "y": 0}, parameters={"r": -0.5}, definitions={"s": "x^2 + y^2"},
+        equations={"x": "(r - s)*x - (1 + 0.5*s)*y", "y": "(1 + 0.5*s)*x + (r - s)*y"},
+    )  # fmt: skip
+    return api.continuation(api.equilibrium(model), "r", BOUNDS)["HB1"]
+
+
+@pytest.mark.parametrize("m", [2, 4, 7])
+def test_transfer_is_exact_for_polynomials_of_the_scheme_s_degree(m):
+    generator = np.random.default_rng(m)
+    old, new = (h / h.sum() for h in (generator.uniform(0.5, 2.0, 7), generator.uniform(0.5, 2.0, 11)))
+    p, q = np.polynomial.Polynomial(generator.normal(size=m + 1)), np.polynomial.Polynomial([1.0, -2.0])
+    values = np.stack([p(node_times(old, m)), q(node_times(old, m))], axis=1)
+    at = node_times(new, m)
+    np.testing.assert_allclose(Transfer.to_mesh(m, old, new)(values), np.stack([p(at), q(at)], axis=1), atol=1e-12)
+    assert at[0] == 0.0
+    assert at[-1] == 1.0
+    np.testing.assert_allclose(at[m:-1:m], np.cumsum(new)[:-1], rtol=1e-14)
+
+
+def test_a_march_corrects_an_origin_that_was_interpolated(born):
+    family = api.continuation(born.switch(), "r", BOUNDS, values={"r": [0.5]})
+    problem = family.problem
+    exact = problem.profile(next(p for p in family.points if p.type == "UZ").z)
+    guess = exact.on_mesh(np.full(9, 1.0 / 9.0)).vector()
+    scale = problem.initial_scale(guess, BOUNDS)
+    origin = Sample(guess, problem.tangents(guess, scale)[0], np.zeros(4), 0, np.empty(0, complex))
+    chunk = problem.march(origin, None, 0.0, Frame(scale), 1e-3, 2, BOUNDS, Settings(), None)
+
+    def residual(z):
+        return float(np.abs(OrbitLinear(problem, z, scale, guess).residual).max())
+
+    assert residual(guess) > 1e-6
+    assert residual(chunk.z[0]) < 1e-10
+    assert len(chunk) == 3
+    again = problem.march(chunk.sample(0), None, 0.0, Frame(scale), 1e-3, 2, BOUNDS, Settings(), None)
+    np.testing.assert_array_equal(again.z[0], chunk.z[0])  # on the family already: left as it is
+    # a whole Newton step at the origin and chord iterations on it; then as many a step
+    assert again.evaluations <= 1 + 2 * 2
+
+
+def test_an_even_mesh_of_fixed_size_is_kept_where_the_orbit_turns_at_constant_speed(born, monkeypatch):
+    marches = []
+    march = OrbitProblem.march
+
+    def counted(self, *arguments):
+        marches.append(march(self, *arguments))
+        return marches[-1]
+
+    monkeypatch.setattr(OrbitProblem, "march", counted)
+    settings = {"intervals": 12, "step": 0.01, "max_step": 0.01, "steps": 150}
+    family = api.continuation(born.switch(), "r", BOUNDS, settings=settings)
+    lengths = np.array([family.problem.profile(z).h for z in family.z])
+    np.testing.assert_allclose(lengths, 1.0 / 12.0, rtol=1e-12)
+    assert family.steps > 100
+    assert len(marches) <= ceil(family.steps / 120) + 3  # the states outgrow their sizes, too
+    assert family.effort["evaluations"] <= 2.1 * family.steps + 10
