@@ -17,6 +17,7 @@ from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified, is_recording
+from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -94,7 +95,7 @@ def _position(seed: Seed, pieces: list[Piece]) -> str:
 
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm from `start` to its end: a bound, a floor, infinity."""
-    return until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start)
+    return until_repeating(until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start), arm)
 
 
 def _progress(

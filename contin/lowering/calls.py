@@ -97,6 +97,19 @@ class Calls:
         call(u_at, p_at, held.ctypes.data, self._buffers.output(self.n)[1], matrix.ctypes.data)
         return matrix
 
+    def gradients(self, call: Call, u: Array, p: Array, directions: Array) -> Array:
+        """(u, p, v, w, H) at N points u (N, n), p (N, p_size), v (N, n + p_size); H, (N, n, n + p_size)."""
+        held = [np.ascontiguousarray(a, dtype=float) for a in (u, p, directions)]
+        out = np.empty((len(held[0]), self.n, self.n + self.p_size))
+        if call is None or not out.size:
+            return out
+        u_at, p_at, v_at = (a.ctypes.data for a in held)
+        u_step, p_step, v_step = (a.strides[0] for a in held)
+        w_at, out_at, step = self._buffers.output(self.n)[1], out.ctypes.data, out.strides[0]
+        for k in range(len(out)):
+            call(u_at + k * u_step, p_at + k * p_step, v_at + k * v_step, w_at, out_at + k * step)
+        return out
+
     def vectors(self, call: Call, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
         """(u, p, out) at N points, in one call; u (N, n), p (N, p_size) or (p_size,). One point gives (size,)."""
         states = np.ascontiguousarray(u, dtype=float)

@@ -203,6 +203,12 @@ class CompiledSystem:
             return real
         return real + 1j * self._calls.gradient(call, u, p, direction.imag)
 
+    def gradients(self, u: Array, p: Array, v: NDArray[Any]) -> NDArray[Any]:
+        """`gradient` at N points: u (N, n), p (N, p_size), v (N, n + p_size) real or complex; (N, n, n + p_size)."""
+        call = self._call("gradient", 5)
+        real = self._calls.gradients(call, u, p, v.real)
+        return real + 1j * self._calls.gradients(call, u, p, v.imag) if np.iscomplexobj(v) else real
+
     def _direction(self, v: ArrayLike) -> NDArray[Any]:
         vector = np.asarray(v)
         size = self.n + self.p_size

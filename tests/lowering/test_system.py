@@ -281,3 +281,14 @@ def test_removable_singularities_are_removed_before_differentiation(offset):
     assert second == pytest.approx(1 / 600 - u**2 / 6e5 + u**4 / 1.008e9, abs=1e-9)
     assert third == pytest.approx(-u / 3e5 + u**3 / 2.52e8, abs=2e-9)
     assert system.n_switches == 0
+
+
+def test_gradients_at_many_points_are_those_at_each():
+    generator = np.random.default_rng(3)
+    system = compile_system(
+        Model("two", states={"x": 1, "y": 1}, parameters={"a": 2}, equations={"x": "x^2*y*a", "y": "sin(x*y) - a^2*x"})
+    )
+    u, p = generator.normal(size=(5, 2)), generator.normal(size=(5, 1))
+    v = generator.normal(size=(5, 3)) + 1j * generator.normal(size=(5, 3))
+    expected = np.array([system.gradient(*row) for row in zip(u, p, v, strict=True)])
+    np.testing.assert_allclose(system.gradients(u, p, v), expected, rtol=1e-14)

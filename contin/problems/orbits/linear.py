@@ -228,15 +228,12 @@ class OrbitLinear:
 
     def _second_derivatives(self, states: Array, direction: NDArray[Any]) -> NDArray[Any]:
         """D^2 f[direction, .] at the Gauss points, (N, m, n, n + p_size)."""
-        system, profile = self.problem.system, self.profile
-        p = self.problem.full_parameters(self.z)
-        out = np.empty((*direction.shape[:2], profile.n, direction.shape[2]), direction.dtype)
-        for i in range(profile.intervals):
-            for c in range(profile.m):
-                if not self.problem.autonomous:
-                    p[-1] = profile.period * self._times[i, c]
-                out[i, c] = system.gradient(states[i, c], p, direction[i, c])
-        return out
+        profile, size = self.profile, direction.shape[2]
+        p = np.tile(self.problem.full_parameters(self.z), (states.shape[0] * states.shape[1], 1))
+        if not self.problem.autonomous:
+            p[:, -1] = profile.period * self._times.ravel()
+        found = self.problem.system.gradients(states.reshape(-1, profile.n), p, direction.reshape(-1, size))
+        return np.asarray(found).reshape(*direction.shape[:2], profile.n, size)
 
     def variational(self, rho: complex) -> Any:
         """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
