@@ -22,6 +22,7 @@ _EXPORTS = {
     "find_equilibria": "contin.api",
     "load": "contin.model.registry",
     "periodic_orbit": "contin.api",
+    "connecting_orbit": "contin.api",
     "phase": "contin.api",
     "scan": "contin.simulate.scan",
     "simulate": "contin.simulate.run",

@@ -23,6 +23,7 @@ from contin.model.model import Model
 from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
+from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.problem import ShootingProblem
@@ -126,6 +127,24 @@ def periodic_orbit(
     return orbit_by_simulation(compiled(model), u, p, periods, transient=transient, intervals=intervals, points=points)
 
 
+def connecting_orbit(
+    model: Any,
+    first: str | Mapping[str, Any],
+    last: str | Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> ConnectingOrbit:
+    """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
+
+    first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
+    return to the first one (homoclinic). At the parameters a trajectory that leaves the first saddle must pass near the
+    second one. `continuation(..., (p, q), ranges)` then solves for the orbit at the present value of q.
+    """
+    saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
+    if any(not isinstance(saddle, Equilibrium) for saddle in saddles) or saddles[0].system.kind == "map":
+        raise InputError("connecting orbits need a flow given by formulas")
+    return ConnectingOrbit(saddles[0].system, saddles[0].p, np.array([saddle.u for saddle in saddles]))
+
+
 def continuation(
     start: Any,
     parameter: str | Sequence[str],
@@ -211,6 +230,8 @@ def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> t
         return seed, bounds_of(seed.problem, names[0], range)
     if isinstance(start, LocusStart):
         start = start.point.locus(names)
+    elif isinstance(start, ConnectingOrbit):
+        start = start.locus((names[0], names[1]))
     seed = start[0] if isinstance(start, list) and start else start
     if not isinstance(seed, Seed) or tuple(seed.problem.parameters) != names:
         raise InputError(

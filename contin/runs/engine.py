@@ -81,6 +81,8 @@ class ContinEngine:
         if run.as_ == "orbit":
             mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
             return api.periodic_orbit(model, run.start, parameters, **mesh)
+        if run.as_ == "connection":
+            return api.connecting_orbit(model, run.start, run.to, parameters)
         return api.equilibrium(model, run.start, parameters)
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:

@@ -37,6 +37,7 @@ class RunPlan:
     direction: str = "both"
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
+    to: StartPoint = None  # of a connecting orbit: the saddle that it leads to
 
     @property
     def follows_orbits(self) -> bool:
@@ -230,6 +231,7 @@ class _Planner:
         parameters = tuple(entry.parameter)
         known = [self.known(p, (*path, "parameter")) for p in parameters]
         start = None if entry.start is None else self.start(entry.start, (*path, "start"))
+        to = None if entry.to is None else self.start(entry.to, (*path, "to"))
         values = self.targets(entry.values, path)
         if not all(known):
             return None
@@ -243,7 +245,7 @@ class _Planner:
             branch, _, label = entry.from_.rpartition(".")
             reference = (branch, label)
         settings = entry.settings.chosen()
-        return RunPlan(name, parameters, bounds, start, reference, entry.as_, entry.direction, values, settings)
+        return RunPlan(name, parameters, bounds, start, reference, entry.as_, entry.direction, values, settings, to)
 
     # Parts of an entry ------------------------------------------------------------------------------------------------
 

@@ -151,7 +151,8 @@ class ContinuationEntry(Section):
     name: RunName | None = None
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
-    as_: Literal["equilibrium", "orbit", "locus"] | None = Field(default=None, alias="as")
+    as_: Literal["equilibrium", "orbit", "locus", "connection"] | None = Field(default=None, alias="as")
+    to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     parameter: Annotated[Texts, Field(max_length=2)]
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
@@ -164,7 +165,11 @@ class ContinuationEntry(Section):
             raise _wrong("has both `start` and `from`; keep one of them")
         if len(set(self.parameter)) < len(self.parameter):
             raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`")
-        if len(self.parameter) == 2 and self.from_ is None:
+        if self.as_ == "connection" and (self.start is None or len(self.parameter) < 2):
+            raise _wrong("is a connection: give `start`, the saddle that it leaves, and two parameters")
+        if self.to is not None and self.as_ != "connection":
+            raise _wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
+        if len(self.parameter) == 2 and self.from_ is None and self.as_ != "connection":
             raise _wrong("two parameters need a point to start from; write `from: NAME.LABEL`")
         return self
 

@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
+ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 
 
@@ -98,7 +100,17 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     value = abs(float(found.tests[index]))
     if value > 1e-4:
         return f"{type_} not verified: its test function jumps"
+    if type_[:2] in ("OF", "IF") and _vanishes(problem, found, frame, index):
+        return ""  # an invariant plane or a skew product: no coupling, all along the curve
     return Verified(_named(type_, found.eigenvalues), found.z, value, error, found.eigenvalues, found.unstable)
+
+
+def _vanishes(problem: Any, found: Sample, frame: Frame, index: int) -> bool:
+    """True where a test is as small beside its zero as at it."""
+    settings = Settings()
+    ahead = found.z + frame.scale * ASIDE * found.tangent
+    beside = problem.probe(found, ASIDE, ahead, frame, settings)
+    return beside is not None and abs(float(beside.tests[index])) < RESOLVED
 
 
 def _named(type_: str, values: NDArray[np.complex128]) -> str:

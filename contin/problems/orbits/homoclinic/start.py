@@ -14,6 +14,7 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
@@ -105,27 +106,33 @@ def _piece(profile: Profile, start: float, end: float) -> Profile:
 
 
 def solved_connection(
-    orbits: OrbitProblem, second: int, piece: Profile, ends: Array, stable: int, unstable: int, q: float, parent: Parent
-) -> Seed:
-    """The connection solved for at fixed q, on a mesh that fits it."""
+    orbits: OrbitProblem, second: int, piece: Profile, ends: Array, stable: int, unstable: int, q: float,
+    parent: Parent | None,
+) -> Seed:  # fmt: skip
+    """The connection solved for at fixed q, on an interval and a mesh that fit it; `parent` : where it comes from."""
+    source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
     curve = ConnectionCurve(orbits, second, len(ends), stable, unstable)
     problem = ConnectionProblem(curve)
     if stable + unstable != curve.n:
         raise InputError(
-            f"{parent.branch}.{parent.label}: {stable} stable directions of the first and {unstable} unstable ones of "
+            f"{source}: {stable} stable directions of the first and {unstable} unstable ones of "
             f"the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
         )
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)
-    for attempt in range(2):
+    for attempt in range(3):
         profile = curve.profile(z)
         scale = problem.scale_for(profile.h, sizes, max(1e-3, abs(float(z[-1]))), max(1e-3, abs(q)))
         curve.settle(z, sizes)
         solved = problem.at_unknown(-2, z, q, scale)
         if solved is None:
-            raise InputError(f"{parent.branch}.{parent.label}: Newton for the connecting orbit did not converge")
+            raise InputError(f"{source}: Newton for the connecting orbit did not converge")
         z = solved
-        if attempt == 0:
+        if attempt < 2 and not fits(curve, z, sizes):
+            z = fitted(curve, z, sizes)
+        elif attempt == 1:
+            break
+        if attempt < 2:
             chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
             z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), q)
     return Seed(problem, z, parent=parent)

@@ -1,0 +1,108 @@
+"""A connecting orbit between two given saddles, from trajectories in the unstable manifold of the first one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.errors import InputError, NotFiniteError
+from contin.problems.loci.start import indices
+from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.problem import OrbitProblem
+
+LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, relative to the distance of the saddles
+AWAY: Final = 0.3  # ... that a loop must reach before its return counts
+ANGLES: Final = 64  # directions in a plane of unstable directions
+LONGEST: Final = 60.0  # times of the slowest unstable rate
+SAMPLES: Final = 4000
+INTERVALS: Final = 60
+NEAR: Final = 0.3  # relative distance from the second saddle at which a connection is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class ConnectingOrbit:
+    """Two saddles (the same one for a homoclinic orbit) at parameters near those of an orbit that connects them."""
+
+    system: Any
+    p: Array
+    saddles: Array  # (2, n)
+
+    def locus(self, parameters: tuple[str, str]) -> list[Seed]:
+        """The curve of connecting orbits in two parameters, which starts at the present value of the second one."""
+        first, second = indices(self.system, parameters)
+        rates = [np.linalg.eigvals(self._matrix(u)).real for u in self.saddles]
+        stable, unstable = int(np.sum(rates[0] < 0.0)), int(np.sum(rates[1] > 0.0))
+        orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(self.system.n), 4)
+        piece = self._trajectory(float(self.p[first]))
+        ends = self.saddles[:1] if self.is_loop else self.saddles
+        return [solved_connection(orbits, second, piece, ends, stable, unstable, float(self.p[second]), None)]
+
+    @property
+    def is_loop(self) -> bool:
+        return bool(np.allclose(self.saddles[0], self.saddles[1], rtol=1e-8, atol=1e-10))
+
+    def _matrix(self, u: Array) -> Array:
+        return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
+
+    def _trajectory(self, parameter: float) -> Profile:
+        """The trajectory of those tried that comes nearest to the second saddle, up to there."""
+        from contin.simulate.trajectory import integrate
+
+        u0, u1 = self.saddles
+        values, vectors = np.linalg.eig(self._matrix(u0))
+        growing = values.real > 0.0
+        if not growing.any():
+            raise InputError("the first equilibrium has no unstable direction: no orbit leaves it")
+        extent = max(float(np.linalg.norm(u1 - u0)), 1e-3 * float(np.linalg.norm(u0)), 1.0 if self.is_loop else 1e-9)
+        duration = LONGEST / float(values.real[growing].min())
+        times = np.linspace(0.0, duration, SAMPLES)
+        best: tuple[float, Array, int] = (np.inf, np.empty(0), 0)
+        for direction in _directions(vectors[:, growing]):
+            start = u0 + LEAVING * extent * direction
+            path = _until_lost(integrate, self.system, start, self.p, times)
+            gone = np.linalg.norm(path - u0, axis=1)
+            begin = int(np.argmax(gone > AWAY * extent)) if self.is_loop else 0
+            if self.is_loop and begin == 0:
+                continue
+            gaps = np.linalg.norm(path[begin:] - u1, axis=1)
+            k = int(np.argmin(gaps))
+            reach = float(gone.max()) if self.is_loop else extent
+            if gaps[k] / reach < best[0] and begin + k > 1:
+                best = float(gaps[k]) / reach, start, begin + k
+        if best[0] > NEAR:
+            raise InputError(
+                "no connecting orbit nearby: trajectories that leave the first saddle pass the second one at "
+                f"{best[0]:.2g} of their extent; change the parameters so that they come nearer"
+            )
+        time = float(times[best[2]])
+        h = np.full(INTERVALS, 1.0 / INTERVALS)
+        empty = Profile(4, np.empty((4 * INTERVALS + 1, self.system.n)), time, h, parameter)
+        whole = integrate(self.system, best[1], self.p, time * (1.0 + 1e-12), times=empty.times * time)
+        return Profile(4, whole.u, time, h, parameter)
+
+
+def _directions(vectors: Array) -> list[Array]:
+    """Unit vectors in the unstable eigenspace: both senses of a line, a circle in a plane."""
+    left, values, _ = np.linalg.svd(np.hstack([vectors.real, vectors.imag]), full_matrices=False)
+    basis = left[:, : max(1, int(np.sum(values > 1e-9 * values[0])))]
+    if basis.shape[1] == 1:
+        return [basis[:, 0], -basis[:, 0]]
+    angles = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
+    return [np.cos(a) * basis[:, 0] + np.sin(a) * basis[:, 1] for a in angles]
+
+
+def _until_lost(integrate: Any, system: Any, u: Array, p: Array, times: Array) -> Array:
+    """States at the times, as far as the trajectory has a value."""
+    duration, count = float(times[-1]), len(times)
+    while count > 10:
+        try:
+            return np.asarray(integrate(system, u, p, duration, times=times[:count], budget=100_000).u)
+        except NotFiniteError:
+            count = (count * 2) // 3
+            duration = float(times[count - 1])
+    return u[None]
