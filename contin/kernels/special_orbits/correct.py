@@ -1,10 +1,10 @@
-"""Newton on a curve of special orbits, in one kernel call."""
+"""Newton on a curve of special orbits, and what is measured at the solution."""
 
 import math
 
 from contin.kernels.collocation import set_phase
 from contin.kernels.collocation_march import floquet
-from contin.kernels.compile import kernel
+from contin.kernels.compile import part
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.linearise import linearise
 from contin.kernels.special_orbits.memory import FAILED
@@ -14,34 +14,30 @@ ITERATIONS = 8
 STAGNATION = 1e-7
 
 
-@kernel
-def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, guess, tolerance, exact, out_z, out_t,
-                    out_re, out_im, info):  # fmt: skip
-    """Newton on the plane <tangent, (z - z0) / scale> = length from `guess`, into out_z, with tangent and multipliers.
+@part
+def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact, info):
+    """Newton on the plane <o.t0, (z - o.z0) / scale> = length from o.guess, into o.zn, with tangent o.tn.
 
-    `exact`: everything is measured at the solution itself, else with the matrices of the last iteration; tolerance
-    inf: nothing is solved, only measured. info: [size of the first correction, iterations, s part of y[1], size of the
-    second correction beside the square of the first]; on entry info[3] is the last known of these, inf where one
-    iteration is never enough.
+    `exact`: all is measured at the solution itself, else with the matrices of the last iteration; tolerance inf:
+    nothing is solved. info[3]: the second correction beside the square of the first; on entry the last known of these,
+    inf where one iteration is never enough. info[4]: size of the first correction.
     Returns the number of iterations, FAILED or NOT_FINITE.
     """
-    n, m = e.n, e.m
+    z, z0, out_z, out_t, guess, tangent = o.z, o.z0, o.zn, o.tn, o.guess, o.t0
     size = scale.size
     intervals = w.h.size
-    nu = (intervals * m + 1) * n
-    z = o.z
+    nu = (intervals * e.m + 1) * e.n
     last = z.size - 1
+    small, dG, G, g, d, step = o.small, o.dG, o.G, o.combination, o.changes, o.step
+    unknowns = small.shape[0]
     for j in range(size):
         out_z[j] = guess[j]
     set_phase(e, w, guess, sizes)
     before = math.inf
-    curvature = info[3]
     done = not tolerance < math.inf
     final = done
-    info[0] = 0.0
+    info[4] = 0.0
     iteration = 0
-    small, dG, G, g, d, step = o.small, o.dG, o.G, o.combination, o.changes, o.step
-    unknowns = small.shape[0]
     while True:
         for j in range(nu + 1 + intervals):
             z[j] = out_z[j]
@@ -70,12 +66,12 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
             out_z[j] += scale[j] * step[j]
         iteration += 1
         if iteration == 1:
-            info[0] = moved
+            info[4] = moved
         if not moved < 1e2 or not out_z[nu] > 0.0:
             return FAILED
         ratio = moved / before
         if iteration == 1:
-            done = moved <= tolerance or curvature * moved * moved < 0.03 * tolerance
+            done = moved <= tolerance or info[3] * moved * moved < 0.03 * tolerance
         elif moved <= tolerance or (moved < 1e-4 and moved * ratio * ratio < 0.1 * tolerance):
             done = True
         elif ratio > 0.5:
@@ -94,16 +90,9 @@ def correct_special(e, c, w, s, x, f, o, z0, tangent, scale, sizes, length, gues
             final = True
     if not tangent_of(c.kind, dG, d, o.null_combination, tangent, out_t):
         return FAILED
-    info[1] = iteration
-    info[2] = o.y[1, nu + 1]
     for k in range(x.re.size):
         x.re[k] = math.nan
-    for j in range(x.z.size):
+    for j in range(z.size):
         x.z[j] = z[j]
-    trivial = floquet(e, w, s, x)
-    out_re[0] = trivial
-    out_im[0] = 0.0
-    for k in range(x.re.size):
-        out_re[k + n - x.re.size] = x.re[k]
-        out_im[k + n - x.re.size] = x.im[k]
+    o.trivial[0] = floquet(e, w, s, x)
     return iteration

@@ -6,6 +6,7 @@ import numpy as np
 
 LPC, PD, NS, BPC = range(4)
 FAILED, NOT_FINITE = -1, -2
+TEST_COUNTS = (6, 5, 9, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
 
 Curve = namedtuple("Curve", ["kind", "gradient", "second"])  # gradient: address of (u, p, v, Df[v], D^2f[v, .])
 
@@ -47,6 +48,21 @@ Memory = namedtuple(
         "corner",  # (2, 2)
         "dG",  # (2, 4) derivatives along y (NS: the last by k)
         "G",  # (2,)
+        "z0",  # (N,) the point that the march has come to, or the base of a correction
+        "t0",  # its tangent, scaled
+        "before",  # the point before
+        "old",  # its tangent
+        "guess",  # where the next one is sought
+        "zn",  # the next one
+        "tn",  # its tangent
+        "drift",  # (nu,) derivative of the orbit by time
+        "place",  # (3,) what tells points of a curve of folds apart
+        "normal",  # (2,) of that curve
+        "trivial",  # (1,) multiplier
+        "others_re",  # multipliers that are neither trivial nor critical
+        "others_im",
+        "four",  # (4,)
+        "tests",  # test functions of this kind
         "changes",  # (4, N) scaled changes of z that the rows of y stand for
         "step",  # (N,) scaled
         "combination",  # (3,)
@@ -61,21 +77,25 @@ Memory = namedtuple(
 )
 
 
-def new_curve_memory(kind, n, m, intervals, p_size):
-    """Memory for `correct_special` on one mesh."""
+def new_curve_memory(kind, n, m, free, intervals, p_size):
+    """Memory for `follow_special` on one mesh; `free` multipliers are not trivial."""
     nu = (intervals * m + 1) * n
     last = n + 3 if kind == BPC else n + 2
     null = 2 * n + 2 if kind == NS else n + 1
     small = 2 if kind in (LPC, PD) else 3
     family = nu + intervals + 2
     size = family + small - 1
+    others = max(free - (2 if kind == NS else 1), 0)
     return Memory(
         np.zeros((m, n, intervals)), np.zeros((m, n, intervals)), np.zeros((4, nu + 3)), np.zeros((2, nu + 3)),
         np.zeros((5, m + 1, n, intervals)), np.zeros((5, m, n, intervals)), np.zeros((m, n, intervals)),
         np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),
         np.zeros((null, null)), np.zeros(null, np.int64), np.zeros(2 * n + 3), np.zeros((2, 4, n + 2)),
         np.zeros((small, small)), np.zeros(small, np.int64), np.zeros(family), np.ones(family), np.zeros(family),
-        np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 4)), np.zeros(2), np.zeros((4, size)), np.zeros(size),
+        np.zeros(n), np.zeros(2), np.zeros((2, 2)), np.zeros((2, 4)), np.zeros(2), np.zeros(size), np.zeros(size),
+        np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(nu), np.zeros(3),
+        np.zeros(2), np.zeros(1), np.zeros(others), np.zeros(others), np.zeros(4), np.zeros(TEST_COUNTS[kind]),
+        np.zeros((4, size)), np.zeros(size),
         np.zeros(3), np.zeros(3), np.zeros(n), np.zeros(n + p_size), np.zeros((n, n + p_size)), np.zeros(n),
         np.zeros(1), np.zeros((1, n + p_size)),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Sample
+from contin.continuation.problem import Chunk, Sample, Stop
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
@@ -48,10 +48,11 @@ def measured(curve: Any, sample: Sample, scale: Array) -> Sample:
     return _with(curve, sample, coefficient(curve, sample.z, scale))
 
 
-def cut_at_change(curve: Any, rows: list[Sample], scale: Array) -> bool:
-    """Where the sign changes along the rows, drop those beyond; True if it does."""
-    if curve.type not in SLOTS or len(rows) < 2:
-        return False
+def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
+    """The chunk up to where the sign changes, if it does."""
+    if curve.type not in SLOTS or len(chunk) < 2:
+        return chunk
+    rows = [chunk.sample(row) for row in range(len(chunk))]
     values = {0: _known(curve, rows[0]), len(rows) - 1: coefficient(curve, rows[-1].z, scale)}
     if values[0] is None:
         values[0] = coefficient(curve, rows[0].z, scale)
@@ -68,9 +69,16 @@ def cut_at_change(curve: Any, rows: list[Sample], scale: Array) -> bool:
     if found:
         rows[low], rows[high] = (_with(curve, rows[k], values[k]) for k in (low, high))
         curve.critical["typical"] = max(abs(values[low]), abs(values[high]))
-        del rows[high + 1 :]
+        rows = rows[: high + 1]
     curve.critical["last"] = _place(curve, rows[-1].z), values[high]
-    return bool(found)
+    if not found:
+        return chunk
+    m = len(rows)
+    return replace(
+        chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=np.array([row.tests for row in rows]),
+        unstable=chunk.unstable[:m], eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.EVENT,
+        next_step=float(chunk.lengths[m - 1]),
+    )  # fmt: skip
 
 
 def is_zero(curve: Any, value: float) -> bool:

@@ -8,33 +8,23 @@ a symmetry forces the branch points.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.vectors import norm
+from contin.continuation.problem import Chunk, Sample, Stop
+from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.loci import frames
+from contin.problems.orbits.loci.rows import Rows
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
 
-
-@dataclass(frozen=True, eq=False)
-class Corrected:
-    """A point of the curve: z, unit tangent (scaled), multipliers, and how hard it was."""
-
-    z: Array
-    tangent: Array
-    multipliers: NDArray[np.complex128]
-    iterations: int
-    first_correction: float
-    slope: float  # s part of y[1], see `contin.kernels.special_orbits`
-    speed: float  # signed length of the tangent's part in the parameters, see `OrbitCurve._speed`
-    curvature: float  # of Newton's corrections, see `OrbitCurve.correct`
+_NO_WALLS = np.empty((0, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,51 +97,71 @@ class OrbitCurve:
     def profile(self, z: Array) -> Profile:
         return self.orbits.profile(self.orbit(z))
 
-    # -- equations ----------------------------------------------------------------------------------------------------
+    # -- the kernel ---------------------------------------------------------------------------------------------------
 
     def correct(
         self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float,
-        exact: bool = True, curvature: float = np.inf,
-    ) -> Corrected | str:  # fmt: skip
+        exact: bool = True, carry: bool = False,
+    ) -> Sample | str:  # fmt: skip
         """Newton on the plane <tangent, (z - z0) / scale> = length; a string says why it failed.
 
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
-        tolerance only measures at `guess`. `curvature` : what the second correction was beside the square of the first
-        one nearby; with it a first correction is believed where the second would be nothing.
+        tolerance only measures at `guess`. `carry` : take the frame and the sense of normals on to the solution.
         """
-        from contin.kernels.special_orbits.correct import correct_special
+        from contin.kernels.special_orbits.march import CORRECT, MEASURE
         from contin.kernels.special_orbits.memory import NOT_FINITE
 
-        work = self._work(guess, scale)
-        n = self.orbits.n
-        guess = self._in_phase(z0, guess, scale)
-        out_z, out_t = np.empty(z0.size), np.empty(z0.size)
-        re, im, info = np.empty(n), np.empty(n), np.array([0.0, 0.0, 0.0, curvature])
-        status = int(correct_special(
-            self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame, work.memory,
-            z0, tangent, scale, self._sizes(z0, scale), length, guess, tolerance, exact, out_z, out_t, re, im, info,
-        ))  # fmt: skip
+        work, rows = self._work(guess, scale), self._rows(1, z0, tangent)
+        rows.z[1] = guess
+        rows.info[3] = np.inf
+        controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, float(exact)])
+        status = self._follow(MEASURE if carry else CORRECT, work, scale, controls, _NO_WALLS, 1, None, rows)
         if status < 0:
             return "not finite" if status == NOT_FINITE else "no convergence"
-        found = Corrected(out_z, out_t, re + 1j * im, status, float(info[0]), float(info[2]), 1.0, float(info[3]))
-        return replace(found, speed=self._speed(work, found, scale)) if self.type == "LPC" else found
+        return Sample(rows.z[1], rows.t[1], rows.tests[1], int(rows.unstable[1]), rows.re[1] + 1j * rows.im[1])
 
-    def _in_phase(self, z0: Array, guess: Array, scale: Array) -> Array:
-        """The guess, to which the kernel's phase condition refers, shifted in time until it is in phase with z0."""
-        n, nodes = self.orbits.n, self.nodes(z0)
-        if not self.orbits.autonomous or guess is z0:
-            return guess
-        u, metric = z0[:nodes], scale[:nodes]
-        drift = np.zeros(nodes)  # u'
-        drift[n:-n] = (u[2 * n :] - u[: -2 * n]) * self._works["now"].weights
-        drift /= metric
-        size = float(drift @ drift)
-        if size == 0.0:
-            return guess
-        shift = float(((guess[:nodes] - u) / metric) @ drift) / size
-        aligned = guess.copy()
-        aligned[:nodes] -= shift * drift * metric
-        return aligned
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, scale: Array, step: float, limit: int,
+        walls: Sequence[tuple[int, float, float]], settings: Settings,
+    ) -> Chunk:  # fmt: skip
+        """Follow the curve from `origin`, where frame and tests are known."""
+        from contin.kernels.special_orbits.march import MARCH
+
+        rows = self._rows(limit, origin.z, origin.tangent)
+        rows.tests[0], rows.unstable[0] = origin.tests, origin.unstable
+        rows.re[0], rows.im[0] = origin.eigenvalues.real, origin.eigenvalues.imag
+        angle = np.radians(settings.max_angle)
+        controls = np.array([
+            step, settings.min_step, settings.max_step, np.cos(angle), settings.newton_tolerance,
+            0.0 if before is None else length, angle / 2.5, 0.0,
+        ])  # fmt: skip
+        work, bounds = self._work(origin.z, scale), np.array(walls, dtype=float)
+        stop = tuple(Stop)[self._follow(MARCH, work, scale, controls, bounds, limit, before, rows)]
+        return rows.chunk(stop)
+
+    def _follow(
+        self, mode: int, work: Work, scale: Array, controls: Array, walls: Array, limit: int, before: Sample | None,
+        rows: Rows,
+    ) -> int:  # fmt: skip
+        from contin.kernels.special_orbits.march import follow_special
+
+        rows.info[6] = work.normals.count
+        status = int(follow_special(
+            mode, self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame,
+            work.memory, scale, self._sizes(rows.z[0], scale), work.weights, controls, walls, limit,
+            rows.z[0] if before is None else before.z, rows.t[0] if before is None else before.tangent,
+            work.normals.room_for(limit + 1), rows.z, rows.t, rows.tests, rows.unstable, rows.re, rows.im, rows.lengths,
+            rows.info,
+        ))  # fmt: skip
+        work.normals.count = int(rows.info[6])
+        return status
+
+    def _rows(self, limit: int, z: Array, tangent: Array) -> Rows:
+        from contin.kernels.special_orbits.memory import TEST_COUNTS
+
+        rows = Rows.of(limit + 1, z.size, TEST_COUNTS[KINDS[self.type]], self.orbits.n)
+        rows.z[0], rows.t[0] = z, tangent
+        return rows
 
     def _sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes."""
@@ -197,37 +207,8 @@ class OrbitCurve:
             if self.type != "LPC":
                 break
             if not isinstance(measured, str):
-                frames.turn(work.frame, widths, 1.0, -measured.slope)
-
-    def follow(self, found: Corrected, scale: Array) -> None:
-        """Carry the frame on to a new point, which was corrected last."""
-        work = self._works["now"]
-        if self.type == "LPC":
-            work.normals.add(self._place(found.z, scale), self._normal(work, found, scale))
-        frames.carry(self.type, work, self._units(found.z, scale), scale[[-1, -2]], found.tangent)
+                frames.turn(work.frame, widths, 1.0, -float(work.memory.y[1, work.nodes + 1]))
 
     def _units(self, z: Array, scale: Array) -> Array:
         """Scales of (u(0), T, s)."""
         return np.append(self._sizes(z, scale), [scale[self.nodes(z)], 1.0])
-
-    def _speed(self, work: Work, found: Corrected, scale: Array) -> float:
-        """Component of the tangent along the curve in the plane of the parameters, with a sense that never jumps.
-
-        (p, q)' is normal to (w F_p, w F_q), w the left null vector, a direction that turns continuously along a curve
-        of folds; the component vanishes at a cusp of cycles, where both parameters turn.
-        """
-        normal = self._normal(work, found, scale)
-        if not work.normals.count:
-            work.normals.add(self._place(found.z, scale), normal)
-        p, q = float(found.tangent[-1]), float(found.tangent[-2])
-        return float(normal[0]) * q - float(normal[1]) * p
-
-    def _normal(self, work: Work, found: Corrected, scale: Array) -> Array:
-        """Unit normal of the curve in the scaled plane of the parameters, in the sense of the nearest point known."""
-        normal = (work.frame.across - found.slope * work.frame.along) / scale[[-1, -2]]
-        return work.normals.oriented(self._place(found.z, scale), normal / norm(normal))
-
-    def _place(self, z: Array, scale: Array) -> Array:
-        """Parameters and period, which tell points of a curve apart."""
-        places = [-1, -2, self.nodes(z)]
-        return np.asarray(z[places] / scale[places])

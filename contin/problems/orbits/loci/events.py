@@ -11,9 +11,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import criticality
 
@@ -49,28 +47,6 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
         return (-1.0,)
     root = np.sqrt(complex(further * further - 1.0))
     return complex(further + root), complex(further - root)
-
-
-def tests_of(locus: str, others: NDArray[np.complex128], further: float, speed: float) -> tuple[Array, int]:
-    """Tests 0, 1 (not used) and those of the multipliers that are not critical; how many of them are unstable."""
-    from contin.kernels.tests_of_stability import map_tests
-
-    tests = np.ones(2 + len(NAMES[locus]))
-    four = np.ones(4)
-    count = 0
-    if others.size:
-        count = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
-        below = np.count_nonzero((others.imag == 0.0) & (others.real < 1.0))
-        sign = -1.0 if below % 2 else 1.0
-        tests[4] = sign * float(np.min(np.abs(others - 1.0) / (1.0 + np.abs(others))))
-    tests[2], tests[3] = (four[2] if others.size > 1 else 1.0), four[3]
-    if locus == "LPC":
-        tests[5] = speed
-    elif locus == "NS":
-        tests[5:] = further - 1.0, further + 1.0, further + 0.5, further, np.nan
-    elif locus == "PD":
-        tests[5] = np.nan
-    return tests, count
 
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:

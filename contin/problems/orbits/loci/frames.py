@@ -1,7 +1,7 @@
-"""The frame that the equations of a curve of special orbits are written in: found at a point, carried on to the next.
+"""The frame that the equations of a curve of special orbits are written in, found at a point.
 
-Its parts are those of `contin.kernels.special_orbits.memory.Frame`. Widths are the parameters' scales, units those of
-(u(0), T, s).
+Its parts are those of `contin.kernels.special_orbits.memory.Frame`; `contin.kernels.special_orbits.carry` takes it on
+to the next points. Widths are the parameters' scales, units those of (u(0), T, s).
 """
 
 from __future__ import annotations
@@ -13,8 +13,6 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.vectors import norm
 from contin.problems.orbits.loci.work import Work
-
-STILL = 1e-8  # a part of the unit tangent this small has no direction
 
 
 def begin(frame: Any, widths: Array) -> None:
@@ -54,27 +52,6 @@ def set_borders(type_: str, work: Work, units: Array, further: float) -> None:
         for k in range(min(2, n)):
             frame.jump[:, k] = vectors[:, -1 - k] * sizes
             frame.start[:, k] = null[-1 - k] / sizes
-
-
-def carry(type_: str, work: Work, units: Array, widths: Array, tangent: Array) -> None:
-    """The frame at a new point with this (scaled) tangent, from the linearisation there."""
-    frame, y, n = work.frame, work.memory.y, units.size - 2
-    if type_ == "LPC":
-        turn(frame, widths, 1.0, -float(y[1, work.nodes + 1]))
-    else:
-        part = tangent[[-1, -2]]
-        if norm(part) > STILL:
-            across, along = float(frame.across @ (part / widths)), float(frame.along @ (part / widths))
-            turn(frame, widths, across, along) if across >= 0.0 else turn(frame, widths, -across, -along)
-    if type_ == "BPC":
-        return
-    row = np.append(y[2, :n], y[2, work.nodes : work.nodes + 2]) / units
-    if type_ == "LPC":
-        row[-1] = 0.0
-    frame.rows[0] = row / (units * norm(row))
-    if type_ == "PD":
-        start = work.memory.v[0, :n] / units[:n]
-        frame.start[:, 0] = start / (units[:n] * norm(start))
 
 
 def turn(frame: Any, widths: Array, across: float, along: float) -> None:

@@ -16,8 +16,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.loci import criticality, events
-from contin.problems.orbits.loci.curve import Corrected, OrbitCurve
-from contin.problems.orbits.loci.march import march
+from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import renew
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
@@ -51,42 +50,30 @@ class OrbitLocusProblem(OrbitCurveProblem):
         return [found.tangent]
 
     def measured(self, sample: Sample, frame: Frame) -> Sample:
-        """The same point with its tests and tangent anew."""
+        """The same point with its tests and tangent anew; the frame is carried on from there."""
         self.curve.settle(sample.z, frame.scale)
-        found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf)
+        found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf, carry=True)
         if isinstance(found, str):
+            if not sample.tests.size:
+                raise InputError(f"the curve of {self.locus} cannot be followed from here: {found}")
             return sample
-        self.curve.follow(found, frame.scale)
-        return replace(self.sample(found), tangent=sample.tangent if sample.tests.size else found.tangent)
-
-    def sample(self, found: Corrected) -> Sample:
-        """Tests, number of unstable multipliers (critical ones not counted) and all multipliers."""
-        values, further = found.multipliers, self.curve.further(found.z)
-        tests, count = events.tests_of(self.locus, self.others(values, found.z), further, found.speed)
-        return Sample(found.z, found.tangent, tests, count, values)
+        return replace(found, z=sample.z, tangent=sample.tangent if sample.tests.size else found.tangent)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        return march(self, origin, before, length, frame, step, min(limit, self.maximum_chunk), settings)
+        limit = min(limit, self.maximum_chunk)
+        start = self.measured(origin, frame)
+        chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
+        return criticality.cut_at_change(self.curve, chunk, frame.scale)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
         found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
         if isinstance(found, str):
             return None
-        sample = self.sample(found)
-        wanted = criticality.is_measured(self.curve, base)
-        return criticality.measured(self.curve, sample, frame.scale) if wanted else sample
-
-    def turned_over(self, before: Array, after: Array) -> bool:
-        """True where the orbit between these has shrunk to a point: seen from its mean it lies on the other side."""
-        if self.curve.orbits.winding.any():
-            return False
-        n, nodes = self.curve.orbits.n, self.curve.nodes(before)
-        a, b = before[:nodes], after[:nodes]
-        return float(a @ b) < float(a.reshape(-1, n).sum(axis=0) @ b.reshape(-1, n).sum(axis=0)) * n / nodes
+        return criticality.measured(self.curve, found, frame.scale) if criticality.is_measured(self.curve, base) else found
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return self.curve.at(z).multipliers(self.curve.orbit(z))

@@ -17,22 +17,14 @@ KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
 class Normals:
     """Unit normals of a curve of folds in the plane of the parameters, at the points where they are known."""
 
-    rows: Array = field(default_factory=lambda: np.empty((32, 5)))  # place (3), normal (2)
+    rows: Array = field(default_factory=lambda: np.empty((0, 5)))  # place (3), normal (2)
     count: int = 0
 
-    def add(self, place: Array, normal: Array) -> None:
-        if self.count == len(self.rows):
-            self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
-        self.rows[self.count, :3], self.rows[self.count, 3:] = place, normal
-        self.count += 1
-
-    def oriented(self, place: Array, normal: Array) -> Array:
-        """The normal in the sense of that at the nearest known place."""
-        if not self.count:
-            return normal
-        known = self.rows[: self.count]
-        near = known[int(np.argmin(np.abs(known[:, :3] - place).sum(axis=1)))]
-        return normal if float(near[3:] @ normal) >= 0.0 else -normal
+    def room_for(self, more: int) -> Array:
+        """The rows, of which at least `more` are free."""
+        if len(self.rows) < self.count + more:
+            self.rows = np.concatenate([self.rows, np.empty((self.count + 2 * more, 5))])
+        return self.rows
 
 
 @dataclass(eq=False)
@@ -64,7 +56,7 @@ class Work:
         free = n - 1 if orbits.autonomous else n
         size = (count * m + 1) * n + count + 2
         points, factors, scratch = new_memory(n, m, free, count, size, p)  # type: ignore[no-untyped-call]
-        memory = new_curve_memory(KINDS[type_], n, m, count, p.size)  # type: ignore[no-untyped-call]
+        memory = new_curve_memory(KINDS[type_], n, m, free, count, p.size)  # type: ignore[no-untyped-call]
         frame = Frame(np.zeros(2), np.zeros(2), np.zeros((2, n + 2)), np.zeros((n, 2)), np.zeros((n, 2)))
         times = Profile(m, np.empty((count * m + 1, n)), 1.0, mesh, 0.0).times
         weights = np.repeat(1.0 / (times[2:] - times[:-2]), n)

@@ -1,0 +1,109 @@
+"""Test functions along a curve of special orbits, and the sense of a curve of folds.
+
+    tests 2, 3, 4   pairs, flips (see `contin.kernels.tests_of_stability`) and ones of the multipliers that are neither
+                    trivial nor critical; ones: sign of prod (1 - m_i), size min |m_i - 1| / (1 + |m_i|)
+    LPC   5         speed: component of the tangent along the curve in the plane of the parameters, zero at a cusp
+    NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
+"""
+
+import math
+
+from contin.kernels.compile import kernel
+from contin.kernels.special_orbits.memory import LPC, NS, PD
+from contin.kernels.tests_of_stability import map_tests
+
+
+@kernel
+def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
+    """Fill tests, of which 0 and 1 are not used, from the nontrivial multipliers; k is the further unknown of NS.
+
+    Returns how many of the multipliers that are not critical are unstable.
+
+    others_re, others_im : memory for those that are not critical.  four : (4,) memory.
+    """
+    for i in range(tests.size):
+        tests[i] = 1.0
+    first = nearest(kind, re, im, k, 1.0, -1)
+    second = nearest(kind, re, im, k, -1.0, first) if kind == NS else -1
+    left = 0
+    for i in range(re.size):
+        if i != first and i != second:
+            others_re[left] = re[i]
+            others_im[left] = im[i]
+            left += 1
+    count = 0
+    if left > 0:
+        count = map_tests(others_re, others_im, four)
+        tests[2] = four[2] if left > 1 else 1.0
+        tests[3] = four[3]
+        sign = 1.0
+        size = math.inf
+        for i in range(left):
+            if others_im[i] == 0.0 and others_re[i] < 1.0:
+                sign = -sign
+            distance = math.hypot(others_re[i] - 1.0, others_im[i])
+            size = min(size, distance / (1.0 + math.hypot(others_re[i], others_im[i])))
+        tests[4] = sign * size
+    if kind == LPC:
+        tests[5] = speed
+    elif kind == NS:
+        tests[5] = k - 1.0
+        tests[6] = k + 1.0
+        tests[7] = k + 0.5
+        tests[8] = k
+    return count
+
+
+@kernel
+def nearest(kind, re, im, k, sense, excluded):
+    """Index of the multiplier nearest to the critical one: 1, -1, or of NS a root of m^2 - 2 k m + 1 = 0."""
+    x = 1.0
+    y = 0.0
+    if kind == PD:
+        x = -1.0
+    elif kind == NS:
+        root = math.sqrt(abs(k * k - 1.0))
+        x = k + sense * root if abs(k) > 1.0 else k
+        y = 0.0 if abs(k) > 1.0 else sense * root
+    found = -1
+    least = math.inf
+    for i in range(re.size):
+        distance = math.hypot(re[i] - x, im[i] - y)
+        if i != excluded and (found < 0 or distance < least):
+            found = i
+            least = distance
+    return found
+
+
+@kernel
+def find_normal(across, along, slope, place, scale, normals, known, normal):
+    """Unit normal of a curve of folds in the scaled plane of the parameters, in the sense of the nearest point known.
+
+    It is that of (w F_p, w F_q), w the left null vector, which turns continuously along the curve.  normals (., 5) :
+    place (parameters and period, scaled) and normal of `known` points.
+    """
+    last = scale.size - 1
+    normal[0] = (across[0] - slope * along[0]) / scale[last]
+    normal[1] = (across[1] - slope * along[1]) / scale[last - 1]
+    length = math.hypot(normal[0], normal[1])
+    near = -1
+    least = math.inf
+    for i in range(known):
+        distance = abs(normals[i, 0] - place[0]) + abs(normals[i, 1] - place[1]) + abs(normals[i, 2] - place[2])
+        if near < 0 or distance < least:
+            near = i
+            least = distance
+    if near >= 0 and normals[near, 3] * normal[0] + normals[near, 4] * normal[1] < 0.0:
+        length = -length
+    normal[0] /= length
+    normal[1] /= length
+
+
+@kernel
+def remember(place, normal, normals, known):
+    """Add a place and its normal; returns the new number of known ones."""
+    for i in range(3):
+        normals[known, i] = place[i]
+    normals[known, 3] = normal[0]
+    normals[known, 4] = normal[1]
+    return known + 1
