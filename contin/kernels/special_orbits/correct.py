@@ -52,16 +52,20 @@ def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact,
             for col in range(unknowns):
                 small[row, col] = dG[row, col + 1]
             g[row] = -(G[row] + dG[row, 0])
-        rest = length - product(d, 0, tangent)
+        rest = length
         for j in range(size):
             rest -= tangent[j] * (out_z[j] - z0[j]) / scale[j]
-        for col in range(unknowns):
-            small[unknowns - 1, col] = product(d, col + 1, tangent)
+        for row in range(unknowns + 1):
+            along = product(d, row, tangent)
+            if row == 0:
+                rest -= along
+            else:
+                small[unknowns - 1, row - 1] = along
         g[unknowns - 1] = rest
         if lu_factor(small, o.small_pivots) == 0:
             return FAILED
         lu_solve(small, o.small_pivots, g)
-        moved = combined(d, 0, g, unknowns, step)
+        moved = combined(d, 1.0, g, unknowns, step)
         for j in range(size):
             out_z[j] += scale[j] * step[j]
         iteration += 1

@@ -69,23 +69,21 @@ def solutions(e, c, w, s, f, o, extra, by_r):
     """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the rows of the frame 0 but 1 for the null vectors."""
     n, m, x, jump = e.n, e.m, o.x, o.jump
     if c.kind == BPC:
-        for j in range(n):
-            jump[j] -= extra * f.jump[j, 0]
-    reduce_right(s, n, m)
-    x[n + 1] = 0.0
-    x[n + 2] = 0.0
-    finish(s, n, m, f, o, o.border[0], True, 0)
-    for j in range(n):
-        jump[j] = 0.0
-    slope_right(o.fr, w.h, o.z[o.y.shape[1] - 3], s.right_local)
-    reduce_right(s, n, m)
-    x[n + 1] = 0.0
-    x[n + 2] = 0.0
-    finish(s, n, m, f, o, by_r, True, 1)
-    for j in range(2, 4 if c.kind == BPC else 3):
+        for k in range(n):
+            jump[k] -= extra * f.jump[k, 0]
+    for j in range(4 if c.kind == BPC else 3):
+        border = o.border[0]
+        if j > 0:
+            border = by_r if j == 1 else 0.0
+            for k in range(n):
+                jump[k] = 0.0
+        if j == 1:
+            slope_right(o.fr, w.h, o.z[o.y.shape[1] - 3], s.right_local)
+        if j < 2:
+            reduce_right(s, n, m)
         x[n + 1] = 1.0 if j == 2 else 0.0
-        x[n + 2] = 0.0 if j == 2 else 1.0
-        finish(s, n, m, f, o, 0.0, False, j)
+        x[n + 2] = 1.0 if j == 3 else 0.0
+        finish(s, n, m, f, o, border, j < 2, j)
 
 
 @part
@@ -104,8 +102,8 @@ def reduce_slopes(e, c, w, s, f, o):
             by_period = y[which, nu]
             by_s = y[which, nu + 1]
         else:
-            which = 4
-            spread(v, a, n, m, o.node, o.at, e.values, 4)
+            which = o.at.shape[0] - 1
+            spread(v, a, n, m, o.node, o.at, e.values, which)
         second_derivatives(e, c, w, f, o, which, by_period, by_s)
         for j in range(count):
             y_s = y[j, nu + 1]

@@ -6,7 +6,7 @@ import numpy as np
 
 LPC, PD, NS, BPC = range(4)
 FAILED, NOT_FINITE = -1, -2
-TEST_COUNTS = (6, 5, 9, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
+TEST_COUNTS = (6, 6, 10, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
 
 Curve = namedtuple("Curve", ["kind", "gradient", "second"])  # gradient: address of (u, p, v, Df[v], D^2f[v, .])
 

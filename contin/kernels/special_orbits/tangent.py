@@ -41,9 +41,9 @@ def product(d, row, direction):
 
 @vector_kernel
 def combined(d, first, weights, count, out):
-    """out = d[first] where first >= 0, + sum of weights[row] d[row + 1]; returns its length."""
+    """out = first * d[0] + sum of weights[row] d[row + 1]; returns its length."""
     for j in range(np.uint64(out.size)):
-        out[j] = d[first, j] if first >= 0 else 0.0
+        out[j] = first * d[0, j]
     for row in range(count):
         x = weights[row]
         for j in range(np.uint64(out.size)):
@@ -66,7 +66,7 @@ def tangent_of(kind, dG, d, weights, guide, out_t):
         weights[0] = dG[0, 2] * dG[1, 3] - dG[0, 3] * dG[1, 2]
         weights[1] = dG[0, 3] * dG[1, 1] - dG[0, 1] * dG[1, 3]
         weights[2] = dG[0, 1] * dG[1, 2] - dG[0, 2] * dG[1, 1]
-    norm = combined(d, -1, weights, count, out_t)
+    norm = combined(d, 0.0, weights, count, out_t)
     if not 0.0 < norm < math.inf:
         return False
     along = 0.0

@@ -4,6 +4,7 @@
                     trivial nor critical; ones: sign of prod (1 - m_i), size min |m_i - 1| / (1 + |m_i|)
     LPC   5         speed: component of the tangent along the curve in the plane of the parameters, zero at a cusp
     NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
+    PD 5, NS 9      not known here (NaN): the coefficient of the normal form
 """
 
 import math
@@ -23,8 +24,14 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
     """
     for i in range(tests.size):
         tests[i] = 1.0
-    first = nearest(kind, re, im, k, 1.0, -1)
-    second = nearest(kind, re, im, k, -1.0, first) if kind == NS else -1
+    first = -1
+    second = -1
+    for i in range(2 if kind == NS else 1):
+        found = nearest(kind, re, im, k, 1.0 - 2.0 * i, first)
+        if i == 0:
+            first = found
+        else:
+            second = found
     left = 0
     for i in range(re.size):
         if i != first and i != second:
@@ -51,6 +58,9 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
         tests[6] = k + 1.0
         tests[7] = k + 0.5
         tests[8] = k
+        tests[9] = math.nan
+    elif kind == PD:
+        tests[5] = math.nan
     return count
 
 

@@ -55,6 +55,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     found = _zero(problem, near, frame, index)
     if found is None:
         return f"{type_} not verified: its test function has no zero nearby"
+    if type_ == "CPC" and problem.has_shrunk(found.z, frame.scale):
+        return NEUTRAL  # the curve turns round at its generalised Hopf point
     if type_ in ("LPNS", "PDNS", "NSNS") and not _complex_pair(problem, found):
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:

@@ -73,7 +73,8 @@ class OrbitLocusProblem(OrbitCurveProblem):
         found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
         if isinstance(found, str):
             return None
-        return criticality.measured(self.curve, found, frame.scale) if criticality.is_measured(self.curve, base) else found
+        wanted = criticality.is_measured(self.curve, base)
+        return criticality.measured(self.curve, found, frame.scale) if wanted else found
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return self.curve.at(z).multipliers(self.curve.orbit(z))
@@ -115,12 +116,16 @@ class OrbitLocusProblem(OrbitCurveProblem):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        profile = self.curve.profile(origin.z)
-        sizes = self.curve.orbits.sizes(self.curve.orbit(origin.z), self.curve.orbit(frame.scale))
-        if float(np.max(np.ptp(profile.u, axis=0) / sizes)) < SMALL and not self.curve.orbits.winding.any():
+        if self.has_shrunk(origin.z, frame.scale):
             end = End("hopf", f"the orbit shrank to a Hopf point at {self.place(origin.z)}")
             return Renewal(frame.scale, origin, before, loop, end)
         return renew(self, origin, before, frame, settings)
+
+    def has_shrunk(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
+        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
+        return small and not self.curve.orbits.winding.any()
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
