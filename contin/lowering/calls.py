@@ -89,6 +89,17 @@ class Calls:
         call(u_at, p_at, *[v.ctypes.data for v in held], out_at)
         return out.copy()
 
+    def forms(self, call: Call, u: Array, p: Array, directions: Sequence[Array]) -> Array:
+        """(u, p, v_1, ..., v_k, out) at N points u (N, n), p (N, p_size), v_i (N, n + p_size); out, (N, n)."""
+        held = [np.ascontiguousarray(a, dtype=float) for a in (u, p, *directions)]
+        out = np.empty((len(held[0]), self.n))
+        if call is None or not out.size:
+            return out
+        starts, steps = [a.ctypes.data for a in (*held, out)], [a.strides[0] for a in (*held, out)]
+        for k in range(len(out)):
+            call(*[start + k * step for start, step in zip(starts, steps, strict=True)])
+        return out
+
     def gradient(self, call: Call, u: ArrayLike, p: ArrayLike, direction: Array) -> Array:
         """(u, p, v, w, H); H."""
         u_at, p_at, _ = self._load(u, p)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -181,18 +181,12 @@ class CompiledSystem:
             return self.value(u, p)
         vectors = [self._direction(v) for v in directions]
         call = self._call(f"form{len(vectors)}", 3 + len(vectors))
-        if not any(np.iscomplexobj(v) for v in vectors):
-            return self._calls.form(call, u, p, vectors)
-        distinct: list[Array] = []
-        parts = [_parts(v, distinct) for v in vectors]
-        known: dict[tuple[int, ...], Array] = {}
-        total = np.zeros(self.n, dtype=complex)
-        for choice in itertools.product(*parts):
-            key = tuple(sorted(index for index, _ in choice))
-            if key not in known:
-                known[key] = self._calls.form(call, u, p, [distinct[index] for index in key])
-            total += np.prod([factor for _, factor in choice]) * known[key]
-        return total
+        return _multilinear(lambda parts: self._calls.form(call, u, p, parts), vectors)
+
+    def derivatives(self, u: Array, p: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+        """`derivative` at N points, (N, n): u (N, n), p (N, p_size), k >= 1 directions (N, n + p_size)."""
+        call = self._call(f"form{len(directions)}", 3 + len(directions))
+        return _multilinear(lambda parts: self._calls.forms(call, u, p, parts), directions)
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
         """The matrix D^2f(z)[v, .], (n, n + p_size), for one direction v (n + p_size,), real or complex."""
@@ -302,6 +296,22 @@ class CompiledSystem:
         if name == "gradient":
             return gradient_routine(name, self._equations, self.layout)
         return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
+
+
+def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """A symmetric multilinear form of real vectors, at real or complex ones (or rows of them)."""
+    if not any(np.iscomplexobj(v) for v in vectors):
+        return form(vectors)
+    distinct: list[Array] = []
+    parts = [_parts(v, distinct) for v in vectors]
+    known: dict[tuple[int, ...], Array] = {}
+    total: Any = 0.0j
+    for choice in itertools.product(*parts):
+        key = tuple(sorted(index for index, _ in choice))
+        if key not in known:
+            known[key] = form([distinct[index] for index in key])
+        total = total + np.prod([factor for _, factor in choice]) * known[key]
+    return np.asarray(total) if known else 0.0j + form([np.zeros_like(v, dtype=float) for v in vectors])
 
 
 def _parts(v: NDArray[Any], distinct: list[Array]) -> Sequence[tuple[int, complex]]:

@@ -134,15 +134,14 @@ class Forms:
     def apply(self, *functions: Values) -> Values:
         """D^k f [w_1, ..., w_k]."""
         problem, profile = self.linear.problem, self.linear.profile
-        p = problem.full_parameters(self.linear.z)
-        out = np.empty(self.states.shape, np.result_type(*functions))
-        padding = np.zeros(problem.system.p_size)
-        for index in np.ndindex(*self.states.shape[:2]):
-            if not problem.autonomous:
-                p[-1] = profile.period * self.linear._times[index]
-            directions = [np.concatenate([w[index], padding]) for w in functions]
-            out[index] = problem.system.derivative(self.states[index], p, *directions)
-        return out
+        shape, size = self.states.shape, problem.system.p_size
+        rows = shape[0] * shape[1]
+        p = np.tile(problem.full_parameters(self.linear.z), (rows, 1))
+        if not problem.autonomous:
+            p[:, -1] = profile.period * self.linear._times.ravel()
+        directions = [np.concatenate([w.reshape(rows, -1), np.zeros((rows, size))], axis=1) for w in functions]
+        found = problem.system.derivatives(self.states.reshape(rows, -1), p, *directions)
+        return np.asarray(found).reshape(shape)
 
 
 def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:

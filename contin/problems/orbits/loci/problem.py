@@ -22,6 +22,8 @@ from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
 PROBE_TOLERANCE = 1e-10
+REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
+LEAST = 10  # ... but not before so many steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +32,10 @@ class OrbitLocusProblem(OrbitCurveProblem):
 
     curve: OrbitCurve
 
-    maximum_chunk = 80  # a step takes about 0.6 ms
+    @property
+    def maximum_chunk(self) -> int:
+        """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
+        return max(10, min(160, 1500 // self.curve.orbits.n**2))
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
@@ -63,7 +68,7 @@ class OrbitLocusProblem(OrbitCurveProblem):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        limit = min(limit, self.maximum_chunk)
+        limit = min(limit, self.maximum_chunk, max(LEAST, int(REACH / settings.max_step)))
         start = self.measured(origin, frame)
         chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
         return criticality.cut_at_change(self.curve, chunk, frame.scale)
