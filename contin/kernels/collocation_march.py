@@ -36,6 +36,7 @@ from contin.kernels.algebraic import (
 )  # fmt: skip
 from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
+from contin.kernels.collocation_steps import advance, along, direct, distance, length, predict
 from contin.kernels.collocation_system import condense_intervals, factorise, new_factors, solve
 from contin.kernels.compile import call3, kernel, part
 from contin.kernels.floquet import deflate, multipliers, transitions
@@ -92,29 +93,14 @@ def new_memory(n, m, nontrivial, intervals, size, p):
 
 
 @part
-def advance(z, step, scale, nodes):
-    """z += step (which has no mesh entries) over u, T and p; returns the length of the step in the metric."""
-    last = z.size - 1
-    total = 0.0
-    for j in range(nodes + 1):
-        d = step[j] / scale[j]
-        total += d * d
-        z[j] += step[j]
-    d = step[nodes + 1] / scale[last]
-    z[last] += step[nodes + 1]
-    return math.sqrt(total + d * d)
-
-
-@part
-def correct(e, w, s, x, z0, tangent, scale, length, tolerance):
-    """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = length, on x.z (phase row set).
+def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
+    """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = reach, on x.z (phase row set).
 
     Returns the sign of the determinant (+1, -1), 0 (no convergence) or 2 (not finite); `s` holds the last factors.
     """
     n, m = e.n, e.m
     z, step, sizes, jump, right, border = x.z, x.step, x.sizes, x.jump, x.right, x.border
-    last = z.size - 1
-    nodes = last - 1 - x.density.size
+    nodes = z.size - 2 - x.density.size
     sign = 0
     fresh = True
     before = math.inf
@@ -125,10 +111,7 @@ def correct(e, w, s, x, z0, tangent, scale, length, tolerance):
         if not evaluate(e, w, z, fresh):
             return 2
         residual(e, w, z, s.right_local, jump, right)
-        along = tangent[last] * (z[last] - z0[last]) / scale[last]
-        for j in range(nodes + 1):
-            along += tangent[j] * (z[j] - z0[j]) / scale[j]
-        right[1] = length - along
+        right[1] = reach - along(tangent, z, z0, scale)
         if fresh:
             sizes[3] += 1.0
             sizes[2] = 0.0
@@ -159,41 +142,6 @@ def correct(e, w, s, x, z0, tangent, scale, length, tolerance):
 
 
 @part
-def predict(x, here, row, tangents, scale, h, h_previous):
-    """x.z: the point at distance h along the tangent (row of `tangents`) at row of `here`.
-
-    On the cubic through the last two points with their tangents (x.before, x.old); on the tangent where there is only
-    one. Shifted along the tangent into the plane at distance h.
-    """
-    z, old, before, step = x.z, x.old, x.before, x.step
-    last = z.size - 1
-    nodes = last - 1 - x.density.size
-    chord = 0.0
-    cosine = 0.0
-    if h_previous > 0.0:
-        for j in range(z.size):
-            d = (here[row, j] - before[j]) / scale[j] if j <= nodes or j == last else 0.0
-            chord += d * d
-            cosine += old[j] * tangents[row, j]
-    angle = math.acos(max(min(cosine, 1.0), -1.0))
-    length = math.sqrt(chord) * (1.0 + angle * angle / 24.0)
-    ahead = 0.0
-    t = 0.0 if h_previous == 0.0 else h / length
-    for j in range(z.size):
-        step[j] = h * tangents[row, j]
-        if h_previous > 0.0 and (j <= nodes or j == last):
-            d = (here[row, j] - before[j]) / scale[j]
-            a = length * (2.0 * tangents[row, j] + old[j]) - 3.0 * d
-            b = length * (tangents[row, j] + old[j]) - 2.0 * d
-            step[j] += t * t * (a + t * b)
-        ahead += step[j] * tangents[row, j]
-    for j in range(z.size):
-        z[j] = here[row, j]
-        if j <= nodes or j == last:
-            z[j] += scale[j] * (step[j] + (h - ahead) * tangents[row, j])
-
-
-@part
 def renew(e, w, s, x, tangent, scale):
     """Factors at x.z itself; returns the sign of the determinant."""
     if not evaluate(e, w, x.z, True):
@@ -212,14 +160,10 @@ def settle(e, w, s, x, here, tangents, scale, sizes, tolerance):
     z, size = x.z, scale.size
     nodes = size - 2 - x.density.size
     sign = correct(e, w, s, x, here[0], tangents[0], scale, 0.0, tolerance)
-    distance = 0.0
+    moved = distance(z, here[0], scale)
+    kept = sign == 0 or sign == 2 or not moved < MOVED
     for j in range(size):
-        d = (z[j] - here[0, j]) / scale[j] if j <= nodes or j == size - 1 else 0.0
-        distance += d * d
-    distance = math.sqrt(distance)
-    kept = sign == 0 or sign == 2 or not distance < MOVED
-    for j in range(size):
-        if kept or distance <= tolerance:
+        if kept or moved <= tolerance:
             z[j] = here[0, j]
         else:
             here[0, j] = z[j]
@@ -266,33 +210,19 @@ def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, 
     """
     n, m = e.n, e.m
     z, step, jump, right = x.z, x.step, x.jump, x.right
-    last = z.size - 1
-    nodes = last - 1 - x.density.size
+    nodes = z.size - 2 - x.density.size
     for k in range(n):
         jump[k] = 0.0
     right[0] = 0.0
     right[1] = 1.0
     solve(s, n, m, jump, right, 1.0, False, step)
-    norm = 0.0
-    for j in range(nodes + 1):
-        out_t[row, j] = step[j] / scale[j]
-        norm += out_t[row, j] * out_t[row, j]
-    out_t[row, last] = step[nodes + 1] / scale[last]
-    norm = math.sqrt(norm + out_t[row, last] * out_t[row, last])
-    for j in range(last + 1):
-        if j > nodes and j < last:
-            out_t[row, j] = 0.0
-        out_t[row, j] /= norm
-    tests[0] = out_t[row, last]
+    direct(step, scale, nodes, out_t[row])
+    tests[0] = out_t[row, z.size - 1]
     for k in range(n):
         jump[k] = sizes[k] * math.cos(1.0 + k)
     right[1] = 0.0
     solve(s, n, m, jump, right, 1.0, False, step)
-    size = (step[nodes + 1] / scale[last]) ** 2
-    for j in range(nodes + 1):
-        d = step[j] / scale[j]
-        size += d * d
-    exponent = -0.5 * math.log(size) - reference
+    exponent = -math.log(length(step, scale, nodes)) - reference
     tests[1] = sign * math.exp(min(max(exponent, -700.0), 700.0))
     d = x.re.size
     for k in range(d):
@@ -343,13 +273,13 @@ def passes(z, out_z, row, loop_z, loop_tangent, scale, h):
     """True where the step from a row to z passes the start of the branch closely."""
     here = 0.0
     earlier = 0.0
-    distance = 0.0
+    far = 0.0
     for j in range(z.size):
         d = (z[j] - loop_z[j]) / scale[j]
         here += loop_tangent[j] * d
         earlier += loop_tangent[j] * (out_z[row, j] - loop_z[j]) / scale[j]
-        distance += d * d
-    return earlier < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h
+        far += d * d
+    return earlier < 0.0 and here >= 0.0 and math.sqrt(far) <= 1.5 * h
 
 
 @kernel
@@ -454,7 +384,7 @@ def follow(
         corner = False
         cosine = 1.0
         while True:
-            predict(x, out_z, k, out_t, scale, h, h_previous)
+            predict(out_z[k], tangent, x.before, old, scale, h, h_previous, z)
             sign = correct(e, w, s, x, out_z[k], tangent, scale, h, tolerance)
             info[2] += sizes_of[1]
             if sign != 0 and sign != 2 and sizes_of[2] > STALE * min(1.0, swing):

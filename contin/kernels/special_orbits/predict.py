@@ -1,37 +1,8 @@
-"""Where the next point of a curve of orbits is sought, and whether the way there led through a point."""
-
-import math
+"""Where in time the next orbit is sought, and whether the way there led through a point."""
 
 import numpy as np
 
 from contin.kernels.compile import vector_kernel
-
-
-@vector_kernel
-def predict(here, tangent, before, old, scale, h, h_previous, guess):
-    """guess: the point at distance h along the tangent at `here`, on the cubic through the last two points with their
-    tangents; on the tangent where h_previous is 0. Shifted along the tangent into the plane at distance h.
-    """
-    size = np.uint64(here.size)
-    if h_previous == 0.0:
-        for j in range(size):
-            guess[j] = here[j] + scale[j] * (h * tangent[j])
-        return
-    chord = 0.0
-    for j in range(size):
-        d = (here[j] - before[j]) / scale[j]
-        guess[j] = d
-        chord += d * d
-    reach = math.sqrt(chord)
-    t = h / reach
-    ahead = 0.0
-    for j in range(size):
-        bend = reach * (2.0 * tangent[j] + old[j]) - 3.0 * guess[j]
-        twist = reach * (tangent[j] + old[j]) - 2.0 * guess[j]
-        guess[j] = h * tangent[j] + t * t * (bend + t * twist)
-        ahead += guess[j] * tangent[j]
-    for j in range(size):
-        guess[j] = here[j] + scale[j] * (guess[j] + (h - ahead) * tangent[j])
 
 
 @vector_kernel

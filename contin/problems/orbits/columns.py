@@ -17,6 +17,9 @@ from contin.problems.orbits.layout import Profile, extrema
 
 def of_one_size(z: Array) -> Iterator[tuple[NDArray[np.intp], Array]]:
     """Groups of rows z: their indices, and the rows without padding."""
+    if len(z) and not np.isnan(z[:, 0]).any():
+        yield np.arange(len(z)), z
+        return
     padding = np.argmax(~np.isnan(z), axis=1) if len(z) else np.empty(0, int)
     for skipped in np.unique(padding):
         chosen = np.flatnonzero(padding == skipped)

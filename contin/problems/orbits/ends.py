@@ -47,9 +47,12 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     if before is None:
         return None
     found = shrunk(problem, origin, before, frame) or unbounded(problem, origin, frame)
-    if found is None and problem.autonomous:
-        found = diverged(problem, origin, before, frame)
-    if found is None and problem.autonomous:
+    if found is not None or not problem.autonomous:
+        return found
+    if dwelling(problem.profile(origin.z), problem.sizes(origin.z, frame.scale)) < LINGERING:
+        return None
+    found = diverged(problem, origin, before, frame)
+    if found is None:
         circle = invariant_circle(problem, origin, before, frame)
         found = None if circle is None else Ending(circle[0], None, circle[1])
     return found
@@ -167,7 +170,7 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     position = profile.u.size
     earlier = problem.profile(before.z)
     gained = profile.period - earlier.period
-    if not gained > 0.0 or dwelling(profile, sizes) < LINGERING:
+    if not gained > 0.0:
         return None
     saddles = saddles_near(problem, profile, sizes)
     if not saddles:
