@@ -160,6 +160,7 @@ def compute(
     engine.prepare(plan.model)
     lowered = time.perf_counter()
     warm_up(plan.follows_orbits)
+    status.warm |= {False} if plan.follows_orbits else set()
     warm = time.perf_counter()
     with status:
         result = execute(plan, engine, status.say)
@@ -195,24 +196,26 @@ class Status:
         self.console = console
         self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
         self.run = ""
-        self.warm = False  # kernels of orbits
+        self.warm: set[bool] = set()  # kernels of orbits (False), of curves of them (True)
 
-    def say_if_first_use(self, orbits: bool) -> None:
+    def say_if_first_use(self, orbits: bool, curves: bool = False) -> None:
         """On a machine's first run, the one line that explains the wait."""
         from contin.runs.warm import is_compiled
 
-        if not is_compiled(orbits):
+        if not is_compiled(orbits, curves):
+            orbits |= curves
             what, time_ = ("of periodic orbits ", "about a minute") if orbits else ("", "about 15 seconds")
             self.console.print(f"Compiling the numerical kernels {what}for this machine, once; this takes {time_} ...")
 
     def warm_for(self, seed: Any) -> None:
-        """Before the first family of orbits in a diagram: their kernels, which are no part of the branch's time."""
-        from contin.runs.warm import warm_up
+        """Before the first family, or curve, of orbits: their kernels, which are no part of the branch's time."""
+        from contin.runs.warm import CURVES, warm_up
 
-        if seed.problem.kind == "orbit" and not self.warm:
-            self.say_if_first_use(True)
-            warm_up(True)
-            self.warm = True
+        curves = seed.problem.locus in CURVES
+        if (seed.problem.kind == "orbit" or curves) and curves not in self.warm:
+            self.say_if_first_use(True, curves)
+            warm_up(True, curves)
+            self.warm.add(curves)
 
     def say(self, what: str) -> None:
         """The name of the run that begins."""

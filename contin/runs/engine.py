@@ -62,7 +62,7 @@ class Engine(Protocol):
 
 
 class ContinEngine:
-    """The engine of this package; `watch` is called after every chunk, `ahead` before every branch of a diagram."""
+    """The engine of this package; `watch` is called after every chunk, `ahead` before every branch."""
 
     def __init__(
         self, watch: Watcher | None = None, journal: Any = None, ahead: Callable[[Any], None] | None = None
@@ -94,11 +94,14 @@ class ContinEngine:
         return point.switch(run.parameters[0])
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
+        from contin.continuation.departure import Seed
         from contin.problems.images import images
 
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
         seeds = start if isinstance(start, list) else [start]
         for position, seed in enumerate(seeds):
+            if self.ahead is not None and isinstance(seed, Seed):
+                self.ahead(seed)
             branch: Branch = _verbs().continuation(
                 seed,
                 parameter,

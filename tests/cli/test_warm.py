@@ -17,3 +17,8 @@ def test_the_warm_up_branch_has_a_hopf_point_at_1_and_a_fold_at_0():
 def test_the_warm_up_with_orbits_leaves_nothing_to_compile():
     warm_up(orbits=True)
     assert is_compiled(orbits=True)
+
+
+def test_the_warm_up_with_curves_of_orbits_leaves_nothing_to_compile():
+    warm_up(curves=True)
+    assert is_compiled(orbits=True, curves=True)

@@ -292,3 +292,16 @@ def test_gradients_at_many_points_are_those_at_each():
     v = generator.normal(size=(5, 3)) + 1j * generator.normal(size=(5, 3))
     expected = np.array([system.gradient(*row) for row in zip(u, p, v, strict=True)])
     np.testing.assert_allclose(system.gradients(u, p, v), expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_derivatives_at_many_points_are_those_at_each(order):
+    generator = np.random.default_rng(4)
+    system = compile_system(
+        Model("two", states={"x": 1, "y": 1}, parameters={"a": 2}, equations={"x": "x^2*y*a", "y": "sin(x*y) - a^2*x"})
+    )
+    u, p = generator.normal(size=(5, 2)), generator.normal(size=(5, 1))
+    v = generator.normal(size=(5, 3)) + 1j * generator.normal(size=(5, 3))
+    directions = [v, v.conj(), generator.normal(size=(5, 3))][:order]
+    expected = np.array([system.derivative(*row) for row in zip(u, p, *directions, strict=True)])
+    np.testing.assert_allclose(system.derivatives(u, p, *directions), expected, rtol=1e-13, atol=1e-13)

@@ -82,6 +82,9 @@ def test_period_doublings_of_the_roessler_system_pass_through_published_points()
     )  # fmt: skip
     found = {round(p.values["c"]): p.values["a"] for p in labels(doublings, "UZ")}
     assert found == pytest.approx({5: 0.2634689961, 6: 0.2202132777, 7: 0.1903102199}, abs=2e-10)
+    box = {"c": (4.9, 7.1), "a": (0.05, 0.5)}
+    short = curve(family["PD1"], ("c", "a"), box, settings={"step": 5e-3, "max_step": 5e-3})
+    assert short.effort["evaluations"] <= 2.5 * short.steps  # one call and one Newton iteration a step; measured 2.1
 
 
 def test_folds_leave_a_generalised_hopf_point_along_the_parabola():
@@ -130,3 +133,20 @@ def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
     for branch in tori:
         ratio = 2.3 if np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] > 0.5 else 1 / 2.3
         np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), atol=1e-8)
+
+
+def test_a_curve_of_folds_turns_round_at_a_generalised_hopf_point_without_a_cusp():
+    """A -> B -> C; the amplitude goes through zero there, and the parameters come back the way they went."""
+    model = Model(
+        "abc", states={"u": 0, "v": 0, "w": 0}, parameters={"D": 0, "a": 1, "be": 1.55, "B": 8, "s": 0.04},
+        definitions={"E": "exp(w)"},
+        equations={
+            "u": "-u + D*(1 - u)*E", "v": "-v + D*E*(1 - u - s*v)",
+            "w": "-w - be*w + D*B*E*(1 - u + a*s*v)",
+        },
+    )  # fmt: skip
+    line, mesh = contin.continuation(contin.equilibrium(model), "D", (0, 0.5)), {"intervals": 50}
+    family = contin.continuation(line["HB1"].switch(), "D", (0, 0.5), settings=mesh)
+    folds = curve(family["LPC2"], ("D", "a"), {"D": (0.2, 0.5), "a": (0.5, 1.5)}, settings=mesh)
+    assert [end.reason for end in folds.ends] == ["bound", "hopf"]
+    assert labels(folds, "CPC") == []
