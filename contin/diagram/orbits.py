@@ -50,12 +50,14 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
     """
     problem, parent = seed.problem, seed.parent
     here = list(_variants(problem, seed.z))
+    own_birth = None if parent is None else _birth(parent)
     for branch in branches:
         if branch.kind != "orbit" or branch.image_of is not None or branch.parameters != tuple(problem.parameters):
             continue
         own = parent is not None and parent.branch == branch.name
         rows = {p.index for p in branch.points if p.type == "BPC"} if not own else set()
-        if branch.parent is not None:
+        sibling = own_birth is not None and branch.parent is not None and own_birth == _birth(branch.parent)
+        if branch.parent is not None and not sibling:  # several families may be born at one point
             rows.add(branch.start_row)
         ends = zip((0, len(branch) - 1), branch.ends, strict=True)
         rows |= {k for k, end in ends if end.reason in ("hopf", "joined")}
@@ -86,6 +88,10 @@ def copies(problem: Any, z: Array) -> int:
         if not any(_same(profile, one) for one in distinct):
             distinct.append(profile)
     return len(distinct)
+
+
+def _birth(parent: Any) -> tuple[str, str]:
+    return parent.branch, parent.label
 
 
 def _variants(problem: Any, z: Array) -> Iterator[Any]:

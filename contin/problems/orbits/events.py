@@ -38,7 +38,7 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     error, so the count may lag behind the test by that much.
     """
     slope = max(abs(a.tests[0]), abs(b.tests[0]))
-    if slope < VERTICAL and max(_distance_from_one(a), _distance_from_one(b)) < UNRESOLVED:
+    if slope < VERTICAL and _stuck(a) and _stuck(b):
         return _explain_vertical(a, b)
     if slope < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
         counted = _explain_flat(a, b)
@@ -66,6 +66,11 @@ def _explain_flat(a: Sample, b: Sample) -> tuple[str, ...] | None:
     if a.unstable == b.unstable and away > max(RESOLVED, 10.0 * trivial):
         return ()
     return ("flat",) if abs(a.unstable - b.unstable) == 1 else None
+
+
+def _stuck(sample: Sample) -> bool:
+    """True where a second multiplier is 1 up to what the trivial one is off."""
+    return _distance_from_one(sample) < UNRESOLVED + 3.0 * abs(complex(sample.eigenvalues[0]) - 1.0)
 
 
 def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:

@@ -18,6 +18,8 @@ from contin.problems.symmetry import symmetry_names
 MOVED = 1e-4  # part of the parameter's range that the cycles of the size in the metric have moved away at least
 LARGEST = 1e4  # ... unless they are larger than this, in units of the equilibrium's sizes: it does not move at all
 OWN = 0.05  # a state larger than this part of its size along the equilibria is measured in its size at the Hopf point
+FAR = 0.1  # scaled distance from a Hopf point of several families at which one is told from the others
+MOST = 4  # pairs of eigenvalues at once
 HOPF_INTERVALS = 20  # a small cycle is a sine
 
 
@@ -53,13 +55,25 @@ class PeriodicOrbit:
 
 
 def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """The family of cycles born at a Hopf point of equilibria, with the direction and curvature of its normal form."""
+    """The families of cycles born at a Hopf point of equilibria, with direction and curvature of their normal forms.
+
+    There is one, unless symmetries make several pairs of eigenvalues cross together.
+    """
     from contin.normalforms.hopf import hopf_predictor
     from contin.problems.describe import jet_at
+    from contin.problems.orbits.equivariant import patterns, through_an_orbit
 
     if parameter != equilibria.parameters[0]:
         equilibria = equilibria.with_active(parameter, point.z)
-    cycles = hopf_predictor(jet_at(equilibria, point.z, point.scale[:-1]), float(point.vectors["omega"]))
+    jet, omega = jet_at(equilibria, point.z, point.scale[:-1]), float(point.vectors["omega"])
+    several = patterns(equilibria, point, omega) if 1 < int(point.vectors.get("kernel", 1)) <= MOST else []
+    if not several:
+        return [_hopf_seed(equilibria, point, hopf_predictor(jet, omega))]
+    seeds = [_hopf_seed(equilibria, point, hopf_predictor(jet, omega, vectors)) for vectors in several]
+    return [through_an_orbit(seed, FAR) for seed in seeds]
+
+
+def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     n, m = equilibria.n, Settings().points
     period = 2.0 * np.pi / cycles.omega
     h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
@@ -88,7 +102,7 @@ def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[See
         equilibria.system, base, equilibria.active, np.zeros(n), m, origin=(float(point.z[-1]), point.z[:-1].copy())
     )
     multipliers = _multipliers_of_rest(point, cycles.omega, period)
-    return [Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)]
+    return Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)
 
 
 def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tuple[int, Any]:

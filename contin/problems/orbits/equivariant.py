@@ -1,0 +1,103 @@
+"""Hopf points at which symmetry makes several pairs of eigenvalues cross together: one family for every pattern.
+
+The equivariant Hopf theorem (Golubitsky, Stewart and Schaeffer, Singularities and Groups in Bifurcation Theory II, ch.
+XVI) gives a family for each vector q of the critical eigenspace that a symmetry S multiplies by a phase factor,
+S q = e^{i phi} q, and no other vector beside it: orbits with S u(t) = u(t + phi / omega). Three coupled cells have a rotating wave and two
+patterns in which two cells agree up to the phase.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+STEP = 1e-6  # of the difference quotient that makes a matrix of a symmetry, relative to the states' sizes
+KEPT = 1e-8  # ... and distance of the equilibrium from its image up to which the symmetry keeps it
+SIMPLE = 1e-3  # distance of two phase factors from which they are two
+SAME = 1e-3  # 1 - cosine up to which two patterns are one
+
+STEPS = 4  # of Newton's method to an orbit
+NEGLIGIBLE = 1e-6  # singular values this small beside the largest are taken as zero there
+SOLVED = 1e-9  # scaled residual of the orbit
+LARGEST = 1500  # unknowns of dense matrices
+
+Complex = NDArray[np.complex128]
+
+
+def patterns(equilibria: Any, point: SpecialPoint, omega: float) -> list[tuple[Complex, Complex]]:
+    """(q, p) of every pattern, |q| = 1, <p, q> = 1, one of those that symmetries map onto each other; may be empty."""
+    count = int(point.vectors.get("kernel", 1))
+    sizes = point.scale[:-1]
+    matrix = equilibria.linear_part(point.z) - 1j * omega * np.eye(equilibria.n)
+    left, _, right = np.linalg.svd(matrix * sizes[None, :] / sizes[:, None])
+    basis = sizes[:, None] * right[-count:].conj().T
+    dual = left[:, -count:] / sizes[:, None]
+    dual = dual @ np.linalg.inv(basis.conj().T @ dual)  # dual^H basis = 1
+    actions = [dual.conj().T @ m @ basis for m in _matrices(equilibria, point.z, sizes)]
+    found: list[Complex] = []
+    pairs = []
+    for action in actions:
+        values, vectors = np.linalg.eig(action)
+        covectors = np.linalg.inv(vectors)
+        for k, value in enumerate(values):
+            if np.min(np.abs(np.delete(values, k) - value), initial=2.0) < SIMPLE:
+                continue
+            c = vectors[:, k] / np.linalg.norm(vectors[:, k])
+            images = [c, *(a @ c for a in actions)]
+            cosines = [abs(np.vdot(i, other)) / float(np.linalg.norm(i)) for i in images for other in found]
+            if max(cosines, default=0.0) > 1.0 - SAME:
+                continue
+            found.append(c)
+            q = basis @ c
+            q *= np.exp(-1j * np.angle(q[np.argmax(np.abs(q))])) / np.linalg.norm(q)
+            p = dual @ covectors[k].conj()
+            pairs.append((q, p / np.conj(np.vdot(p, q))))
+    return pairs
+
+
+def through_an_orbit(seed: Seed, size: float) -> Seed:
+    """The seed with the curvature that leads exactly to the orbit at the scaled distance `size`.
+
+    Up to third order some patterns lie in a continuum, on which Newton's matrix is singular: steps of least length.
+    """
+    assert seed.direction is not None
+    assert seed.curvature is not None
+    assert seed.scale is not None
+    problem: Any = seed.problem
+    z = seed.z + seed.scale * (size * seed.direction + 0.5 * size**2 * seed.curvature)
+    linear = OrbitLinear(problem, z, seed.scale, z)
+    x, row = linear.unknowns, seed.direction[linear.unknowns]
+    if len(x) > LARGEST:
+        return seed
+    for _ in range(STEPS):
+        length = float(row @ ((z - seed.z) / seed.scale)[x])
+        matrix = np.vstack([linear.jacobian.toarray(), row])
+        step = np.linalg.lstsq(matrix, -np.append(linear.residual, length - size), rcond=NEGLIGIBLE)[0]
+        z = z.copy()
+        z[x] += step * seed.scale[x]
+        linear = OrbitLinear(problem, z, seed.scale, linear.reference)
+    if float(np.abs(linear.residual).max()) > SOLVED:
+        return seed
+    curvature = 2.0 / size**2 * ((z - seed.z) / seed.scale - size * seed.direction)
+    return replace(seed, curvature=curvature, reach=size)
+
+
+def _matrices(equilibria: Any, z: Array, sizes: Array) -> list[Array]:
+    """Of the symmetries that keep the equilibrium."""
+    n = len(z) - 1
+    rows = np.vstack([z, z + np.hstack([STEP * np.diag(sizes), np.zeros((n, 1))])])
+    matrices = []
+    for name in symmetry_names(equilibria):
+        images = apply_symmetry(equilibria, name, rows)[:, :-1]
+        if float(np.max(np.abs(images[0] - z[:-1]) / sizes)) < KEPT:
+            matrices.append((images[1:] - images[0]).T / (STEP * sizes[None, :]))
+    return matrices

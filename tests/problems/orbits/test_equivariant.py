@@ -1,0 +1,54 @@
+"""Hopf points with a symmetry: three patterns of three coupled cells (Golubitsky, Stewart, Schaeffer, ch. XVIII)."""
+
+import numpy as np
+import pytest
+
+from contin import api
+from contin.model.model import Model
+
+
+def ring():
+    """v' = l v - w - v^3 + k (sum of neighbours - 2 v), w' = v: in phase from l = 0, other patterns from l = 3 k."""
+    cells = {}
+    for i in (1, 2, 3):
+        j, m = i % 3 + 1, (i + 1) % 3 + 1
+        cells |= {f"v{i}": f"l*v{i} - w{i} - v{i}^3 + 0.3*(v{j} + v{m} - 2*v{i})", f"w{i}": f"v{i}"}
+    rotate = {f"{x}{i}": f"{x}{i % 3 + 1}" for x in "vw" for i in (1, 2, 3)}
+    swap = {"v1": "v2", "w1": "w2", "v2": "v1", "w2": "w1"}
+    return Model(
+        "cells", states=dict.fromkeys(cells, 0.0), parameters={"l": -0.5}, equations=cells,
+        symmetries={"rotate": rotate, "swap": swap},
+    )  # fmt: skip
+
+
+def test_rotating_wave_and_the_two_patterns_of_oscillation_of_three_coupled_cells():
+    line = api.continuation(api.equilibrium(ring()), "l", (-0.5, 1.6))
+    assert [p.values["l"] for p in line.points] == pytest.approx([0.0, 0.9], abs=1e-10)
+    seeds = line["HB2"].switch()
+    assert len(seeds) == 3
+    families = [api.continuation(seed, "l", (-0.5, 1.6), values={"l": [1.5]}) for seed in seeds]
+    orbits = [family.problem.profile(family["UZ1"].z) for family in families]
+    kinds = {}
+    for family, orbit in zip(families, orbits, strict=True):
+        assert family.ends[1].reason == "bound"
+        tops = np.array([family["UZ1"].values[f"v{i}.max"] for i in (1, 2, 3)])
+        equal = np.sum(np.abs(tops - np.roll(tops, 1)) < 1e-5 * tops.max())
+        kinds["wave" if equal == 3 else "silent" if tops.min() < 1e-8 else "pair"] = orbit
+    assert set(kinds) == {"wave", "silent", "pair"}
+    times = np.linspace(0.0, 1.0, 50)
+    wave = kinds["wave"]
+    shifts = [np.abs(wave.at((times + s) % 1.0)[:, 2] - wave.at(times)[:, 0]).max() for s in (1 / 3, 2 / 3)]
+    assert min(shifts) < 1e-5  # one cell is a third of a period ahead of the next
+    pair = kinds["pair"].u.reshape(-1, 3, 2)
+    gaps = [np.abs(pair[:, i] - pair[:, j]).max() for i, j in ((0, 1), (1, 2), (2, 0))]
+    assert min(gaps) < 1e-8
+    # v3 = 0, v1 = -v2 is one cell alone with l - 3 k: as all cells in phase there
+    alone = api.continuation(line["HB1"].switch()[0], "l", (-0.5, 1.6), values={"l": [0.6]})
+    assert kinds["silent"].period == pytest.approx(alone["UZ1"].values["period"], rel=1e-9)
+
+
+def test_diagram_follows_every_pattern_once():
+    diagram = api.diagram(ring(), "l", (-0.5, 1.2))
+    names = [b.name for b in diagram if b.kind == "orbit"]
+    assert names == ["start/HB1", "start/HB2", "start/HB2.2", "start/HB2.3"]
+    assert all(b.ends[1].reason == "bound" for b in diagram if b.kind == "orbit")
