@@ -2,8 +2,8 @@
 
 The equivariant Hopf theorem (Golubitsky, Stewart and Schaeffer, Singularities and Groups in Bifurcation Theory II, ch.
 XVI) gives a family for each vector q of the critical eigenspace that a symmetry S multiplies by a phase factor,
-S q = e^{i phi} q, and no other vector beside it: orbits with S u(t) = u(t + phi / omega). Three coupled cells have a rotating wave and two
-patterns in which two cells agree up to the phase.
+S q = e^{i phi} q, and no other vector beside it: orbits with S u(t) = u(t + phi / omega). Three coupled cells have a
+rotating wave and two patterns in which two cells agree up to the phase.
 """
 
 from __future__ import annotations
