@@ -80,6 +80,8 @@ PHASE: Final[dict[str, Any]] = {
                     "words": {"type": "string"},
                     "stable": {"type": "integer", "minimum": 0},
                     "total": {"type": "integer", "minimum": 0},
+                    "stable_orbits": {"type": "integer", "minimum": 0},
+                    "orbits": {"type": "integer", "minimum": 0},
                     "point": {"type": "object", "additionalProperties": _NUMBER},
                     "states": {
                         "type": "array",

@@ -17,6 +17,8 @@ from contin.problems.orbits.symmetry import halves_alike
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the families born at a BPC (the crossing one), a PD (the doubled orbits) or a HOM (see `gluing`)."""
+    if parameter != problem.parameters[0] and point.type == "PD":
+        return [_doubled(*_in_another(problem, point, parameter))]
     if parameter != problem.parameters[0]:
         raise InputError(
             f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "  # noqa: E501
@@ -33,6 +35,19 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     raise InputError(
         f"{point.branch}.{point.label}: another family of orbits starts at BPC, PD and HOM only; this is {point.type}"
     )
+
+
+def _in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
+    """The same orbit with another parameter free: the doubled orbits are born along every one that moves the point."""
+    if parameter not in problem.system.parameter_names:
+        names = ", ".join(problem.system.parameter_names)
+        raise InputError(f"{point.branch}.{point.label}: no parameter {parameter!r}; the model has {names}")
+    other = problem.with_active(parameter, point.z)
+    z, scale = point.z.copy(), point.scale.copy()
+    z[-1] = other.base[other.active]
+    bounds = other.default_range(parameter)
+    scale[-1] = max(1.0, abs(float(z[-1]))) if bounds is None else bounds[1] - bounds[0]
+    return other, replace(point, z=z, scale=scale)
 
 
 def _crossing(problem: Any, point: SpecialPoint) -> Seed:

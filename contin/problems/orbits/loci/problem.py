@@ -172,7 +172,7 @@ class OrbitLocusProblem(OrbitCurveProblem):
         return [Seed(orbits, orbit)]
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        raise InputError(
-            f"{point.branch}.{point.label}: curves through {point.type} are not started from here; start them from an "
-            "LPC, PD or NS of a family of orbits"
-        )
+        """The curves of other types through a point where two meet; its own where there is no other."""
+        from contin.problems.orbits.loci.start import loci_through
+
+        return loci_through(self, point, parameters)

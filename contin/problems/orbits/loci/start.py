@@ -1,4 +1,4 @@
-"""Where curves of special orbits start: at a labelled LPC, PD or NS of a family."""
+"""Where curves of special orbits start: at a labelled LPC, PD, NS or BPC of a family, and where two curves meet."""
 
 from __future__ import annotations
 
@@ -15,6 +15,10 @@ from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 
 CURVES = ("LPC", "PD", "NS", "BPC")
+MEETING = {  # curves that pass through a point of codimension two
+    "R1": ("LPC", "NS"), "R2": ("PD", "NS"), "LPPD": ("LPC", "PD"), "LPNS": ("LPC", "NS"), "PDNS": ("PD", "NS"),
+    "NSNS": ("NS",),
+}  # fmt: skip
 
 
 def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -25,7 +29,8 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         return connections_of_family(problem, point, parameters)
     if point.type not in CURVES:
         raise InputError(
-            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC and HOM have"
+            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC, HOM have. "
+            "With one other parameter the orbit itself is followed from here"
         )
     first, second = indices(problem.system, parameters)
     names = problem.system.parameter_names
@@ -40,3 +45,40 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     z = curve.join(orbit, float(q), further)
     return [Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label))]
+
+
+def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curves of other types through a point of a curve of special orbits; its own where there is no other.
+
+    R1 and R2 are regular points of the curve of tori, with cos theta = 1 and -1, which goes on as one of neutral
+    saddles.
+    """
+    first, second = indices(problem.system, parameters)
+    names = problem.system.parameter_names
+    orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
+    if names[first] != problem.parameters[0]:
+        orbits = orbits.with_active(names[first], orbit)
+        orbit = np.append(orbit[:-1], orbits.base[first])
+    others = [t for t in MEETING.get(point.type, ()) if t != problem.locus]
+    if point.type == "NSNS" or not others:
+        others = [problem.locus]
+    seeds = []
+    for type_ in others:
+        curve = OrbitCurve(type_, orbits, second)
+        z = curve.join(orbit, float(orbits.base[second]), _further(problem, point, type_))
+        seeds.append(Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label)))
+    return seeds
+
+
+def _further(problem: OrbitLocusProblem, point: SpecialPoint, type_: str) -> float:
+    """cos theta of the curve of tori through the point; 0 for other types."""
+    if type_ != "NS":
+        return 0.0
+    if point.type in ("R1", "R2"):
+        return 1.0 if point.type == "R1" else -1.0
+    if point.type in ("LPNS", "PDNS", "NSNS"):
+        pairs = [v for v in problem.others(np.asarray(point.eigenvalues), point.z) if v.imag > 0.0]
+        if pairs:
+            nearest = min(pairs, key=lambda v: abs(abs(v) - 1.0))
+            return float(nearest.real / abs(nearest))
+    return problem.curve.further(point.z)

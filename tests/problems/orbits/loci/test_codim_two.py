@@ -89,6 +89,23 @@ def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form():
     flips = curve(equations, ("p", "q"), {"p": (-0.2, 0.3), "q": (-0.35, 0.3)}, "PD")
     np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-8)
     assert_only(flips, {"R2": (0.0,)}, "q")
+    tori = through(flips["R21"], "NS", {"p": (-0.2, 0.3), "q": (-0.35, 0.3)})  # l = +-sqrt(p), imaginary for p < 0
+    np.testing.assert_allclose(tori.columns["q"], 0, atol=1e-8)
+    turn = np.sqrt(-np.minimum(tori.columns["p"], 0.0))
+    below = tori.columns["p"] < 0.0
+    np.testing.assert_allclose(tori.columns["cos.theta"][below], -np.cos(2 * pi * turn[below]), atol=1e-7)
+    assert np.array_equal(tori.columns["neutral"], ~below)
+    back = through(tori["R21"], "PD", {"p": (-0.2, 0.3), "q": (-0.35, 0.3)})
+    np.testing.assert_allclose(back.columns["p"], 0, atol=1e-8)
+
+
+def through(point, type_: str, box: dict[str, tuple[float, float]]):
+    """The curve of another type through a point, which is the start of both its arms."""
+    (seed,) = point.locus(("p", "q"))
+    branch = contin.continuation(seed, ("p", "q"), box)
+    assert branch.locus == type_
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    return branch
 
 
 def test_folds_meet_further_critical_multipliers():
@@ -96,10 +113,20 @@ def test_folds_meet_further_critical_multipliers():
     pair = amplitude("c", "d", "q + 0.2*x - (c^2 + d^2)", "0.3")
     folds = folds_of({"x": "p - x^2", "c": pair[0], "d": pair[1]})
     assert_only(folds, {"LPNS": (0.0,)}, "q")
+    box = {"p": (-0.5, 0.5), "q": (-0.13, 0.13)}
+    tori = through(folds["LPNS1"], "NS", box)  # q + x/5 = 0, x^2 = p
+    np.testing.assert_allclose(tori.columns["p"], 25 * tori.columns["q"] ** 2, atol=1e-7)
     flips = twisted(f"q + 0.2*x - {SQUARE}", "-1")
-    assert_only(folds_of({"x": "p - x^2", **flips}), {"LPPD": (0.0,)}, "q")
+    folds = folds_of({"x": "p - x^2", **flips})
+    assert_only(folds, {"LPPD": (0.0,)}, "q")
+    doublings = through(folds["LPPD1"], "PD", box)
+    np.testing.assert_allclose(doublings.columns["p"], 25 * doublings.columns["q"] ** 2, atol=1e-7)
     takens = folds_of({"x": "y", "y": "p - x^2 + q*y + x*y"})
     assert_only(takens, {"R1": (0.0,)}, "q")
+    tori = through(takens["R11"], "NS", {"p": (-0.5, 0.25), "q": (-0.2, 0.2)})  # q + x = 0, x^2 = p, l^2 = -2 x
+    p, q = tori.columns["p"], tori.columns["q"]
+    np.testing.assert_allclose(p, q**2, atol=1e-7)
+    np.testing.assert_allclose(tori.columns["cos.theta"][q < 0], np.cos(2 * pi * np.sqrt(-2 * q[q < 0])), atol=1e-6)
 
 
 def folds_of(equations: dict[str, str]):
@@ -119,3 +146,14 @@ def test_two_curves_of_folds_meet_in_a_cusp():
     np.testing.assert_allclose(27 * folds.columns["p"] ** 2, 4 * folds.columns["q"] ** 3, atol=1e-7)
     assert [p.type for p in folds.points] == ["CPC"]
     assert folds["CPC1"].values["q"] == pytest.approx(0, abs=1e-7)
+
+
+def test_doubled_orbits_leave_a_period_doubling_along_any_parameter():
+    """s' = (p + q - s^2) s: doubled orbits with s^2 = p + q, followed from q = 0.1 with p fixed at -0.1."""
+    orbit = orbit_on_circle(twisted(f"p + q - {SQUARE}", "-1"), {"p": -0.3, "q": 0.1})
+    family = contin.continuation(orbit, "p", (-0.3, 0.3))
+    doubled = contin.continuation(family["PD1"].switch("q"), "q", (0.0, 0.5))
+    q = doubled.columns["q"]
+    np.testing.assert_allclose(doubled.columns["period"], 4 * pi, rtol=1e-9)
+    np.testing.assert_allclose(doubled.columns["c.max"] ** 2, q - 0.1, atol=1e-6)
+    assert q[-1] == pytest.approx(0.5)
