@@ -15,6 +15,7 @@ import numpy as np
 from contin.continuation.curve import Stretch
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Sample, Verified
+from contin.errors import InputError
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
@@ -140,7 +141,11 @@ def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     length = float(base.tangent @ chord)
     expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
     expected = expected / np.linalg.norm(expected)
-    best = max(stretch.problem.tangents(point.z, scale), key=lambda t: abs(float(t @ expected)))
+    try:
+        tangents = stretch.problem.tangents(point.z, scale)
+    except InputError:  # the equations are singular at the point itself, where curves meet
+        return replace(near, tangent=expected)
+    best = max(tangents, key=lambda t: abs(float(t @ expected)))
     alignment = float(best @ expected)
     return replace(near, tangent=best * np.sign(alignment) if abs(alignment) > 0.9 else expected)
 

@@ -117,6 +117,7 @@ def _names(axes: Any, data: Mapping[str, Any]) -> None:
     for region in data["regions"]:
         if region["area"] < NAMED:
             continue
-        text = f"{region['name']}\n{region['words']}" if region["area"] > EXPLAINED else region["name"]
+        words = region["words"].replace("stable, ", "stable,\n")
+        text = f"{region['name']}\n{words}" if region["area"] > EXPLAINED else region["name"]
         place = region["point"][first], region["point"][second]
         axes.text(*place, text, ha="center", va="center", fontsize=7.5, color="#333333", zorder=3)

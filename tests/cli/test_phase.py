@@ -60,3 +60,21 @@ def test_mistakes_are_named_with_their_place(tmp_path, capsys, phase, message):
     text = capsys.readouterr().err
     assert "phase" in text
     assert message in text
+
+
+@pytest.mark.parametrize(("option", "curves"), [((), ["HB", "LPC"]), (("--no-orbits",), ["HB"])])
+def test_periodic_orbits_take_part_unless_they_are_left_out(tmp_path, capsys, option, curves):
+    """The Bautin normal form: between folds and Hopf points a stable orbit surrounds the stable equilibrium."""
+    growth = "(p + q*(x^2 + y^2) - (x^2 + y^2)^2)"
+    equations = {"x": f"x*{growth} - y", "y": f"y*{growth} + x"}
+    bautin = {"contin": 1, "name": "bautin", "states": {"x": 0, "y": 0}, "parameters": {"p": -0.5, "q": 0.5}}
+    (tmp_path / "bautin.yaml").write_text(json.dumps({**bautin, "equations": equations}))
+    out = tmp_path / "out.json"
+    box = ("p", "-0.5", "0.5", "q", "-1", "1")
+    assert call("phase", tmp_path / "bautin.yaml", *box, "--json", out, "--plot", tmp_path / "out.png", *option) == 0
+    document = results(out)
+    jsonschema.validate(document, RESULT_SCHEMA)
+    assert sorted(b["locus"] for b in document["branches"]) == curves
+    orbits = [s for r in document["phase"]["regions"] for s in r["states"] if s["kind"] == "orbit"]
+    assert len(orbits) == (0 if option else 3)
+    assert ("1 equilibrium, stable, 1 stable orbit" in capsys.readouterr().out) == (not option)

@@ -32,6 +32,8 @@ def orbits_reached(problem: Any, states: Sequence[State], value: float) -> list[
     from contin.problems.orbits.simulation import orbit_by_simulation, time_scale
     from contin.simulate.trajectory import integrate
 
+    if problem.system.n_switches:  # families of piecewise-smooth flows are found from Hopf points only
+        return []
     p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
     periods = np.asarray(problem.angle_periods, dtype=float)
     known = [state.orbit for state in states if state.orbit is not None]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
@@ -52,8 +52,9 @@ def phase(
     bounds = _bounds(box, (first, second))
     chosen = Settings.of(DEFAULTS | dict(settings or {}) if not isinstance(settings, Settings) else settings)
     points = [(np.asarray(s.u), np.asarray(s.p)) for s in listed]
-    flow = listed[0].system.kind != "map"
-    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, orbits and flow)
+    system = listed[0].system
+    followed = orbits and system.kind != "map" and system.jacobian_address != NO_FUNCTION
+    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, followed)
     search.run()
     visited: list[_Visit] = []
     for _ in range(ROUNDS):

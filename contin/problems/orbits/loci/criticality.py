@@ -17,11 +17,15 @@ from contin.continuation.problem import Chunk, Sample, Stop
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
+UNDECIDED: Final = 1e-7  # of the terms that it is made of: a coefficient this small has no sign
 SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
 
 
-def coefficient(curve: Any, z: Array, scale: Array) -> float:
-    """c of PD, Re d of NS; NaN where it has no value (neutral saddles, singular systems)."""
+def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> float:
+    """c of PD, Re d of NS; NaN where it has no value (neutral saddles, singular systems).
+
+    decided : NaN, too, where the terms cancel to rounding (a conservative flow).
+    """
     from contin.problems.orbits.linear import OrbitLinear
     from contin.problems.orbits.normal_form import period_doubling, torus
 
@@ -29,9 +33,13 @@ def coefficient(curve: Any, z: Array, scale: Array) -> float:
     linear = OrbitLinear(curve.at(z), orbit, curve.orbit(scale), orbit)
     try:
         if curve.type == "PD":
-            return period_doubling(linear)[0]
-        if abs(curve.further(z)) < 1.0:
-            return torus(linear, curve.theta(z))[0].real
+            value, size = period_doubling(linear)
+        elif abs(curve.further(z)) < 1.0:
+            d, size = torus(linear, curve.theta(z))
+            value = d.real
+        else:
+            return float("nan")
+        return float("nan") if decided and abs(value) <= UNDECIDED * size else value
     except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
         pass
     return float("nan")
@@ -53,9 +61,9 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     if curve.type not in SLOTS or len(chunk) < 2:
         return chunk
     rows = [chunk.sample(row) for row in range(len(chunk))]
-    values = {0: _known(curve, rows[0]), len(rows) - 1: coefficient(curve, rows[-1].z, scale)}
+    values = {0: _known(curve, rows[0]), len(rows) - 1: coefficient(curve, rows[-1].z, scale, True)}
     if values[0] is None:
-        values[0] = coefficient(curve, rows[0].z, scale)
+        values[0] = coefficient(curve, rows[0].z, scale, True)
     low, high = 0, len(rows) - 1
     found = values[low] * values[high] < 0.0
     while found and high - low > 1:

@@ -11,6 +11,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
+from contin.problems.orbits.loci.beside import tori_beside
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 
@@ -50,8 +51,7 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
 def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curves of other types through a point of a curve of special orbits; its own where there is no other.
 
-    R1 and R2 are regular points of the curve of tori, with cos theta = 1 and -1, which goes on as one of neutral
-    saddles.
+    Curves of tori go on, beyond R1 and R2, as curves of neutral saddles.
     """
     first, second = indices(problem.system, parameters)
     names = problem.system.parameter_names
@@ -62,8 +62,11 @@ def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Se
     others = [t for t in MEETING.get(point.type, ()) if t != problem.locus]
     if point.type == "NSNS" or not others:
         others = [problem.locus]
-    seeds = []
+    seeds: list[Seed] = []
     for type_ in others:
+        if type_ == "NS" and problem.locus != "NS":
+            seeds += tori_beside(problem, point, parameters)
+            continue
         curve = OrbitCurve(type_, orbits, second)
         z = curve.join(orbit, float(orbits.base[second]), _further(problem, point, type_))
         seeds.append(Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label)))
@@ -74,9 +77,7 @@ def _further(problem: OrbitLocusProblem, point: SpecialPoint, type_: str) -> flo
     """cos theta of the curve of tori through the point; 0 for other types."""
     if type_ != "NS":
         return 0.0
-    if point.type in ("R1", "R2"):
-        return 1.0 if point.type == "R1" else -1.0
-    if point.type in ("LPNS", "PDNS", "NSNS"):
+    if point.type == "NSNS":
         pairs = [v for v in problem.others(np.asarray(point.eigenvalues), point.z) if v.imag > 0.0]
         if pairs:
             nearest = min(pairs, key=lambda v: abs(abs(v) - 1.0))
