@@ -17,20 +17,31 @@ import numpy as np
 from contin.kernels.compile import call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
+from contin.kernels.steering import (
+    BOUND,
+    CORNER,
+    CORRECTOR,
+    DIP,
+    EVENT,
+    GUARD_FLOOR,
+    LIMIT,
+    LOOP,
+    NOT_FINITE,
+    RESCALE,
+    RESCALE_AT,
+    SHORTEST,
+    STAGNATION,
+    dipping,
+    next_step,
+    passes_start,
+    set_out,
+    strays,
+)
 from contin.kernels.tests_of_stability import flow_tests, map_tests
-
-# why a march stopped
-LIMIT, EVENT, DIP, BOUND, CORRECTOR, NOT_FINITE, RESCALE, LOOP, CORNER = range(9)
 
 TESTS = 4
 NEWTON_LIMIT = 7
-STAGNATION = 1e-6  # a Newton correction below this that no longer falls is at the attainable accuracy
-DIP_FRACTION = 0.5  # a local minimum of |test| is looked at when its parabola falls below this part of it
-GUARD = 0.6  # a step is refined while a test function differs from its linear prediction by more than this part
-GUARD_FLOOR = 2e-3  # ... but not below this arclength
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
-GROWTH = 2.0  # largest growth of a step
-RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
 
 
 @kernel
@@ -195,28 +206,6 @@ def probe(
 
 
 @kernel
-def is_dip(before, here, after, h_before, h_after):
-    """True where |test| has a local minimum at `here` that may hide two zeros.
-
-    So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).
-    """
-    if before * here <= 0.0 or here * after <= 0.0:
-        return False
-    a, b, c = abs(before), abs(here), abs(after)
-    if not (b < a and b <= c):
-        return False
-    left = (b - a) / h_before
-    right = (c - b) / h_after
-    if b + left * h_after <= 0.0 or b - right * h_before <= 0.0:
-        return True
-    second = (right - left) / (h_before + h_after)
-    if second <= 0.0:
-        return False
-    slope = (left * h_after + right * h_before) / (h_before + h_after)
-    return b - slope * slope / (4.0 * second) < DIP_FRACTION * b
-
-
-@kernel
 def march(
     address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
     loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,
@@ -246,6 +235,7 @@ def march(
     step = np.empty(n + 1)
     sizes = np.zeros(2)
     tests = np.empty(TESTS)
+    every = np.ones(n + 1)
     info[:] = 0.0
     info[1] = h
     for j in range(n + 1):
@@ -281,10 +271,7 @@ def march(
             h_previous = out_h[k]
         corner = False
         while True:
-            bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
-            for j in range(n + 1):
-                y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
-                z[j] = out_z[k, j] + scale[j] * y[j]
+            set_out(out_z[k], tangent, old, scale, h, h_previous, y, z)
             sign = correct(
                 address, is_map, out_z[k], tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix,
                 block, pivots, step, sizes,
@@ -310,23 +297,16 @@ def march(
             for j in range(n + 1):
                 cosine += tangent[j] * out_t[row, j]
             if not cosine >= cos_max:
-                if h <= max(h_min, 1e-7):
+                if h <= max(h_min, SHORTEST):
                     corner = True
                     break
-                h = max(0.5 * h, h_min, 1e-7)
+                h = max(0.5 * h, h_min, SHORTEST)
                 continue
-            if h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 8:
-                rough = False
-                for i in range(1, TESTS):
-                    a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                    b = out_tests[k, i]
-                    expected = b + (b - a) * h / h_previous
-                    if abs(tests[i] - expected) > GUARD * max(abs(a), abs(b), abs(tests[i])):
-                        rough = True
-                if rough:
-                    guard_blocks += 1
-                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                    continue
+            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 8
+            if guarding and strays(tests, out_tests, k, previous_tests, 1, False, h, h_previous):
+                guard_blocks += 1
+                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                continue
             if guard_blocks < 8 and h > h_min:
                 landed = False
                 for i in range(TESTS):
@@ -345,15 +325,8 @@ def march(
             out_tests[row, i] = tests[i]
         info[0] = row
         angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
-        factor = GROWTH
-        if angle > 0.0:
-            factor = min(factor, target_angle / angle)
-        if sizes[0] > 0.0:
-            factor = min(factor, (0.02 / sizes[0]) ** (1.0 / 3.0))
-        if sizes[1] > 3.0:
-            factor = min(factor, 3.0 / sizes[1])
         h_used = h
-        h = min(max(h * max(factor, 0.3), h_min), h_max)
+        h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
         info[1] = h
         if corner:
             return CORNER
@@ -365,29 +338,12 @@ def march(
         if changed:
             return EVENT
         if h_previous > 0.0:
-            for i in range(TESTS):
-                a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
-                    info[4] = i
-                    return DIP
-        if loop_z.size > 0:
-            here = 0.0
-            last = 0.0
-            distance = 0.0
-            for j in range(n + 1):
-                d = z[j] - loop_z[j]
-                e = out_z[k, j] - loop_z[j]
-                if j < n and periods[j] > 0.0:
-                    shift = periods[j] * np.round(d / periods[j])
-                    d -= shift
-                    e -= shift
-                d /= scale[j]
-                e /= scale[j]
-                here += loop_tangent[j] * d
-                last += loop_tangent[j] * e
-                distance += d * d
-            if last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h_used:
-                return LOOP
+            dipped = dipping(tests, out_tests, k, previous_tests, 0, h_previous, h_used)
+            if dipped >= 0:
+                info[4] = dipped
+                return DIP
+        if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, every, periods, scale, h_used):
+            return LOOP
         for j in range(n):
             if periods[j] == 0.0 and abs(z[j]) > RESCALE_AT * scale[j] / math.sqrt(n):
                 return RESCALE

@@ -17,29 +17,31 @@ from collections import namedtuple
 
 import numpy as np
 
-from contin.kernels.algebraic import (
-    BOUND,
-    CORNER,
-    CORRECTOR,
-    DIP,
-    EVENT,
-    GROWTH,
-    GUARD,
-    GUARD_FLOOR,
-    LIMIT,
-    LOOP,
-    NOT_FINITE,
-    RESCALE,
-    STAGNATION,
-    TESTS,
-    is_dip,
-)  # fmt: skip
+from contin.kernels.algebraic import TESTS
 from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
 from contin.kernels.collocation_steps import advance, along, direct, distance, length, predict
 from contin.kernels.collocation_system import condense_intervals, factorise, new_factors, solve
 from contin.kernels.compile import call3, kernel, part
 from contin.kernels.floquet import deflate, multipliers, transitions
+from contin.kernels.steering import (
+    BOUND,
+    CORNER,
+    CORRECTOR,
+    DIP,
+    EVENT,
+    GUARD_FLOOR,
+    LIMIT,
+    LOOP,
+    NOT_FINITE,
+    RESCALE,
+    SHORTEST,
+    STAGNATION,
+    dipping,
+    next_step,
+    passes_start,
+    strays,
+)
 from contin.kernels.tests_of_stability import map_tests
 
 MARCH, PROBE, STABILITY, CORRECT = range(4)  # what `follow` does
@@ -268,20 +270,6 @@ def outgrown(z, n, count, sizes, period_limit):
     return False
 
 
-@part
-def passes(z, out_z, row, loop_z, loop_tangent, scale, h):
-    """True where the step from a row to z passes the start of the branch closely."""
-    here = 0.0
-    earlier = 0.0
-    far = 0.0
-    for j in range(z.size):
-        d = (z[j] - loop_z[j]) / scale[j]
-        here += loop_tangent[j] * d
-        earlier += loop_tangent[j] * (out_z[row, j] - loop_z[j]) / scale[j]
-        far += d * d
-    return earlier < 0.0 and here >= 0.0 and math.sqrt(far) <= 1.5 * h
-
-
 @kernel
 def follow(
     mode, e, w, s, x, scale, sizes, bounds, controls, limit, top, error_constant, previous_z, previous_tangent,
@@ -369,6 +357,7 @@ def follow(
     out_unstable[0] = unstable
     out_error[0] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
     swing = amplitude(z, n, count, sizes)
+    every, no_angles = np.ones(size), np.zeros(0)
     guard_blocks = 0
     for k in range(limit):
         row = k + 1
@@ -402,23 +391,16 @@ def follow(
             for j in range(size):
                 cosine += tangent[j] * out_t[row, j]
             if not cosine >= cos_max:
-                if h <= max(h_min, 1e-7):
+                if h <= max(h_min, SHORTEST):
                     corner = True
                     break
-                h = max(0.5 * h, h_min, 1e-7)
+                h = max(0.5 * h, h_min, SHORTEST)
                 continue
-            if h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 3:
-                rough = False
-                for i in range(1, TESTS):
-                    a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                    b = out_tests[k, i]
-                    expected = b + (b - a) * h / h_previous
-                    if abs(tests[i] - expected) > GUARD * max(abs(a), abs(b), abs(tests[i])):
-                        rough = True
-                if rough:
-                    guard_blocks += 1
-                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                    continue
+            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guard_blocks < 3
+            if guarding and strays(tests, out_tests, k, previous_tests, 1, False, h, h_previous):
+                guard_blocks += 1
+                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                continue
             break
         guard_blocks = 0
         out_h[row] = h
@@ -430,15 +412,9 @@ def follow(
         out_error[row] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
         info[0] = row
         angle = math.acos(min(cosine, 1.0)) if not corner else target_angle
-        factor = GROWTH
-        if angle > 0.0:
-            factor = min(factor, target_angle / angle)
-        if sizes_of[0] > 0.0:
-            factor = min(factor, (WANTED * min(1.0, swing) / sizes_of[0]) ** 0.25)
-        if sizes_of[1] > 5.0:
-            factor = min(factor, 5.0 / sizes_of[1])
         h_used = h
-        h = min(max(h * max(factor, 0.3), h_min), h_max)
+        wanted = WANTED * min(1.0, swing)
+        h = next_step(h, angle, target_angle, sizes_of[0], wanted, 4.0, sizes_of[1], 5.0, h_min, h_max)
         info[1] = h
         if corner:
             return CORNER
@@ -450,12 +426,11 @@ def follow(
         if changed:
             return EVENT
         if h_previous > 0.0:
-            for i in range(TESTS):
-                a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
-                    info[4] = i
-                    return DIP
-        if loop_z.size == size and passes(z, out_z, k, loop_z, loop_tangent, scale, h_used):
+            dipped = dipping(tests, out_tests, k, previous_tests, 0, h_previous, h_used)
+            if dipped >= 0:
+                info[4] = dipped
+                return DIP
+        if loop_z.size == size and passes_start(z, out_z[k], loop_z, loop_tangent, every, no_angles, scale, h_used):
             return LOOP
         before = swing
         swing = amplitude(z, n, count, sizes)

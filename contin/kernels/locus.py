@@ -14,27 +14,29 @@ import math
 
 import numpy as np
 
-from contin.kernels.algebraic import (
+from contin.kernels.algebraic import correct, linearise
+from contin.kernels.compile import call5, kernel
+from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.eigen import eigenvalues
+from contin.kernels.lyapunov import lyapunov_terms
+from contin.kernels.steering import (
     BOUND,
     CORRECTOR,
     DIP,
     EVENT,
-    GROWTH,
-    GUARD,
     GUARD_FLOOR,
     LIMIT,
     LOOP,
     NOT_FINITE,
     RESCALE,
     RESCALE_AT,
-    correct,
-    is_dip,
-    linearise,
+    SHORTEST,
+    dipping,
+    next_step,
+    passes_start,
+    set_out,
+    strays,
 )
-from contin.kernels.compile import call5, kernel
-from contin.kernels.dense import lu_factor, lu_solve
-from contin.kernels.eigen import eigenvalues
-from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.tests_of_stability import flow_tests
 
 FOLD, HOPF, BRANCH = range(3)
@@ -336,10 +338,7 @@ def march(
         if k > 0:
             h_previous = out_h[k]
         while True:
-            bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
-            for j in range(size + 1):
-                y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
-                z[j] = out_z[k, j] + scale[j] * y[j]
+            set_out(out_z[k], tangent, old, scale, h, h_previous, y, z)
             sign = correct(
                 address, False, out_z[k], tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix,
                 block, pivots, step, sizes,
@@ -355,8 +354,8 @@ def march(
             cosine = 0.0
             for j in range(size + 1):
                 cosine += tangent[j] * out_t[row, j]
-            if not cosine >= cos_max and h > max(h_min, 1e-7):
-                h = max(0.5 * h, h_min, 1e-7)
+            if not cosine >= cos_max and h > max(h_min, SHORTEST):
+                h = max(0.5 * h, h_min, SHORTEST)
                 continue
             states[:] = block[:n, :n]
             tests[0] = out_t[row, size]
@@ -364,17 +363,11 @@ def march(
                 kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[row], out_im[row], out_re[k],
                 out_im[k],
             )  # fmt: skip
-            if h > GUARD_FLOOR and h_previous > 0.0 and guarded < 8:
-                rough = False
-                for i in range(2, TESTS):
-                    a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                    b = out_tests[k, i]
-                    if abs(tests[i] - b - (b - a) * h / h_previous) > GUARD * max(abs(a), abs(b), abs(tests[i])):
-                        rough = rough or a * b != 0.0
-                if rough:
-                    guarded += 1
-                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                    continue
+            guarding = h > GUARD_FLOOR and h_previous > 0.0 and guarded < 8
+            if guarding and strays(tests, out_tests, k, previous_tests, 2, True, h, h_previous):
+                guarded += 1
+                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                continue
             break
         guarded = 0
         out_h[row] = h
@@ -385,15 +378,8 @@ def march(
             out_tests[row, i] = tests[i]
         info[0] = row
         angle = math.acos(min(max(cosine, -1.0), 1.0))
-        factor = GROWTH
-        if angle > 0.0:
-            factor = min(factor, target_angle / angle)
-        if sizes[0] > 0.0:
-            factor = min(factor, (0.02 / sizes[0]) ** (1.0 / 3.0))
-        if sizes[1] > 3.0:
-            factor = min(factor, 3.0 / sizes[1])
         h_used = h
-        h = min(max(h * max(factor, 0.3), h_min), h_max)
+        h = next_step(h, angle, target_angle, sizes[0], 0.02, 3.0, sizes[1], 3.0, h_min, h_max)
         info[1] = h
         for i in range(walls.shape[0]):
             value = z[int(walls[i, 0])]
@@ -403,31 +389,12 @@ def march(
             if tests[i] * out_tests[k, i] < 0.0:
                 return EVENT
         if h_previous > 0.0:
-            for i in range(2, TESTS):
-                a = out_tests[k - 1, i] if k > 0 else previous_tests[i]
-                if is_dip(a, out_tests[k, i], tests[i], h_previous, h_used):
-                    info[4] = i
-                    return DIP
-        if loop_z.size > 0:
-            here = 0.0
-            last = 0.0
-            distance = 0.0
-            for j in range(size + 1):
-                if seen[j] == 0.0:
-                    continue
-                d = z[j] - loop_z[j]
-                e = out_z[k, j] - loop_z[j]
-                if j < n and periods[j] > 0.0:
-                    shift = periods[j] * np.round(d / periods[j])
-                    d -= shift
-                    e -= shift
-                d /= scale[j]
-                e /= scale[j]
-                here += loop_tangent[j] * d
-                last += loop_tangent[j] * e
-                distance += d * d
-            if last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h_used:
-                return LOOP
+            dipped = dipping(tests, out_tests, k, previous_tests, 2, h_previous, h_used)
+            if dipped >= 0:
+                info[4] = dipped
+                return DIP
+        if loop_z.size > 0 and passes_start(z, out_z[k], loop_z, loop_tangent, seen, periods, scale, h_used):
+            return LOOP
         for j in range(size):
             if growing[j] > 0.0 and abs(z[j]) > RESCALE_AT * scale[j]:
                 return RESCALE

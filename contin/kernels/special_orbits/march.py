@@ -2,8 +2,6 @@
 
 import math
 
-from contin.kernels.algebraic import BOUND, CORRECTOR, EVENT, GROWTH, LIMIT, RESCALE
-from contin.kernels.algebraic import NOT_FINITE as STOP_NOT_FINITE
 from contin.kernels.collocation_steps import predict
 from contin.kernels.compile import kernel
 from contin.kernels.special_orbits.carry import carry
@@ -11,6 +9,8 @@ from contin.kernels.special_orbits.correct import correct_special
 from contin.kernels.special_orbits.memory import LPC, NOT_FINITE, NS
 from contin.kernels.special_orbits.predict import bring_in_phase, turned_over
 from contin.kernels.special_orbits.tests import find_normal, remember, special_tests
+from contin.kernels.steering import BOUND, CORRECTOR, EVENT, GROWTH, LIMIT, RESCALE
+from contin.kernels.steering import NOT_FINITE as STOP_NOT_FINITE
 
 MARCH, CORRECT, MEASURE = range(3)  # what `follow_special` does
 WANTED = 2e-3  # first correction (scaled) that the step control aims at

@@ -1,0 +1,118 @@
+"""What every march decides after a step: how long the next one is, and whether something happened on the way.
+
+Parts of kernels (`contin.kernels.compile.part`): put in place where they are called; sharing them costs nothing.
+"""
+
+import math
+
+import numpy as np
+
+from contin.kernels.compile import kernel, part
+
+# why a march stopped
+LIMIT, EVENT, DIP, BOUND, CORRECTOR, NOT_FINITE, RESCALE, LOOP, CORNER = range(9)
+
+STAGNATION = 1e-6  # a Newton correction below this that no longer falls is at the attainable accuracy
+DIP_FRACTION = 0.5  # a local minimum of |test| is looked at when its parabola falls below this part of it
+GUARD = 0.6  # a step is refined while a test function differs from its linear prediction by more than this part
+GUARD_FLOOR = 2e-3  # ... but not below this arclength
+GROWTH = 2.0  # largest growth of a step
+SHRINK = 0.3  # smallest
+RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
+SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
+
+
+@kernel
+def is_dip(before, here, after, h_before, h_after):
+    """True where |test| has a local minimum at `here` that may hide two zeros.
+
+    So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).
+    """
+    if before * here <= 0.0 or here * after <= 0.0:
+        return False
+    a, b, c = abs(before), abs(here), abs(after)
+    if not (b < a and b <= c):
+        return False
+    left = (b - a) / h_before
+    right = (c - b) / h_after
+    if b + left * h_after <= 0.0 or b - right * h_before <= 0.0:
+        return True
+    second = (right - left) / (h_before + h_after)
+    if second <= 0.0:
+        return False
+    slope = (left * h_after + right * h_before) / (h_before + h_after)
+    return b - slope * slope / (4.0 * second) < DIP_FRACTION * b
+
+
+@part
+def set_out(origin, tangent, old, scale, h, h_previous, y, z):
+    """Predict the point at h: along the tangent and, where the tangent before is known, its change. y is scaled."""
+    bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
+    for j in range(y.size):
+        y[j] = h * tangent[j] + bend * (tangent[j] - old[j])
+        z[j] = origin[j] + scale[j] * y[j]
+
+
+@part
+def strays(tests, rows, k, previous, first, signed, h, h_previous):
+    """True where a test from `first` on is far from what the two points before predict.
+
+    `signed` : tests that change sign or are zero between those points are left out.
+    """
+    rough = False
+    for i in range(first, tests.size):
+        a = rows[k - 1, i] if k > 0 else previous[i]
+        b = rows[k, i]
+        if abs(tests[i] - b - (b - a) * h / h_previous) > GUARD * max(abs(a), abs(b), abs(tests[i])):
+            rough = rough or not signed or a * b != 0.0
+    return rough
+
+
+@part
+def dipping(tests, rows, k, previous, first, h_previous, h):
+    """The test from `first` on that may have touched zero at row k, between the row before and the new point; or -1."""
+    found = -1
+    for i in range(first, tests.size):
+        a = rows[k - 1, i] if k > 0 else previous[i]
+        if found < 0 and is_dip(a, rows[k, i], tests[i], h_previous, h):
+            found = i
+    return found
+
+
+@part
+def next_step(h, angle, target_angle, correction, wanted, order, iterations, most, h_min, h_max):
+    """The next step from the tangent's turn, the corrector's first correction (~ h^order) and its iterations."""
+    factor = GROWTH
+    if angle > 0.0:
+        factor = min(factor, target_angle / angle)
+    if correction > 0.0:
+        factor = min(factor, (wanted / correction) ** (1.0 / order))
+    if iterations > most:
+        factor = min(factor, most / iterations)
+    return min(max(h * max(factor, SHRINK), h_min), h_max)
+
+
+@part
+def passes_start(z, last_z, loop_z, loop_tangent, seen, periods, scale, h):
+    """True where the branch passes its start between `last_z` and `z`, in its sense.
+
+    seen (N,) : 0 for unknowns that are ignored.  periods (<= N,) : of the leading unknowns, 0 where one is no angle.
+    """
+    here = 0.0
+    last = 0.0
+    distance = 0.0
+    for j in range(z.size):
+        if seen[j] == 0.0:
+            continue
+        d = z[j] - loop_z[j]
+        e = last_z[j] - loop_z[j]
+        if j < periods.size and periods[j] > 0.0:
+            shift = periods[j] * np.round(d / periods[j])
+            d -= shift
+            e -= shift
+        d /= scale[j]
+        e /= scale[j]
+        here += loop_tangent[j] * d
+        last += loop_tangent[j] * e
+        distance += d * d
+    return last < 0.0 and here >= 0.0 and math.sqrt(distance) <= 1.5 * h
