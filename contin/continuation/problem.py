@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Protocol, TypeGuard, runtime_checkable
+from typing import Any, Final, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,10 @@ from contin.continuation.settings import Settings
 
 
 class Stop(Enum):
-    """Why a march returned. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was seen."""
+    """Why a march returned, in the order of the kernels' codes (`contin.kernels.algebraic`).
+
+    On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was seen.
+    """
 
     LIMIT = "limit"
     EVENT = "event"
@@ -32,6 +35,9 @@ class Stop(Enum):
     RESCALE = "rescale"
     LOOP = "loop"
     CORNER = "corner"
+
+
+STOPS: Final = tuple(Stop)  # by the code that a kernel returns
 
 
 @dataclass(frozen=True, eq=False)

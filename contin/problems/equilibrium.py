@@ -15,7 +15,7 @@ from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.offset import far_from_zero
-from contin.continuation.problem import Chunk, Floor, Frame, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
@@ -217,7 +217,7 @@ class EquilibriumProblem:
             np.where(far_from_zero(origin.z, frame.scale, self.angle_periods), NO_GROWTH, self.angle_periods),
             z, t, tests, unstable, re, im, lengths, info,
         )  # fmt: skip
-        stop = _STOPS[reason]
+        stop = STOPS[reason]
         m = int(info[0]) + 1
         detail = ""
         if stop is Stop.NOT_FINITE:
@@ -326,8 +326,3 @@ class EquilibriumProblem:
             "Try a smaller settings.step or min_step, or a larger settings.tolerance; check that the equations are "
             "smooth here."
         )
-
-
-_STOPS = (
-    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
-)  # fmt: skip

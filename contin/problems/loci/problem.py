@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
@@ -22,9 +22,6 @@ from contin.problems.two_parameters import TwoParameterProblem
 CHUNK = 250
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
 _NONE = np.empty(0)
-_STOPS = (
-    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
-)  # fmt: skip
 _KINDS = {"LP": 0, "HB": 1, "BP": 2}
 
 
@@ -101,7 +98,7 @@ class LocusProblem(TwoParameterProblem):
         )  # fmt: skip
         m = int(info[0]) + 1
         chunk = Chunk(
-            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], _STOPS[reason], float(info[1]),
+            z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], STOPS[reason], float(info[1]),
             0.0, int(info[4]), int(info[2]),
         )  # fmt: skip
         return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk

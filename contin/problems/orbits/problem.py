@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
@@ -37,9 +37,6 @@ TINY_STATE = 1e-6  # a state this small beside the others may be zero with round
 CONTROLS = 10  # numbers that steer the kernel, see `follow`
 LONGEST_CHUNK = 120
 DWELLING = 0.2  # part of the period spent slowly from which growing periods are watched closely
-_STOPS = (
-    Stop.LIMIT, Stop.EVENT, Stop.DIP, Stop.BOUND, Stop.CORRECTOR, Stop.NOT_FINITE, Stop.RESCALE, Stop.LOOP, Stop.CORNER,
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +161,7 @@ class OrbitProblem(FamilyOfOrbits):
         ])  # fmt: skip
         reason = self._kernel(0, out, frame.scale, controls, limit, bounds, before, loop)
         z, t, info = out.z, out.t, out.info
-        stop, m = _STOPS[reason], int(info[0]) + 1
+        stop, m = STOPS[reason], int(info[0]) + 1
         if stop in (Stop.EVENT, Stop.DIP):
             for row in range(max(m - 2, 0), m):
                 self._measure(out, row, Frame(frame.scale, float(info[3])))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Sample, Stop
+from contin.continuation.problem import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.loci import frames
@@ -136,7 +136,7 @@ class OrbitCurve:
             0.0 if before is None else length, angle / 2.5, 0.0,
         ])  # fmt: skip
         work, bounds = self._work(origin.z, scale), np.array(walls, dtype=float)
-        stop = tuple(Stop)[self._follow(MARCH, work, scale, controls, bounds, limit, before, rows)]
+        stop = STOPS[self._follow(MARCH, work, scale, controls, bounds, limit, before, rows)]
         return rows.chunk(stop)
 
     def _follow(
