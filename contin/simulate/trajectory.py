@@ -85,7 +85,8 @@ def integrate(
         why = system.explain(y[:n], full) or (
             "the step became too small: a singularity, or a solution that escapes"
             if status != kernel.STEPS
-            else f"{budget} steps were not enough: the model may be stiff (use contin.simulate.stiff)"
+            else f"{budget} steps were not enough, at {_largest(system, y[:n])}: the model may be stiff (use "
+            "contin.simulate.stiff), or the solution escapes"
         )
         raise NotFiniteError(f"the trajectory stops at t = {controls[0]:.6g}: {why}")
     taken = int(counts[0])
@@ -95,6 +96,12 @@ def integrate(
         wanted[:taken], samples[:taken, :n], crossings[:, 0], crossings[:, 1 : 1 + n], float(controls[0]), y[:n].copy(),
         int(counts[2]), carried,
     )  # fmt: skip
+
+
+def _largest(system: Any, u: Array) -> str:
+    """The state of largest modulus and its value."""
+    k = int(np.argmax(np.abs(u)))
+    return f"{system.state_names[k]} = {u[k]:.3g}"
 
 
 def _in_pieces(system: Any, u: Array, p: Array, duration: float, **options: Any) -> Trajectory:

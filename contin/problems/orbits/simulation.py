@@ -16,6 +16,7 @@ from contin.problems.orbits.start import PeriodicOrbit
 
 FIRST_TIME = 60.0  # time scales before the first look
 LONGEST = 2e5  # time scales until giving up
+BUDGET = 1_000_000  # steps between two looks: a trajectory that needs more escapes, or is stiff beyond use
 CROSSINGS = 60  # returns compared at once
 CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
 NEAR = 3e-2  # ... and one this close is tried when time is up
@@ -87,7 +88,7 @@ def find_return(
     largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
     while total < longest * scale:
-        path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800))
+        path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800), budget=BUDGET)
         total += time
         largest = np.maximum(largest, np.abs(path.u).max(axis=0))
         extent, recent = np.ptp(path.u[400:], axis=0), np.ptp(path.u[-100:], axis=0)
