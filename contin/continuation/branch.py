@@ -146,5 +146,5 @@ class Branch:
         """True where `eigenvalues` are multipliers (orbits and maps)."""
         if self.kind == "locus":
             system = getattr(self.problem, "system", None)  # a branch that was read from a file has no problem
-            return self.locus in ("LPC", "BPC", "PD", "NS") or getattr(system, "kind", "flow") == "map"
+            return self.locus in ("LPC", "BPC", "PD", "NS", "UZ") or getattr(system, "kind", "flow") == "map"
         return self.kind in ("orbit", "fixed-point")

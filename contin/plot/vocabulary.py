@@ -74,6 +74,8 @@ def style_of(type_code: str) -> TypeStyle:
 
 def locus_words(code: str | None) -> str:
     """What the points of a two-parameter curve are, e.g. 'Hopf points'."""
+    if code == "UZ":
+        return "orbits of one period"
     words = TYPES[code].words if code in TYPES else "special points"
     if code in ("LPC", "BPC", "CPC"):
         first, rest = words.split(" ", 1) if code != "BPC" else ("branch points", "of orbits")

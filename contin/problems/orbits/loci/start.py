@@ -28,6 +28,8 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         from contin.problems.orbits.homoclinic.start import connections_of_family
 
         return connections_of_family(problem, point, parameters)
+    if point.type == "UZ" and problem.autonomous:
+        return [_same_period(problem, point, parameters)]
     if point.type not in CURVES:
         raise InputError(
             f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC, HOM have. "
@@ -46,6 +48,20 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     z = curve.join(orbit, float(q), further)
     return [Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label))]
+
+
+def _same_period(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+    """The orbits that have this one's period."""
+    from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
+
+    first, second = indices(problem.system, parameters)
+    orbits, orbit = problem, point.z.copy()
+    if problem.system.parameter_names[first] != problem.parameters[0]:
+        orbits = problem.with_active(parameters[0], orbit)
+        orbit[-1] = orbits.base[first]
+    curve = PeriodCurve(orbits, second)
+    z = curve.join(orbit, float(orbits.base[second]))
+    return Seed(SamePeriodProblem(curve), z, parent=Parent(point.branch, point.label))
 
 
 def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import contin
-from contin.errors import InputError
 from contin.model.model import Model
 from tests.problems.loci.planes import BAUTIN, DOUBLE_HOPF, amplitude, curves_through
 from tests.problems.orbits.test_families import cycles, labels
@@ -60,12 +59,6 @@ def test_tori_of_two_oscillators_are_born_on_the_diagonal_with_the_angle_of_the_
 
 def angle(branch):
     return np.arccos(branch.columns["cos.theta"])
-
-
-def test_a_user_of_a_point_without_a_curve_is_told_which_points_have_one(bautin):
-    family = cycles(bautin, "p", (-0.5, 0.5), values={"p": [0.25]})
-    with pytest.raises(InputError, match="LPC, PD, NS"):
-        family["UZ1"].locus(("p", "q"))
 
 
 def test_period_doublings_of_the_roessler_system_pass_through_published_points():
