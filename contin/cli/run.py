@@ -203,8 +203,11 @@ class Status:
         from contin.runs.warm import is_compiled
 
         if not is_compiled(orbits, curves):
-            orbits |= curves
-            what, time_ = ("of periodic orbits ", "about a minute") if orbits else ("", "about 15 seconds")
+            what, time_ = ("", "about 15 seconds")
+            if curves:
+                what, time_ = "of curves of periodic orbits ", "two to four minutes"
+            elif orbits:
+                what, time_ = "of periodic orbits ", "one to two minutes"
             self.console.print(f"Compiling the numerical kernels {what}for this machine, once; this takes {time_} ...")
 
     def warm_for(self, seed: Any) -> None:
