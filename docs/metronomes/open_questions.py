@@ -222,7 +222,8 @@ def family(name: str) -> str:
 
 def four_states() -> dict[str, dict]:
     """Branches of four metronomes that are not images of another."""
-    return {name: branch for name, branch in results("four-states.json").items() if not branch["image_of"]}
+    found = results("four-states.json").items()
+    return {name: branch for name, branch in found if not branch["image_of"] and branch["kind"] != "locus"}
 
 
 def ever_stable(branch: dict, branches: dict[str, dict]) -> bool:
@@ -251,6 +252,23 @@ def four_table() -> MarkdownTable:
             )
             seen.add((row[0], row[1][-6:]))
     return MarkdownTable("alike | mu | born at mu | stable", rows)
+
+
+def draw_four():
+    """Where the clusters of four metronomes are born, fold and begin to beat."""
+    found = results("four-states.json")
+    drawing, axes = panels(1, 1, 5.0, 3.6, " ")
+    ax, column = axes[0, 0], np.linspace(0.05, FOLD, 200)
+    ax.plot([mu_c(b) / 2 for b in column], column, color=BLACK, linestyle="--", label=r"formula: $\mu_c/2$")
+    for name, colour, words in (
+        ("fold", GREEN, "fold of three and one"),
+        ("hopf of three and one", RED, "Hopf points of three and one"),
+        ("hopf of pairs", BLUE, "Hopf points of two and two"),
+    ):
+        ax.plot(found[name]["columns"]["mu"], found[name]["columns"]["beta"], color=colour, label=words)
+    ax.set(xlabel=MU, ylabel=BETA, xlim=(0, 8), ylim=(0, 1))
+    ax.legend(frameon=False, fontsize=8)
+    return drawing
 
 
 def pairs_at_an_angle(eps: float = 0.05, angle: float = 1.0) -> tuple[float, float]:
