@@ -1,15 +1,71 @@
-"""What curves of orbits in two parameters (special periodic orbits, connecting orbits) answer alike."""
+"""What curves of orbits in two parameters (special periodic orbits, those of one period, connecting orbits) share."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import TwoParameterProblem
+
+
+class CurveOfOrbits:
+    """The equations of a curve; `orbits` gives those of the orbits, with the first parameter free."""
+
+    orbits: OrbitProblem
+    second: int
+
+    @property
+    def system(self) -> Any:
+        return self.orbits.system
+
+    @property
+    def base(self) -> Array:
+        return self.orbits.base
+
+    @property
+    def first(self) -> int:
+        return self.orbits.active
+
+
+class CurveOfPeriodicOrbits(CurveOfOrbits):
+    """z = (u at the nodes, T, h_1 .. h_N, further unknown if `extra`, q, p)."""
+
+    @property
+    def extra(self) -> int:
+        """Scalar unknowns beside the orbit."""
+        return 0
+
+    def join(self, orbit: Array, q: float, further: float = 0.0) -> Array:
+        """z from an orbit's own vector (u, T, h, p)."""
+        return np.concatenate([orbit[:-1], [further] * self.extra, [q, orbit[-1]]])
+
+    def orbit(self, z: Array) -> Array:
+        """(u, T, h, p), also of a metric or tangent."""
+        return np.append(z[: -2 - self.extra], z[-1])
+
+    def further(self, z: Array) -> float:
+        """cos(theta) or the unfolding; 0 where there is neither."""
+        return float(z[-3]) if self.extra else 0.0
+
+    def at(self, z: Array) -> OrbitProblem:
+        """The orbits' problem at the second parameter's value in z."""
+        base = self.orbits.base.copy()
+        base[self.second] = z[-2]
+        return replace(self.orbits, base=base)
+
+    def profile(self, z: Array) -> Profile:
+        return self.orbits.profile(self.orbit(z))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,3 +89,36 @@ class OrbitCurveProblem(TwoParameterProblem):
 
     def remarks(self, z: Array) -> Sequence[str]:
         return ()
+
+
+class OfPeriodicOrbits(OrbitCurveProblem):
+    """`curve` is a `CurveOfPeriodicOrbits`."""
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        return np.asarray(self.curve.at(z).multipliers(self.curve.orbit(z)))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
+        curve = self.curve
+
+        def functions(u: Array, rows: Array) -> Array:
+            p = np.tile(curve.at(rows[0]).full_parameters(rows[0]), (len(rows), 1))
+            p[:, curve.first], p[:, curve.second] = rows[:, -1], rows[:, -2]
+            return with_observables(self.system, u, p)
+
+        columns = self.parameter_columns(z) | {"period": periods(z, curve.profile)}
+        return columns | orbit_columns(z, names_of(self.system), curve.profile, functions)
+
+    def describe_failure(self, z: Array) -> str:
+        return str(self.curve.at(z).describe_failure(self.curve.orbit(z)))
+
+    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        """The family of orbits through the point, in one parameter."""
+        names = list(self.system.parameter_names)
+        if parameter not in names:
+            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
+        orbits, orbit = self.curve.at(point.z), self.curve.orbit(point.z)
+        if parameter != self.parameters[0]:
+            orbits = orbits.with_active(parameter, orbit)
+            orbit[-1] = orbits.base[orbits.active]
+        return [Seed(orbits, orbit)]

@@ -23,6 +23,7 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.two_parameters import CurveOfOrbits
 
 STEP = 1e-6  # of the differences of the projections, relative
 
@@ -38,7 +39,7 @@ class Gauge:
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionCurve:
+class ConnectionCurve(CurveOfOrbits):
     """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1."""
 
     orbits: OrbitProblem
@@ -53,18 +54,6 @@ class ConnectionCurve:
     @property
     def n(self) -> int:
         return self.orbits.n
-
-    @property
-    def system(self) -> Any:
-        return self.orbits.system
-
-    @property
-    def base(self) -> Array:
-        return self.orbits.base
-
-    @property
-    def first(self) -> int:
-        return self.orbits.active
 
     # -- layout -------------------------------------------------------------------------------------------------------
 

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation import march as python_march
 from contin.continuation.branch import End, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
@@ -23,8 +22,8 @@ from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.layout import make_scale, sizes_of
+from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
-from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
@@ -32,7 +31,7 @@ ALIKE = 1e-6  # relative distance of parameters below which two points are one
 
 
 @dataclass(frozen=True, eq=False)
-class ConnectionProblem(OrbitCurveProblem):
+class ConnectionProblem(MarchedInPython):
     """See `contin.problems.orbits.homoclinic.curve` for the unknowns and equations."""
 
     curve: ConnectionCurve
@@ -58,22 +57,10 @@ class ConnectionProblem(OrbitCurveProblem):
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
-    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        """The curve's own tangent: the null vector of its equations."""
+    def settle(self, z: Array, scale: Array) -> None:
         self.curve.settle(z, self.sizes(z, scale))
-        generator = np.random.default_rng(3)
-        border = np.zeros(z.size)
-        where = self.curve.unknowns(z)
-        border[where] = generator.normal(size=where.size)
-        for _ in range(2):
-            here = self.linearisation(z, border / np.linalg.norm(border), scale)
-            if here is None:
-                raise InputError("the curve cannot be followed from here: its equations are singular")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / np.linalg.norm(border)]
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
-        """For the march in Python."""
         sizes = self.sizes(z, scale)
         if self.curve.gauge.reference is None:
             self.curve.settle(z, sizes)
@@ -106,30 +93,6 @@ class ConnectionProblem(OrbitCurveProblem):
             return None
         values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
         return np.asarray(values.reshape(-1, n))
-
-    def march(
-        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
-        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
-    ) -> Chunk:  # fmt: skip
-        self.curve.settle(origin.z, self.sizes(origin.z, frame.scale))
-        return python_march.march(
-            self, origin, before, length, frame, step, min(limit, self.maximum_chunk), bounds, settings, None
-        )
-
-    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(self, base, length, guess, frame, settings)
-
-    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        fixed = np.zeros(guess.size)
-        fixed[index] = 1.0
-        z0 = guess.copy()
-        z0[index] = value
-        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, 1e-11)
-        if isinstance(found, str):
-            return None
-        z = found.z.copy()
-        z[index] = value
-        return z
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)

@@ -9,7 +9,7 @@ a symmetry forces the branch points.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -18,17 +18,17 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
-from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.rows import Rows
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 
 _NO_WALLS = np.empty((0, 3))
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitCurve:
+class OrbitCurve(CurveOfPeriodicOrbits):
     """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
 
     type: str
@@ -38,44 +38,14 @@ class OrbitCurve:
     critical: dict[str, Any] = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
 
     @property
-    def system(self) -> Any:
-        return self.orbits.system
-
-    @property
-    def base(self) -> Array:
-        return self.orbits.base
-
-    @property
-    def first(self) -> int:
-        return self.orbits.active
-
-    @property
     def extra(self) -> int:
         """Scalar unknowns beside the orbit."""
         return int(self.type in ("NS", "BPC"))
 
     # -- layout -------------------------------------------------------------------------------------------------------
 
-    def join(self, orbit: Array, q: float, further: float = 0.0) -> Array:
-        """z from an orbit's own vector (u, T, h, p)."""
-        return np.concatenate([orbit[:-1], [further] * self.extra, [q, orbit[-1]]])
-
-    def orbit(self, z: Array) -> Array:
-        """(u, T, h, p), also of a metric or tangent."""
-        return np.append(z[: -2 - self.extra], z[-1])
-
-    def further(self, z: Array) -> float:
-        """cos(theta) or the unfolding; 0 where there is neither."""
-        return float(z[-3]) if self.extra else 0.0
-
     def theta(self, z: Array) -> float:
         return float(np.arccos(np.clip(z[-3], -1.0, 1.0))) if self.type == "NS" else 0.0
-
-    def at(self, z: Array) -> OrbitProblem:
-        """The orbits' problem at the second parameter's value in z."""
-        base = self.orbits.base.copy()
-        base[self.second] = z[-2]
-        return replace(self.orbits, base=base)
 
     def intervals(self, z: Array) -> int:
         return int((z.size - self._few) // self._many)
@@ -93,9 +63,6 @@ class OrbitCurve:
     def nodes(self, z: Array) -> int:
         """Number of node values, the place of the period in z."""
         return self.intervals(z) * (self._many - 1) + self.orbits.n
-
-    def profile(self, z: Array) -> Profile:
-        return self.orbits.profile(self.orbit(z))
 
     # -- the kernel ---------------------------------------------------------------------------------------------------
 

@@ -14,11 +14,10 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import renew
-from contin.problems.orbits.two_parameters import OrbitCurveProblem
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
 PROBE_TOLERANCE = 1e-10
@@ -27,7 +26,7 @@ LEAST = 10  # ... but not before so many steps
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitLocusProblem(OrbitCurveProblem):
+class OrbitLocusProblem(OfPeriodicOrbits):
     """See `contin.problems.orbits.loci.curve` for the unknowns and equations."""
 
     curve: OrbitCurve
@@ -80,9 +79,6 @@ class OrbitLocusProblem(OrbitCurveProblem):
             return None
         wanted = criticality.is_measured(self.curve, base)
         return criticality.measured(self.curve, found, frame.scale) if wanted else found
-
-    def multipliers(self, z: Array) -> NDArray[np.complex128]:
-        return self.curve.at(z).multipliers(self.curve.orbit(z))
 
     def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
         """The multipliers without the trivial and the critical ones."""
@@ -138,38 +134,13 @@ class OrbitLocusProblem(OrbitCurveProblem):
         return bool(near.all()) and abs(periods[0] - periods[1]) < 1e-5 * periods[0]
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
-        curve = self.curve
-
-        def functions(u: Array, rows: Array) -> Array:
-            p = np.tile(curve.at(rows[0]).full_parameters(rows[0]), (len(rows), 1))
-            p[:, curve.first], p[:, curve.second] = rows[:, -1], rows[:, -2]
-            return with_observables(self.system, u, p)
-
-        columns = self.parameter_columns(z)
-        columns["period"] = periods(z, curve.profile)
-        columns |= orbit_columns(z, names_of(self.system), curve.profile, functions)
+        columns = super().columns(z)
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         return columns
 
-    def describe_failure(self, z: Array) -> str:
-        return self.curve.at(z).describe_failure(self.curve.orbit(z))
-
     # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        """The family of orbits through the point, in one parameter."""
-        names = list(self.system.parameter_names)
-        if parameter not in names:
-            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
-        orbits = self.curve.at(point.z)
-        orbit = self.curve.orbit(point.z)
-        if parameter != self.parameters[0]:
-            orbits = orbits.with_active(parameter, orbit)
-            orbit[-1] = orbits.base[orbits.active]
-        return [Seed(orbits, orbit)]
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curves of other types through a point where two meet; its own where there is no other."""

@@ -1,0 +1,74 @@
+"""Curves of orbits with sparse equations that the march in Python follows: connecting orbits, orbits of one period."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as python_march
+from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.settings import Settings
+from contin.errors import InputError
+from contin.problems.orbits.homoclinic.linear import Factorised
+from contin.problems.orbits.two_parameters import OrbitCurveProblem
+
+TOLERANCE = 1e-11  # of Newton's steps with one unknown fixed
+
+
+class MarchedInPython(OrbitCurveProblem):
+    """`curve.unknowns(z)` are the places that the equations are solved for; the rest of z is carried along."""
+
+    maximum_chunk: int
+
+    @abstractmethod
+    def settle(self, z: Array, scale: Array) -> None:
+        """Take z as what the phase condition, and all else that is kept for a chunk, refers to."""
+
+    @abstractmethod
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+        """The factorised equations with the tangent as their last row; None where they are singular."""
+
+    @abstractmethod
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests from index 2 on, the number of unstable eigenvalues or multipliers, and all of these."""
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        """The curve's own tangent: the null vector of its equations."""
+        self.settle(z, scale)
+        generator = np.random.default_rng(3)
+        border = np.zeros(z.size)
+        where = self.curve.unknowns(z)
+        border[where] = generator.normal(size=where.size)
+        for _ in range(2):
+            here = self.linearisation(z, border / np.linalg.norm(border), scale)
+            if here is None:
+                raise InputError("the curve cannot be followed from here: its equations are singular")
+            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
+        return [border / np.linalg.norm(border)]
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        self.settle(origin.z, frame.scale)
+        limit = min(limit, self.maximum_chunk)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, None)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return python_march.probe(self, base, length, guess, frame, settings)
+
+    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
+        fixed = np.zeros(guess.size)
+        fixed[index] = 1.0
+        z0 = guess.copy()
+        z0[index] = value
+        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
+        if isinstance(found, str):
+            return None
+        z = found.z.copy()
+        z[index] = value
+        return z
