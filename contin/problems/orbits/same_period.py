@@ -44,7 +44,7 @@ class PeriodCurve(CurveOfPeriodicOrbits):
         """Places of (u, q, p) in z."""
         return np.append(np.arange(self.profile(z).u.size), [z.size - 2, z.size - 1])
 
-    def settle(self, z: Array) -> None:
+    def settle(self, z: Array, scale: Array) -> None:
         """The orbit that the phase condition refers to."""
         self.memory["phase"] = z.copy()
 
@@ -76,7 +76,7 @@ class SamePeriodProblem(MarchedInPython, OfPeriodicOrbits):
         return self.curve.join(self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first)), second)
 
     def settle(self, z: Array, scale: Array) -> None:
-        self.curve.settle(z)
+        self.curve.settle(z, scale)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
         equations, jacobian = self.curve.linearise(z, scale)
