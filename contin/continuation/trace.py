@@ -12,6 +12,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import Branch, End, SpecialPoint
+from contin.continuation.closed import until_closed
 from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
@@ -94,8 +95,10 @@ def _position(seed: Seed, pieces: list[Piece]) -> str:
 
 
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:
-    """The pieces of an arm from `start` to its end: a bound, a floor, infinity."""
-    return until_repeating(until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start), arm)
+    """The pieces of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
+    return until_repeating(
+        until_closed(until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start), arm, start), arm
+    )
 
 
 def _progress(

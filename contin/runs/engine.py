@@ -36,6 +36,9 @@ class FoundPhase(Protocol):
     @property
     def notes(self) -> Sequence[str]: ...
 
+    @property
+    def stopped(self) -> bool: ...
+
     def as_data(self) -> Mapping[str, Any]: ...
 
 
@@ -144,6 +147,7 @@ class ContinEngine:
             orbits=phase.orbits,
             settings=phase.settings,
             watch=self.watch,
+            ahead=self.ahead,
         )
         return found
 

@@ -93,9 +93,10 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
         found = engine.phase(plan.model, phase, plan.parameters)
         for branch in found.loci:  # a curve that leads into a degenerate point does not make the diagram incomplete
             state.branches[branch.name] = branch
-            state.stopped |= any(end.reason == "stopped" for end in branch.ends)
         state.phase = found.as_data()
         state.notes.extend(found.notes)
+        if found.stopped:
+            state.stop()
 
 
 @contextmanager

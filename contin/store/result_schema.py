@@ -82,6 +82,7 @@ PHASE: Final[dict[str, Any]] = {
                     "total": {"type": "integer", "minimum": 0},
                     "stable_orbits": {"type": "integer", "minimum": 0},
                     "orbits": {"type": "integer", "minimum": 0},
+                    "aperiodic": {"type": "integer", "minimum": 0},
                     "point": {"type": "object", "additionalProperties": _NUMBER},
                     "states": {
                         "type": "array",

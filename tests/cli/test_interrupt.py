@@ -53,3 +53,72 @@ def test_a_press_before_a_run_keeps_the_runs_before_it(tmp_path, monkeypatch):
     assert [b["name"] for b in document["branches"]] == ["line"]
     assert document["notes"] == ["second: stopped by the user", "third skipped: stopped by the user"]
     assert begun == ["line", "second"]
+
+
+BAUTIN = {
+    "contin": 1,
+    "name": "bautin",
+    "states": {"x": 0, "y": 0},
+    "parameters": {"p": -0.5, "q": 0.5},
+    "definitions": {"s": "x^2 + y^2", "g": "p + q*s - s^2"},
+    "equations": {"x": "x*g - y", "y": "y*g + x"},
+}
+PHASE = {"parameter": ["p", "q"], "range": {"p": [-0.5, 0.5], "q": [-1, 1]}}
+
+
+def interrupted_phase(tmp_path, monkeypatch, owner, name, call_number):
+    """The results of a phase diagram with Ctrl-C pressed when a function is called for the n-th time."""
+    calls = []
+
+    def counted(*arguments, original=getattr(owner, name), **options):
+        calls.append(name)
+        if len(calls) == call_number:
+            os.kill(os.getpid(), signal.SIGINT)
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(owner, name, counted)
+    later = {"name": "line", "parameter": "p", "range": [-0.5, 0.5]}
+    file = run_file(tmp_path, BAUTIN, later, phase=PHASE, outputs={"json": "r.json", "plot": "r.png"})
+    assert call("run", file) == 1
+    assert (tmp_path / "r.png").exists()
+    document = json.loads((tmp_path / "r.json").read_text())
+    assert document["notes"][-1] == "line skipped: stopped by the user"
+    return document
+
+
+def test_a_press_while_curves_are_followed_keeps_those_before_it(tmp_path, monkeypatch):
+    from contin.diagram.phase.search import LociSearch
+
+    document = interrupted_phase(tmp_path, monkeypatch, LociSearch, "line", 3)  # of six
+    assert [b["locus"] for b in document["branches"]] == ["HB", "LPC"]
+    assert document["phase"]["curves"] == [b["name"] for b in document["branches"]]
+    assert document["phase"]["regions"] == []
+    assert any(note.startswith("stopped by the user: there may be more curves") for note in document["notes"])
+
+
+def test_a_press_within_a_curve_keeps_its_part(tmp_path, monkeypatch):
+    from contin.continuation import trace
+
+    def progress(problem, *arguments, original=trace._progress):
+        if len(problem.parameters) == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+        return original(problem, *arguments)
+
+    monkeypatch.setattr(trace, "_progress", progress)
+    assert call("run", run_file(tmp_path, BAUTIN, phase=PHASE, outputs={"json": "r.json"})) == 1
+    (part,) = json.loads((tmp_path / "r.json").read_text())["branches"]
+    assert part["locus"] == "HB"
+    assert part["ends"][0]["reason"] == "stopped"
+    assert len(part["columns"]["p"]) > 1
+
+
+def test_a_press_while_regions_are_looked_at_keeps_those_before_it(tmp_path, monkeypatch):
+    from contin.diagram.phase.survey import Survey
+
+    document = interrupted_phase(tmp_path, monkeypatch, Survey, "_visit_row", 2)
+    regions = document["phase"]["regions"]
+    assert 0 < len(regions) < 3
+    assert sum(r["area"] for r in regions) < 1.0
+    assert all(pair < len(regions) for border in document["phase"]["borders"] for pair in border["regions"])
+    left = 3 - len(regions)
+    assert f"stopped by the user: {left} of 3 regions were not looked at" in document["notes"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -13,43 +14,139 @@ from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
-from contin.diagram.phase.states import State
-from contin.errors import ContinError
+from contin.diagram.phase.starts import was_stopped
+from contin.diagram.phase.states import State, images_of
+from contin.errors import ContinError, NoSolutionError
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
 LONGEST: Final = 4000.0  # time scales until a trajectory is given up
 TRANSIENT, STEPS = 300.0, 20_000  # time scales of the first look, which must not take more steps (or escapes)
 ARRIVED: Final = 1e-3  # distance (relative) from a stable equilibrium at which a trajectory has reached it
-TRIED: Final = 6  # trajectories at one point of the box
+TRIED, SCATTERED = 6, 8  # trajectories at one point of the box, from beside unstable equilibria and from anywhere
+WINDOW, RESTING = 20.0, 1e-4  # time scales in which a trajectory at rest moves less than this part of the states' sizes
+SAMPLES: Final = 400  # of an orbit
 
 
-def orbits_reached(problem: Any, states: Sequence[State], value: float) -> list[Seed]:
-    """Families of stable orbits, in the parameter of `problem`, on which trajectories settle that leave `states`.
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """What trajectories settled on that was not known.
+
+    `seeds` : of branches, in the parameter of the line.  `rests` : states at rest where the equations have no
+    derivatives.  `aperiodic` : 1 where some trajectory goes on for ever without a period.
+    """
+
+    seeds: tuple[Seed, ...] = ()
+    rests: tuple[State, ...] = ()
+    aperiodic: int = 0
+
+
+def reached(problem: Any, states: Sequence[State], value: float) -> Reached:
+    """Stable states on which trajectories settle, without those that are known.
 
     `problem` : of the equilibria on the line.  `states` : all that is known where its parameter has this value.
-    Trajectories start beside every unstable equilibrium, on both sides along its most unstable direction.
+    Trajectories start beside every unstable equilibrium, on both sides along its most unstable direction, and from
+    `SCATTERED` points of the box in which all known states are, with as much room again around it.
     """
-    from contin.problems.orbits.simulation import orbit_by_simulation, time_scale
-    from contin.simulate.trajectory import integrate
-
-    if problem.system.n_switches:  # families of piecewise-smooth flows are found from Hopf points only
-        return []
-    p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
-    periods = np.asarray(problem.angle_periods, dtype=float)
-    known = [state.orbit for state in states if state.orbit is not None]
-    found: list[Seed] = []
-    for u in _pushed(problem, states, value)[:TRIED]:
+    if problem.system.n_switches or problem.system.kind == "map":  # their families are found from special points only
+        return Reached()
+    search = _Trajectories(problem, list(states), value)
+    for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)]:
         with suppress(ContinError, np.linalg.LinAlgError):
-            scale = time_scale(problem.system, u, p)
-            end = integrate(problem.system, u, p, TRANSIENT * scale, rtol=1e-8, atol=1e-10, budget=STEPS).end
-            if _at_rest(end, states, periods):
-                continue
-            orbit = orbit_by_simulation(problem.system, end, p, periods, longest=LONGEST)
-            seed = orbit.seed(problem.parameters[0])
-            if known_orbit(seed.problem, seed.z, known) is None:
-                known.append((seed.problem, seed.z))
-                found.append(seed)
-    return found
+            search.follow(u)
+    return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic)
+
+
+@dataclass(eq=False)
+class _Trajectories:
+    """Follows trajectories at one point of the box and collects what is new."""
+
+    problem: Any
+    states: list[State]
+    value: float
+    seeds: list[Seed] = field(default_factory=list)
+    rests: list[State] = field(default_factory=list)
+    aperiodic: int = 0
+
+    def __post_init__(self) -> None:
+        self.p = self.problem.full_parameters(np.append(np.zeros(self.problem.n), self.value))[: len(self.problem.base)]
+        self.periods = np.asarray(self.problem.angle_periods, dtype=float)
+        self.equilibria = [state.vector for state in self.states if state.orbit is None and state.unstable == 0]
+        self.orbits = [state.orbit for state in self.states if state.orbit is not None]
+
+    def follow(self, u: Array) -> None:
+        """Let a trajectory settle; raises ContinError where it escapes."""
+        from contin.problems.orbits.simulation import time_scale
+        from contin.simulate.trajectory import integrate
+
+        system = self.problem.system
+        scale = time_scale(system, u, self.p)
+        end = integrate(system, u, self.p, TRANSIENT * scale, rtol=1e-8, atol=1e-10, budget=STEPS).end
+        if self._is_at_rest(end) or any(_is_on(end, orbit, self.periods) for orbit in self.orbits):
+            return
+        window = integrate(system, end, self.p, WINDOW * scale, times=np.linspace(0.0, WINDOW * scale, 200))
+        moved = float(np.ptp(window.u, axis=0).max())
+        if moved < RESTING * max(self._size(), float(np.abs(u).max())):
+            self._rest(end)
+        else:
+            self._orbit(end)
+
+    def _size(self) -> float:
+        return max((float(np.abs(state.vector).max()) for state in self.states if state.orbit is None), default=0.0)
+
+    def _is_at_rest(self, u: Array) -> bool:
+        """True near a stable equilibrium, or its image under a symmetry."""
+        size = max((float(np.abs(v).max()) for v in self.equilibria), default=0.0)
+        near = ARRIVED * max(size, ARRIVED * self._size())
+        return any(
+            float(np.abs(wrapped(w - v, self.periods)).max()) < near
+            for w in images_of(self.problem, np.append(u, self.value))
+            for v in self.equilibria
+        )
+
+    def _rest(self, u: Array) -> None:
+        """An equilibrium that no branch led to; where Newton fails, the state itself."""
+        from contin.problems.start import converge
+
+        try:
+            solution = converge(self.problem.system, u, self.p, self.periods)
+        except (ContinError, np.linalg.LinAlgError):
+            solution = None
+        at = u if solution is None else solution.u
+        if self._is_at_rest(at):
+            return
+        self.equilibria.append(at)
+        z = np.append(at, self.value)
+        if solution is None or not _is_regular(self.problem, z):
+            names = self.problem.system.state_names
+            self.rests.append(State(dict(zip(names, at.tolist(), strict=True)), 0, at))
+        else:
+            self.seeds.append(Seed(self.problem, z))
+
+    def _orbit(self, u: Array) -> None:
+        from contin.problems.orbits.simulation import orbit_by_simulation
+
+        try:
+            orbit = orbit_by_simulation(self.problem.system, u, self.p, self.periods, longest=LONGEST)
+        except NoSolutionError as error:
+            self.aperiodic = max(self.aperiodic, int("comes to rest" not in str(error)))
+            return
+        seed = orbit.seed(self.problem.parameters[0])
+        if known_orbit(seed.problem, seed.z, self.orbits) is None:
+            self.orbits.append((seed.problem, seed.z))
+            self.seeds.append(seed)
+
+
+def _is_regular(problem: Any, z: Array) -> bool:
+    return bool(np.all(np.isfinite(problem.linear_part(z))))
+
+
+def _is_on(u: Array, orbit: tuple[Any, Array], periods: Array) -> bool:
+    """True near a known orbit (which may be unstable: a trajectory that lingers there is followed no further)."""
+    problem, z = orbit
+    points = problem.profile(z).at(np.linspace(0.0, 1.0, SAMPLES))
+    size = float(np.ptp(points, axis=0).max())
+    grain = float(np.abs(np.diff(points, axis=0)).max())
+    return float(np.abs(wrapped(points - u, periods)).max(axis=1).min()) < grain + ARRIVED * size
 
 
 def carried(family: Branch, names: tuple[str, str], values: tuple[float, float], search: Any) -> list[Seed]:
@@ -74,6 +171,8 @@ def carried(family: Branch, names: tuple[str, str], values: tuple[float, float],
                 way = trace(Seed(across, start, arms=(1 if second > here else -1,)), bounds, settings=search.settings)
             except ContinError:
                 continue
+            if was_stopped(way):
+                raise KeyboardInterrupt
             last = way.z[-1 if second > here else 0]
             if abs(float(last[-1]) - second) > 1e-9 * max(1.0, abs(second)):
                 continue
@@ -81,13 +180,6 @@ def carried(family: Branch, names: tuple[str, str], values: tuple[float, float],
         along = across.with_active(names[0], start)
         found.append(Seed(along, np.append(start[:-1], first)))
     return found
-
-
-def _at_rest(u: Array, states: Sequence[State], periods: Array) -> bool:
-    """True near a stable equilibrium."""
-    rests = [state.vector for state in states if state.orbit is None and state.unstable == 0]
-    size = max((float(np.abs(v).max()) for v in rests), default=1.0)
-    return any(float(np.abs(wrapped(u - v, periods)).max()) < ARRIVED * size for v in rests)
 
 
 def _pushed(problem: Any, states: Sequence[State], value: float) -> list[Array]:
@@ -103,3 +195,15 @@ def _pushed(problem: Any, states: Sequence[State], value: float) -> list[Array]:
         step = PUSH * size * q / max(float(np.abs(q).max()), 1e-300)
         starts += [(-float(values[k].real), state.vector + sign * step) for sign in (1.0, -1.0)]
     return [u for _, u in sorted(starts, key=lambda item: item[0])]
+
+
+def _scattered(states: Sequence[State]) -> list[Array]:
+    """Points spread over the box of all known states, and as much beside it (the same for the same states)."""
+    known = [state.vector[None] for state in states if state.orbit is None]
+    known += [state.orbit[0].profile(state.orbit[1]).u for state in states if state.orbit is not None]
+    if not known:
+        return []
+    points = np.concatenate(known)
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = 0.5 * np.maximum(high - low, np.maximum(np.abs(low), np.abs(high)))
+    return list(np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low))))

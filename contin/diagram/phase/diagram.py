@@ -33,6 +33,7 @@ class Region:
     area: float  # as a part of the box
     outline: Array  # (k, 2), in the parameters' units
     holes: tuple[Array, ...] = ()
+    aperiodic: int = 0  # 1 where trajectories settle on something without a period: chaos, or a torus
 
     @property
     def total(self) -> int:
@@ -58,9 +59,10 @@ class Region:
     def words(self) -> str:
         """Such as '2 of 3 equilibria stable, 1 stable orbit'."""
         cycles = self.stable_orbits
-        if cycles == 0:
-            return self._equilibria
-        return f"{self._equilibria}, {cycles} stable orbit{'s' if cycles > 1 else ''}"
+        parts = [self._equilibria]
+        parts += [f"{cycles} stable orbit{'s' if cycles > 1 else ''}"] if cycles else []
+        parts += ["an aperiodic attractor"] if self.aperiodic else []
+        return ", ".join(parts)
 
     @property
     def _equilibria(self) -> str:
@@ -82,6 +84,7 @@ class PhaseDiagram:
     borders: Mapping[tuple[int, int], frozenset[str]]
     branches: tuple[Branch, ...] = ()
     notes: tuple[str, ...] = field(default_factory=tuple)
+    stopped: bool = False  # by the user: curves and regions may be missing
 
     @property
     def graph(self) -> Graph:

@@ -37,3 +37,9 @@ class Line:
         for seed in seeds:
             self.added += 1
             self.explorer.add(self.diagram, f"more{self.added}", seed)
+            self.raise_if_stopped()
+
+    def raise_if_stopped(self) -> None:
+        """Raise KeyboardInterrupt after Ctrl-C, which the explorer only notes."""
+        if self.diagram.stopped:
+            raise KeyboardInterrupt

@@ -13,6 +13,7 @@ from contin.continuation.departure import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
 
 NEAR: Final = 1e-3  # distance in the unit square of a point from a curve that it is on
+BESIDE: Final = 0.02  # ... of a row of a curve from the point that the curve is said to lead to
 ALIKE: Final = 0.05  # relative difference of period and extent of two orbits that may be one, or images
 SAMPLES: Final = 7  # rows of a curve that are looked up on another
 SAME_PARAMETER, SAME_PERIOD = 1e-6, 1e-3  # of two special orbits of a line, relative
@@ -25,6 +26,12 @@ def is_known_curve(loci: Sequence[Branch], seed: Seed, box: Box) -> bool:
     problem: Any = seed.problem
     place, marks = unit(seed.z[None, [-1, -2]], box)[0], _marks(problem, problem.columns(seed.z[None]))[0]
     return any(_passes(b, place, marks, box) for b in loci if b.locus == problem.locus and is_orbital(b))
+
+
+def passes_near(loci: Sequence[Branch], locus: str, place: Array, box: Box) -> bool:
+    """True where a curve of this type comes near a place of the unit square."""
+    rows = [unit(b.z[:, [-1, -2]], box) for b in loci if b.locus == locus and is_orbital(b)]
+    return any(float(np.linalg.norm(r - place, axis=1).min()) < BESIDE for r in rows)
 
 
 def repeats_curve(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from typing import Final
 
 import numpy as np
@@ -87,11 +88,13 @@ def _assembled(
     inner = [k for k, area in enumerate(areas) if area > 0.0]
     home: dict[int, int] = {k: k for k in inner}
     holes: dict[int, list[int]] = defaultdict(list)
+    low, high = (np.array([edge(vertices[cycles[m]], axis=0) for m in inner]) for edge in (np.min, np.max))
     for k in [k for k, area in enumerate(areas) if area <= 0.0]:
         point, own = vertices[cycles[k][0]], set(cycles[k])
+        near = np.flatnonzero(np.all((low <= point) & (point <= high), axis=1))
         around = [
             m
-            for m in inner
+            for m in (inner[j] for j in near)
             if areas[m] > -areas[k] and not own & set(cycles[m]) and inside(point[None], [vertices[cycles[m]]])[0]
         ]
         if around:
@@ -128,20 +131,20 @@ def _point(found: Array | None) -> Array:
 
 def _joined(points: Mapping[int, Array | None], length: Mapping[tuple[int, int], float]) -> dict[int, int]:
     """The face that each face is counted with: itself, or for slivers the neighbour with the longest common border."""
+    beside: dict[int, list[tuple[float, int]]] = defaultdict(list)
+    for (i, j), border in length.items():
+        beside[i].append((-border, j))
+        beside[j].append((-border, i))
     final = {k: k for k, point in points.items() if point is not None}
-    waiting = {k for k, point in points.items() if point is None}
+    waiting = [(border, thin, k) for k in final for border, thin in beside[k] if thin not in final]
+    heapify(waiting)
     while waiting:
-        candidates = [
-            (border, thin, final[other])
-            for (i, j), border in length.items()
-            for thin, other in ((i, j), (j, i))
-            if thin in waiting and other in final
-        ]
-        if not candidates:
-            break
-        _, thin, other = max(candidates)
-        final[thin] = other
-        waiting.discard(thin)
+        _, thin, other = heappop(waiting)
+        if thin not in final:
+            final[thin] = final[other]
+            for border, further in beside[thin]:
+                if further not in final:
+                    heappush(waiting, (border, further, thin))
     return final
 
 
@@ -172,14 +175,14 @@ def _inner_point(rings: Sequence[Array]) -> Array | None:
         candidates = np.column_stack([x.ravel(), y.ravel()])
         candidates = candidates[inside(candidates, rings)]
         if len(candidates):
-            distances = _distance(candidates, rings)
+            distances = clearance(candidates, rings)
             best = int(np.argmax(distances))
             if distances[best] > THINNEST:
                 return np.asarray(candidates[best])
     return None
 
 
-def _distance(points: Array, rings: Sequence[Array]) -> Array:
+def clearance(points: Array, rings: Sequence[Array]) -> Array:
     """Distance of each point from the nearest edge of the rings."""
     best = np.full(len(points), np.inf)
     for ring in rings:

@@ -76,6 +76,7 @@ def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
             "total": region.total,
             "stable_orbits": region.stable_orbits,
             "orbits": region.orbits,
+            "aperiodic": region.aperiodic,
             "point": dict(region.point),
             "states": [
                 {

@@ -9,11 +9,12 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, SpecialPoint
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import copies, known_orbit
 
 SAME: Final = 1e-6
+MARKED: Final = 1e-9  # of the range: a parameter has the value that was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,41 +33,48 @@ class State:
     orbit: tuple[Any, Array] | None = None
 
 
-def states_on(branches: Sequence[Branch]) -> tuple[State, ...]:
-    """The states marked by user values on branches (images left out), each once, up to declared symmetries."""
+def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[State, ...]:
+    """The states of branches marked at this value of their parameter (images left out), each once up to symmetries.
+
+    `width` : of the parameter's range, to which the accuracy of its value is relative.
+    """
     states: list[State] = []
     seen: list[Array] = []
     for branch in branches:
         if branch.image_of is not None:
             continue
         if branch.kind == "orbit":
-            states += _orbits_on(branch, [s.orbit for s in states if s.orbit is not None])
+            states += _orbits_on(branch, value, width, [s.orbit for s in states if s.orbit is not None])
             continue
         problem = branch.problem
         names = [*problem.system.state_names, *problem.system.observable_names]
         for p in branch.points:
-            if p.type != "UZ" or any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
+            if not _is_at(p, branch, value, width) or any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
                 continue
-            images = _images(problem, p.z)
+            images = images_of(problem, p.z)
             seen.extend(images)
             states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], len(images)))
     return tuple(states)
 
 
-def _orbits_on(branch: Branch, known: Sequence[tuple[Any, Array]]) -> list[State]:
+def _is_at(point: SpecialPoint, branch: Branch, value: float, width: float) -> bool:
+    return point.type == "UZ" and abs(point.values[branch.parameters[0]] - value) <= MARKED * width
+
+
+def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple[Any, Array]]) -> list[State]:
     """The orbits marked by user values on a family, without those that are known."""
     problem = branch.problem
     names = [name for name in problem.column_names() if name != branch.parameters[0]]
     found: list[State] = []
     for p in branch.points:
-        if p.type != "UZ" or known_orbit(problem, p.z, known) is not None:
+        if not _is_at(p, branch, value, width) or known_orbit(problem, p.z, known) is not None:
             continue
         values = {name: p.values[name] for name in names}
         found.append(State(values, int(p.values["unstable"]), p.z[:0], copies(problem, p.z), (problem, p.z)))
     return found
 
 
-def _images(problem: Any, z: Array) -> list[Array]:
+def images_of(problem: Any, z: Array) -> list[Array]:
     """The state and its distinct images under the declared symmetries."""
     from contin.problems.symmetry import apply_symmetry, symmetry_names
 

@@ -7,6 +7,7 @@ short lines in one parameter, which start from orbits of a short family in the o
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
@@ -20,6 +21,7 @@ from contin.errors import ContinError, InputError
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions
 QUICK: Final = Settings(steps=60, max_step=0.1)
+SECONDS: Final = 10.0  # until the search is given up: families beside long orbits have many special points
 
 
 def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -45,6 +47,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
     """Families along one parameter, through orbits that have the other one moved."""
     from contin.continuation.trace import trace
 
+    deadline = time.perf_counter() + SECONDS
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     for axis in (0, 1):
         along, across = problem.parameters[axis], problem.parameters[1 - axis]
@@ -54,15 +57,17 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
         for part in AWAY:
             bounds = value - part * widths[axis], value + part * widths[axis]
             try:
-                family = trace(Seed(moving, start), bounds, settings=QUICK)
+                family = trace(Seed(moving, start), bounds, settings=QUICK, deadline=deadline)
             except ContinError:
                 continue
             for row in (0, -1):
+                if time.perf_counter() > deadline:
+                    return
                 z = family.z[row][~np.isnan(family.z[row])]
                 line = moving.with_active(across, z)
                 other = float(point.values[across])
                 limits = other - REACH * widths[1 - axis], other + REACH * widths[1 - axis]
                 try:
-                    yield trace(Seed(line, np.append(z[:-1], other)), limits, settings=QUICK)
+                    yield trace(Seed(line, np.append(z[:-1], other)), limits, settings=QUICK, deadline=deadline)
                 except ContinError:
                     continue

@@ -1,0 +1,93 @@
+"""Closed curves of orbits: their rows are on meshes that change, so they are told by what no mesh changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.arm import Arm, Piece
+from contin.continuation.branch import End
+from contin.continuation.problem import is_adaptive, is_planar
+
+BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
+SAME = 1e-4  # relative differences of parameters, period and extents of one orbit on two meshes
+
+
+def until_closed(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
+    """The pieces of an arm, to the point where it is back at its start; then `arm.end` says so.
+
+    Only curves of orbits in two parameters are looked at: other closed branches are seen by the march itself.
+    """
+    name = arm.problem.parameters[0]
+    if not (is_adaptive(arm.problem) and is_planar(arm.problem)):
+        yield from pieces
+        return
+    loop = _Loop(arm, start)
+    for piece in pieces:
+        closed = loop.closed(piece)
+        if closed is None:
+            yield piece
+            continue
+        arm.end = End("closed", f"closed loop: back at the start, {name} = {start[-1]:.10g}")
+        yield closed
+        return
+
+
+@dataclass(eq=False)
+class _Loop:
+    """Passing the start in the sense in which the arm left it."""
+
+    arm: Arm
+    start: Array
+
+    def __post_init__(self) -> None:
+        self.problem: Any = self.arm.problem  # of orbits: with a system, and planar
+        self.first = self._marks(self.start[None])[0]
+        ranges = np.abs(self.arm.scale[[-1, -2]])
+        self.sizes = np.append(ranges, np.maximum(np.abs(self.first[2:]), 1e-3 * np.abs(self.first[2:]).max(initial=0)))
+        self.last = self.first / self.sizes
+        self.away: Array | None = None  # the first step
+
+    def _marks(self, z: Array) -> Array:
+        """(rows, k) of both parameters, the period if there is one, and the smallest and largest states."""
+        columns = self.problem.columns(z)
+        states = [f"{name}.{end}" for name in self.problem.system.state_names for end in ("min", "max")]
+        names = [*self.problem.parameters, "period", *states]
+        return np.column_stack([columns[name] for name in names if name in columns])
+
+    def closed(self, piece: Piece) -> Piece | None:
+        """The piece up to the start, where one of its steps passes that."""
+        if not len(piece.z):
+            return None
+        marks = self._marks(piece.z) / self.sizes
+        target = self.first / self.sizes
+        for row, mark in enumerate(marks):
+            step = mark - self.last
+            if self.away is None:
+                self.away = step
+            elif float(step @ self.away) > 0.0 and _passes(self.last, step, target):
+                there = self._solved(piece, row, step)
+                if there is not None:
+                    z = np.vstack([piece.z[:row], there])
+                    return replace(piece.cut(row + 1), z=z)
+            self.last = mark
+        return None
+
+    def _solved(self, piece: Piece, row: int, step: Array) -> Array | None:
+        """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
+        axis = int(np.argmax(np.abs(step[:2])))
+        z = self.problem.at_unknown(-1 - axis, piece.z[row], float(self.start[-1 - axis]), piece.scale)
+        if z is None:
+            return None
+        gaps = (self._marks(z[None])[0] - self.first) / self.sizes
+        return np.asarray(z) if float(np.abs(gaps).max()) < SAME else None
+
+
+def _passes(a: Array, step: Array, target: Array) -> bool:
+    length = float(step @ step)
+    t = float((target - a) @ step) / max(length, 1e-300)
+    return 0.0 < t <= 1.0 and float(np.linalg.norm(a + t * step - target)) <= BESIDE * np.sqrt(length)

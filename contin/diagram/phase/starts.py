@@ -1,0 +1,101 @@
+"""Where branches begin on a line across the box: starts brought there, and what is known to cross it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
+from contin.continuation.settings import Settings
+from contin.continuation.trace import trace
+from contin.diagram.phase.lines import Box
+from contin.errors import ContinError
+from contin.problems.equilibrium import EquilibriumProblem
+
+
+def was_stopped(branch: Branch) -> bool:
+    """True where Ctrl-C ended it."""
+    return any(end.reason == "stopped" for end in branch.ends)
+
+
+def brought(
+    problem: EquilibriumProblem, start: tuple[Array, Array], names: tuple[str, str], box: Box, axis: int, value: float,
+    settings: Settings,
+) -> list[Seed]:  # fmt: skip
+    """A start with the other parameter brought to `value`, then the parameter itself into its range."""
+    u, p = start
+    own = list(problem.system.parameter_names)
+    k, j = (own.index(names[i]) for i in (axis, 1 - axis))
+    inside = float(np.clip(p[k], *box[axis]))
+    for order in ((k, inside), (j, value)), ((j, value), (k, inside)):
+        state, at = u, p.copy()
+        for active, wanted in order:
+            reached = _bring(replace(problem, base=at.copy(), active=active), state, wanted, settings)
+            if reached is None:
+                break
+            state, at[active] = reached, wanted
+        else:
+            return [Seed(replace(problem, base=at, active=k), np.append(state, at[k]))]
+    return []
+
+
+def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settings) -> Array | None:
+    """The equilibrium u followed until the active parameter has this value; through folds, if need be."""
+    here = float(problem.base[problem.active])
+    if here == value:
+        return u
+    width = abs(value - here)
+    bounds = (min(here, value), max(here, value))
+    sense = 1 if value > here else -1
+    for room in (0.0, 1.0):  # a branch that folds back may come round outside
+        limits = (bounds[0] - (room * width if sense > 0 else 0.0), bounds[1] + (room * width if sense < 0 else 0.0))
+        try:
+            branch = trace(Seed(problem, np.append(u, here), arms=(sense,)), limits, settings=settings)
+        except ContinError:
+            return None
+        if was_stopped(branch):
+            raise KeyboardInterrupt
+        row = -1 if sense > 0 else 0
+        if abs(float(branch.z[row, -1]) - value) < 1e-9 * max(1.0, abs(value)):
+            return np.asarray(branch.z[row, :-1])
+    return None
+
+
+def on_branch(branch: Branch, parameter: str, bounds: Sequence[float], value: float) -> list[Seed]:
+    """Equilibria of a branch in the other parameter where that has this value, as starts of branches."""
+    problem: Any = branch.problem
+    column = branch.z[:, -1] - value
+    k = list(problem.system.parameter_names).index(parameter)
+    seeds = []
+    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+        t = column[row] / (column[row] - column[row + 1])
+        guess = (1.0 - t) * branch.z[row] + t * branch.z[row + 1]
+        z = problem.at_parameter(guess, value, problem.initial_scale(guess, bounds))
+        if z is not None:
+            p = problem.full_parameters(z)
+            seeds.append(Seed(replace(problem, base=p, active=k), np.append(z[:-1], p[k])))
+    return seeds
+
+
+def on_curve(locus: Branch, problem: EquilibriumProblem, axis: int, value: float) -> list[Seed]:
+    """Points of a curve on the line where the parameter across `axis` has this value, as starts of branches."""
+    planar: Any = locus.problem
+    curve = planar.curve
+    index = len(locus.z[0]) - (1 if axis == 1 else 2)  # where the other parameter stands
+    column = locus.z[:, index] - value
+    seeds = []
+    for row in np.flatnonzero(column[:-1] * column[1:] < 0.0):
+        t = column[row] / (column[row] - column[row + 1])
+        guess = (1.0 - t) * locus.z[row] + t * locus.z[row + 1]
+        z = planar.at_unknown(index, guess, value, planar.initial_scale(guess, planar.first_bounds))
+        if z is None:
+            continue
+        p = curve.full_parameters(z)
+        k = curve.first if axis == 0 else curve.second
+        seeds.append(Seed(replace(problem, base=p, active=k), np.append(z[: curve.n], p[k])))
+    return seeds

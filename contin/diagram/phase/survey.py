@@ -1,0 +1,120 @@
+"""The regions that curves cut the box into, each with the states at a point inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.diagram.orbits import known_orbit
+from contin.diagram.phase.attractors import Reached, carried, reached
+from contin.diagram.phase.line import Line
+from contin.diagram.phase.lines import polylines
+from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
+from contin.diagram.phase.rows import common_rows
+from contin.diagram.phase.search import LociSearch
+from contin.diagram.phase.states import State, states_on
+
+ROUNDS: Final = 3  # the box is cut anew when the regions' own branches show a curve that was missed
+SMALLEST_WITH_ORBITS: Final = 2e-4  # of the box: curves of orbits cross in swarms of small regions
+
+
+@dataclass(eq=False)
+class Visit:
+    """A point of the unit square, its coordinates, and the line in the first parameter through it."""
+
+    point: Array
+    at: tuple[float, float]
+    line: Line
+    width: float  # of the parameter's range
+    rests: tuple[State, ...] = ()  # where trajectories come to rest and the equations have no derivatives
+    aperiodic: int = 0  # 1 where trajectories settle on something without a period
+    offered: set[int] = field(default_factory=set)  # families of other visits that were looked for here
+    _states: tuple[int, tuple[State, ...]] = (-1, ())
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """Those of the line's branches where they pass the point; other visits may add branches to the line."""
+        branches = self.line.branches
+        if self._states[0] != len(branches):
+            self._states = len(branches), states_on(branches, self.at[0], self.width)
+        return (*self._states[1], *self.rests)
+
+    def add(self, seeds: Sequence[Seed]) -> None:
+        """Follow states at this point that are new."""
+        known = [state.orbit for state in self.states if state.orbit is not None]
+        new = [s for s in seeds if s.problem.kind != "orbit" or known_orbit(s.problem, s.z, known) is None]
+        self.line.add(new)
+
+
+@dataclass(eq=False)
+class Survey:
+    """`plane` is the box cut by the curves known so far, `visits` has the states of its faces, or None before that."""
+
+    search: LociSearch
+    plane: Arrangement | None = None
+    owners: Sequence[int] = ()
+    visits: list[Visit | None] = field(default_factory=list)
+    shared: bool = False  # stable orbits of one region were looked for in all others
+
+    def run(self) -> None:
+        """Cut the box, visit every region, and cut again while that shows curves that were missed."""
+        for _ in range(ROUNDS):
+            self.cut()
+            self._visit_all()
+            self._share()
+            more = [self.search.absorb(visit.line.branches) for visit in self.visits if visit is not None]
+            if not any(more):
+                return
+        self.cut()  # with the curves that the last round found
+        self._visit_all()
+
+    def cut(self) -> None:
+        """The faces between the curves known by now; a point of an earlier visit inside one serves as its point."""
+        lines, self.owners = polylines(self.search.loci, self.search.box)
+        plane = arrangement(lines, SMALLEST_WITH_ORBITS if self.search.orbits else SMALLEST)
+        known = [visit for visit in self.visits if visit is not None]
+        self.visits = [next((v for v in known if _contains(face, v.point)), None) for face in plane.faces]
+        self.plane = plane
+
+    def _visit_all(self) -> None:
+        assert self.plane is not None
+        left = [k for k, visit in enumerate(self.visits) if visit is None]
+        for row in common_rows([self.plane.faces[k] for k in left]):
+            self._visit_row([(left[k], point) for k, point in row])
+
+    def _visit_row(self, row: Sequence[tuple[int, Array]]) -> None:
+        """Visit several faces with one line; `row` has their numbers and points."""
+        low = np.array([b[0] for b in self.search.box])
+        width = np.array([b[1] - b[0] for b in self.search.box])
+        places = [low + width * point for _, point in row]
+        height = float(places[0][1])
+        line = self.search.line(0, height, [float(place[0]) for place in places])
+        for (face, point), place in zip(row, places, strict=True):
+            visit = Visit(point, (float(place[0]), height), line, float(width[0]))
+            if self.search.orbits:
+                problem = replace(self.search.problem, base=self.search.held(0, height))
+                found: Reached = reached(problem, visit.states, visit.at[0])
+                visit.add(found.seeds)
+                visit.rests, visit.aperiodic = found.rests, found.aperiodic
+            self.visits[face] = visit
+
+    def _share(self) -> None:
+        """Stable orbits that trajectories led to in one region are looked for in the others."""
+        visits = [visit for visit in self.visits if visit is not None]
+        families = {id(b): b for visit in visits for b in visit.line.orbits if b.parent is None}.values()
+        if self.search.orbits:
+            for visit in visits:
+                for family in families:
+                    if id(family) not in visit.offered and not any(family is b for b in visit.line.branches):
+                        visit.offered.add(id(family))
+                        visit.add(carried(family, self.search.parameters, visit.at, self.search))
+        self.shared = True
+
+
+def _contains(face: Face, point: Array) -> bool:
+    return bool(inside(point[None], [face.outline, *face.holes])[0])
