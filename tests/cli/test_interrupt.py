@@ -68,9 +68,9 @@ PHASE = {"parameter": ["p", "q"], "range": {"p": [-0.5, 0.5], "q": [-1, 1]}}
 
 def interrupted_phase(tmp_path, monkeypatch, owner, name, call_number):
     """The results of a phase diagram with Ctrl-C pressed when a function is called for the n-th time."""
-    calls = []
+    calls, original = [], getattr(owner, name)
 
-    def counted(*arguments, original=getattr(owner, name), **options):
+    def counted(*arguments, **options):
         calls.append(name)
         if len(calls) == call_number:
             os.kill(os.getpid(), signal.SIGINT)
