@@ -13,7 +13,6 @@ from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.homoclinic.linear import Factorised
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
 
 TOLERANCE = 1e-11  # of Newton's steps with one unknown fixed
@@ -29,7 +28,7 @@ class MarchedInPython(OrbitCurveProblem):
         """Take z as what the phase condition, and all else that is kept for a chunk, refers to."""
 
     @abstractmethod
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> python_march.Linearisation | None:
         """The factorised equations with the tangent as their last row; None where they are singular."""
 
     @abstractmethod

@@ -15,14 +15,13 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import TwoParameterProblem
 
 
 class CurveOfOrbits:
     """The equations of a curve; `orbits` gives those of the orbits, with the first parameter free."""
 
-    orbits: OrbitProblem
+    orbits: Any  # an `OrbitProblem` or a `ShootingProblem`
     second: int
 
     @property
@@ -31,11 +30,11 @@ class CurveOfOrbits:
 
     @property
     def base(self) -> Array:
-        return self.orbits.base
+        return np.asarray(self.orbits.base)
 
     @property
     def first(self) -> int:
-        return self.orbits.active
+        return int(self.orbits.active)
 
 
 class CurveOfPeriodicOrbits(CurveOfOrbits):
@@ -58,14 +57,15 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
         """cos(theta) or the unfolding; 0 where there is neither."""
         return float(z[-3]) if self.extra else 0.0
 
-    def at(self, z: Array) -> OrbitProblem:
+    def at(self, z: Array) -> Any:
         """The orbits' problem at the second parameter's value in z."""
         base = self.orbits.base.copy()
         base[self.second] = z[-2]
         return replace(self.orbits, base=base)
 
     def profile(self, z: Array) -> Profile:
-        return self.orbits.profile(self.orbit(z))
+        found: Profile = self.at(z).profile(self.orbit(z))
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 
@@ -42,7 +43,7 @@ class Nodes:
         return cls(z[:size].reshape(-1, n), float(z[size]), z[size + 1 : size + 1 + n], float(z[-2]), float(z[-1]))
 
 
-def moving(size: int, n: int) -> Array:
+def moving(size: int, n: int) -> NDArray[np.intp]:
     """Positions in z of the unknowns that move, (M n + 2,): states, period, parameter."""
     return np.append(np.arange(size - n - 2), size - 1)
 

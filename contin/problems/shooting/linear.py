@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.shooting.layout import moving
@@ -22,7 +23,7 @@ class BorderedShooting:
 
     residual_moving: Array
     matrix: Array
-    positions: Array
+    positions: NDArray[np.intp]
     size: int
 
     @classmethod
@@ -65,7 +66,7 @@ class BorderedShooting:
         return embedded(x, self.positions, self.size)
 
 
-def embedded(x: Array, positions: Array, size: int) -> Array:
+def embedded(x: Array, positions: NDArray[np.intp], size: int) -> Array:
     """A direction of the moving unknowns as one of z."""
     out = np.zeros(size)
     out[positions] = x
@@ -100,7 +101,7 @@ def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
     return [embedded(v, positions, len(z)) for v in _symmetric_first(problem, z, vectors[-2:], positions, scale)]
 
 
-def _symmetric_first(problem: Any, z: Array, plane: Array, positions: Array, scale: Array) -> list[Array]:
+def _symmetric_first(problem: Any, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array) -> list[Array]:
     """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
     rates = plane[:, -1]
     size = float(np.hypot(*rates))

@@ -56,6 +56,10 @@ class ShootingProblem(FamilyOfOrbits):
         """The same orbits with trajectories of another accuracy."""
         return replace(self, accuracy=accuracy)
 
+    def at_base(self, base: Array) -> ShootingProblem:
+        """The same orbits with other parameter values."""
+        return replace(self, base=base)
+
     def forcing_period(self, parameter: float) -> tuple[float, float]:
         """Period of the orbit of a forced system, and its derivative by the active parameter."""
         from contin.model.evaluate import evaluate
@@ -220,6 +224,12 @@ class ShootingProblem(FamilyOfOrbits):
         from contin.problems.shooting.switch import switch
 
         return switch(self, point, parameter)
+
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curve of such points in two parameters."""
+        from contin.problems.shooting.loci.start import loci_of_orbit
+
+        return loci_of_orbit(self, point, parameters)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

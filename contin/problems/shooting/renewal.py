@@ -34,11 +34,11 @@ def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | No
     period = float(frame.scale[period_at])
     if nodes.period > period:
         period = 2.0 * nodes.period
-    misplaced = problem.autonomous and _misplaced(problem, origin.z, nodes, sizes)
-    if not misplaced and np.array_equal(grown, sizes) and period == frame.scale[period_at]:
+    moves = problem.autonomous and misplaced(problem, origin.z, nodes, sizes)
+    if not moves and np.array_equal(grown, sizes) and period == frame.scale[period_at]:
         return Renewal(frame.scale, origin, before, loop)
     scale = make_scale(grown, nodes.count, period, float(frame.scale[-1]))
-    if not misplaced:
+    if not moves:
         kept, start = (None if s is None else _remeasured(s, frame.scale, scale) for s in (before, loop))
         return Renewal(scale, _remeasured(origin, frame.scale, scale), kept, start)
     fraction = quietest(problem, origin.z)
@@ -52,7 +52,8 @@ def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | No
     )
 
 
-def _misplaced(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> bool:
+def misplaced(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> bool:
+    """True where the first node is too close to a crossing, or its section too oblique to the flow."""
     velocity = problem.system.value(nodes.u[0], problem.full_parameters(z))
     speed = float(np.linalg.norm(velocity / sizes))
     cosine = float(nodes.normal @ velocity) / (speed * float(np.linalg.norm(nodes.normal * sizes)) or 1.0)

@@ -26,16 +26,17 @@ class Segments:
     problem: Any
     nodes: Nodes
     flights: tuple[Flight, ...]
+    others: tuple[int, ...] = ()  # further parameters that derivatives are carried for
 
     @classmethod
-    def of(cls, problem: Any, z: Array) -> Segments | None:
+    def of(cls, problem: Any, z: Array, others: tuple[int, ...] = ()) -> Segments | None:
         """None where the trajectory does not come to the end of a segment."""
         nodes = Nodes.of(z, problem.n)
         if not (nodes.period > 0.0 and np.all(np.isfinite(z))):
             return None
         n, p = problem.n, problem.full_parameters(z)
-        identity = np.hstack([np.eye(n), np.zeros((n, 1))])
-        columns = np.append(np.full(n, -1), n + problem.active)
+        identity = np.hstack([np.eye(n), np.zeros((n, 1 + len(others)))])
+        columns = np.append(np.full(n, -1), n + np.array([problem.active, *others]))
         length = nodes.period / nodes.count
         atol = ATOL * problem.accuracy * max(float(np.abs(nodes.u).max()), 1e-300)
         flights = []
@@ -47,7 +48,7 @@ class Segments:
             if flight.outcome != "done" or not np.all(np.isfinite(flight.end)):
                 return None
             flights.append(flight)
-        return cls(problem, nodes, tuple(flights))
+        return cls(problem, nodes, tuple(flights), others)
 
     @cached_property
     def transitions(self) -> Array:
@@ -110,6 +111,18 @@ class Segments:
             matrix[rows, size + 1] = self.flights[i].variations[:, n]
         matrix[-1] = self._phase[1]
         return matrix
+
+    @cached_property
+    def by_others(self) -> Array:
+        """(M n + 1, k) by the further parameters, in the model's units."""
+        problem, n = self.problem, self.problem.n
+        end = np.zeros((1, len(self.others)))
+        if not problem.autonomous:
+            z = self.nodes.vector()
+            for k, other in enumerate(self.others):
+                across = problem.with_active(problem.system.parameter_names[other], z)
+                end[0, k] = -across.forcing_period(float(across.base[other]))[1]
+        return np.vstack([*(f.variations[:, n + 1 :] for f in self.flights), end])
 
     def row_units(self, scale: Array) -> Array:
         """Units of the equations, (M n + 1,)."""

@@ -26,8 +26,6 @@ SECONDS: Final = 10.0  # until the search is given up: families beside long orbi
 
 def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of NS that passes nearest to the point; raises InputError where none is found."""
-    from contin.problems.orbits.loci.start import loci_of_orbit
-
     here = np.array([point.values[name] for name in problem.parameters])
     widths = np.abs(point.scale[[-1, -2]])
     best: tuple[float, Any, SpecialPoint] | None = None
@@ -39,7 +37,8 @@ def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) ->
                 if best is None or gap < best[0]:
                     best = gap, family.problem, found
         if best is not None:
-            return loci_of_orbit(best[1], best[2], parameters)
+            seeds: list[Seed] = best[1].loci(best[2], parameters)
+            return seeds
     raise InputError(f"{point.branch}.{point.label}: no torus bifurcation was found beside this point")
 
 

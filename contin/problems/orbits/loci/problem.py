@@ -6,27 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.loci import criticality, events
+from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import renew
-from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.problems.orbits.loci.special import OfSpecialOrbits
 
-SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
 PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
 LEAST = 10  # ... but not before so many steps
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitLocusProblem(OfPeriodicOrbits):
+class OrbitLocusProblem(OfSpecialOrbits):
     """See `contin.problems.orbits.loci.curve` for the unknowns and equations."""
 
     curve: OrbitCurve
@@ -80,15 +78,6 @@ class OrbitLocusProblem(OfPeriodicOrbits):
         wanted = criticality.is_measured(self.curve, base)
         return criticality.measured(self.curve, found, frame.scale) if wanted else found
 
-    def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
-        """The multipliers without the trivial and the critical ones."""
-        left = values[1:].tolist() if self.curve.orbits.autonomous else values.tolist()
-        for target in events.critical(self.locus, self.curve.further(z)):
-            if left:
-                gaps = [abs(value - target) for value in left]
-                left.pop(gaps.index(min(gaps)))
-        return np.array(left, complex)
-
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros(guess.size)
         fixed[index] = 1.0
@@ -101,19 +90,6 @@ class OrbitLocusProblem(OfPeriodicOrbits):
         z[index] = value
         return z
 
-    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return events.explain(self.locus, a, b)
-
-    def watch(self, type_: str) -> int | None:
-        return events.watch(self.locus, type_)
-
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return events.verify(self, type_, near, frame)
-
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        changed = a.tests[2:] * b.tests[2:] < 0.0
-        return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
-
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
@@ -121,24 +97,6 @@ class OrbitLocusProblem(OfPeriodicOrbits):
             end = End("hopf", f"the orbit shrank to a Hopf point at {self.place(origin.z)}")
             return Renewal(frame.scale, origin, before, loop, end)
         return renew(self, origin, before, frame, settings)
-
-    def has_shrunk(self, z: Array, scale: Array) -> bool:
-        """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
-        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
-        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
-        return small and not self.curve.orbits.winding.any()
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
-        periods = self.curve.profile(a.z).period, self.curve.profile(b.z).period
-        return bool(near.all()) and abs(periods[0] - periods[1]) < 1e-5 * periods[0]
-
-    def columns(self, z: Array) -> dict[str, Array]:
-        columns = super().columns(z)
-        if self.locus == "NS":
-            columns["cos.theta"] = z[:, -3].copy()
-            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
-        return columns
 
     # -- leaving the curve --------------------------------------------------------------------------------------------
 

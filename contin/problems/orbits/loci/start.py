@@ -75,21 +75,24 @@ def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Se
     if names[first] != problem.parameters[0]:
         orbits = orbits.with_active(names[first], orbit)
         orbit = np.append(orbit[:-1], orbits.base[first])
-    others = [t for t in MEETING.get(point.type, ()) if t != problem.locus]
-    if point.type == "NSNS" or not others:
-        others = [problem.locus]
     seeds: list[Seed] = []
-    for type_ in others:
+    for type_ in meeting(point.type, problem.locus):
         if type_ == "NS" and problem.locus != "NS":
             seeds += tori_beside(problem, point, parameters)
             continue
         curve = OrbitCurve(type_, orbits, second)
-        z = curve.join(orbit, float(orbits.base[second]), _further(problem, point, type_))
+        z = curve.join(orbit, float(orbits.base[second]), further_through(problem, point, type_))
         seeds.append(Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label)))
     return seeds
 
 
-def _further(problem: OrbitLocusProblem, point: SpecialPoint, type_: str) -> float:
+def meeting(point: str, locus: str) -> list[str]:
+    """The types of the curves through a point of codimension two, but for the one it lies on if there are others."""
+    others = [t for t in MEETING.get(point, ()) if t != locus]
+    return others if others and point != "NSNS" else [locus]
+
+
+def further_through(problem: Any, point: SpecialPoint, type_: str) -> float:
     """cos theta of the curve of tori through the point; 0 for other types."""
     if type_ != "NS":
         return 0.0
@@ -98,4 +101,4 @@ def _further(problem: OrbitLocusProblem, point: SpecialPoint, type_: str) -> flo
         if pairs:
             nearest = min(pairs, key=lambda v: abs(abs(v) - 1.0))
             return float(nearest.real / abs(nearest))
-    return problem.curve.further(point.z)
+    return float(problem.curve.further(point.z))

@@ -1,0 +1,61 @@
+"""What curves of special periodic orbits answer alike, whether the orbits are found by collocation or by shooting."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.loci import events
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+
+SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
+
+
+@dataclass(frozen=True, eq=False)
+class OfSpecialOrbits(OfPeriodicOrbits):
+    """`curve` is a `CurveOfPeriodicOrbits` of LPC, BPC, PD or NS; that of NS has cos(theta) as a further unknown."""
+
+    def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
+        """The multipliers without the trivial and the critical ones."""
+        left = values[1:].tolist() if self.curve.orbits.autonomous else values.tolist()
+        for target in events.critical(self.locus, self.curve.further(z)):
+            if left:
+                gaps = [abs(value - target) for value in left]
+                left.pop(gaps.index(min(gaps)))
+        return np.array(left, complex)
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return events.explain(self.locus, a, b)
+
+    def watch(self, type_: str) -> int | None:
+        return events.watch(self.locus, type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return events.verify(self, type_, near, frame)
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        changed = a.tests[2:] * b.tests[2:] < 0.0
+        return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
+
+    def has_shrunk(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
+        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
+        return small and not self.curve.orbits.winding.any()
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
+        periods = self.curve.profile(a.z).period, self.curve.profile(b.z).period
+        return bool(near.all()) and abs(periods[0] - periods[1]) < 1e-5 * periods[0]
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        columns = super().columns(z)
+        if self.locus == "NS":
+            columns["cos.theta"] = z[:, -3].copy()
+            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
+        return columns

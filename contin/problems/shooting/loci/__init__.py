@@ -1,0 +1,1 @@
+"""Curves of special periodic orbits in two parameters, the orbits found by shooting."""

@@ -1,0 +1,101 @@
+"""Curves of special orbits by shooting: unknowns and equations.
+
+z = (u_1 .. u_M, T, normal, offset, [further unknown], q, p); the section (normal, offset) is carried along. The
+further unknown of a curve of tori is cos(theta), which may leave [-1, 1]; that of a curve of branch points is an
+unfolding: the orbit closes up to a multiple of a fixed jump, zero where a symmetry forces the branch points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
+from contin.problems.shooting.loci.conditions import Borders, Condition, borders, condition, matrix
+from contin.problems.shooting.loci.expansion import Expansion
+from contin.problems.shooting.problem import ShootingProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Scaled residual (k,) and Jacobian (k, k + 1) by the unknowns that move, and the special condition in them."""
+
+    residual: Array
+    jacobian: Array
+    condition: Condition
+
+
+@dataclass(frozen=True, eq=False)
+class ShootingCurve(CurveOfPeriodicOrbits):
+    """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
+
+    type: str
+    orbits: ShootingProblem
+    second: int
+    _memory: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def extra(self) -> int:
+        """Scalar unknowns beside the orbit."""
+        return int(self.type in ("NS", "BPC"))
+
+    @cached_property
+    def _states(self) -> int:
+        return self.orbits.count * self.orbits.n
+
+    def unknowns(self, z: Array) -> NDArray[np.intp]:
+        """Places in z of (u, T, [further], q, p)."""
+        return np.append(np.arange(self._states + 1), np.arange(z.size - 2 - self.extra, z.size))
+
+    def precise(self, accuracy: float) -> ShootingCurve:
+        """The same equations, borders included, with trajectories of another accuracy."""
+        known = {"borders": self._memory["borders"]} if "borders" in self._memory else {}
+        return ShootingCurve(self.type, self.orbits.precise(accuracy), self.second, known)
+
+    def expansion(self, z: Array, scale: Array) -> Expansion | None:
+        return Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
+
+    def settle(self, z: Array, scale: Array) -> None:
+        """Borders that fit at z."""
+        at = self.expansion(z, scale)
+        self._memory.pop("last", None)
+        if at is not None:
+            a = matrix(self.type, at, self.further(z))
+            if np.all(np.isfinite(a)):
+                self._memory["borders"] = borders(self.type, a, self.orbits.n, self._memory.get("borders"))
+
+    def linearise(self, z: Array, scale: Array) -> Equations | None:
+        """None where a trajectory does not come to its end."""
+        last = self._memory.get("last")
+        if last is not None and np.array_equal(last[0], z):
+            found: Equations | None = last[1]
+            return found
+        known: Borders | None = self._memory.get("borders")
+        at = self.expansion(z, scale)
+        special = None if at is None or known is None else condition(self.type, at, self.further(z), known)
+        equations = None
+        if at is not None and special is not None and known is not None:
+            residual, further = at.residual, np.zeros((at.rows, 0))
+            if self.type == "BPC":
+                residual = residual + self.further(z) * known.b[:, 0]
+                further = known.b
+            elif self.type == "NS":
+                further = np.zeros((at.rows, 1))
+            slopes, by_further = special.slopes, special.further[:, None][:, : self.extra]
+            jacobian = np.block([
+                [at.jacobian[:, : at.rows], further, at.jacobian[:, at.rows :]],
+                [slopes[:, : at.rows], by_further, slopes[:, at.rows :]],
+            ])  # fmt: skip
+            equations = Equations(np.append(residual, special.values), jacobian, special)
+        self._memory["last"] = z.copy(), equations
+        return equations
+
+    def bend(self) -> float:
+        """Of the last linearisation: w^T D^2 F[v, v] of a fold."""
+        last = self._memory.get("last")
+        return float("nan") if last is None or last[1] is None else float(last[1].condition.bend)

@@ -1,0 +1,59 @@
+"""Where curves by shooting start: at a labelled LPC, PD, NS or BPC of a family, and where two curves meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.problems.loci.start import indices
+from contin.problems.orbits.loci.beside import tori_beside
+from contin.problems.orbits.loci.start import CURVES, further_through, meeting
+from contin.problems.shooting.loci.curve import ShootingCurve
+from contin.problems.shooting.loci.problem import ShotLocusProblem
+
+
+def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve in two parameters through a fold, branch point, period doubling or torus bifurcation of a family."""
+    name = f"{point.branch}.{point.label}"
+    if point.type not in CURVES:
+        raise InputError(
+            f"{name}: {point.type} of orbits by shooting has no curve in two parameters; LPC, PD, NS, BPC have. "
+            "With one other parameter the orbit itself is followed from here"
+        )
+    if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
+        raise InputError(
+            f"{name} is a nonsmooth fold: the orbit touches a switching surface there. Curves of touching (grazing) "
+            "orbits are not followed"
+        )
+    further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    return [_seed(point.type, problem, point.z, point, parameters, further)]
+
+
+def loci_through(problem: ShotLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curves of other types through a point of a curve; its own where there is no other."""
+    orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
+    seeds: list[Seed] = []
+    for type_ in meeting(point.type, problem.locus):
+        if type_ == "NS" and problem.locus != "NS":
+            seeds += tori_beside(problem, point, parameters)
+        else:
+            seeds.append(_seed(type_, orbits, orbit, point, parameters, further_through(problem, point, type_)))
+    return seeds
+
+
+def _seed(
+    type_: str, orbits: Any, orbit: Any, point: SpecialPoint, parameters: Sequence[str], further: float
+) -> Seed:  # fmt: skip
+    first, second = indices(orbits.system, parameters)
+    name = orbits.system.parameter_names[first]
+    if name != orbits.parameters[0]:
+        orbits = orbits.with_active(name, orbit)
+        orbit = np.append(orbit[:-1], orbits.base[first])
+    curve = ShootingCurve(type_, orbits, second)
+    z = curve.join(orbit, float(orbits.base[second]), further)
+    return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))

@@ -1,0 +1,22 @@
+"""Points of codimension two on curves of special orbits by shooting, with trajectories of the highest accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.loci import events
+from contin.problems.shooting.events import COARSE, FINE
+
+
+def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The zero of a test function along the curve, and how much it depends on the accuracy of the trajectories."""
+    found = events.verify(problem.precise(FINE), type_, near, frame)
+    if isinstance(found, str):
+        return found
+    rough = events.verify(problem.precise(COARSE), type_, near, frame)
+    apart = 0.0 if isinstance(rough, str) else float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
+    return replace(found, error=found.error + apart * float(frame.scale[-1]))
