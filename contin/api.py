@@ -118,6 +118,8 @@ def periodic_orbit(
             )
         _, p = model.start_point(None, dict(parameters or {}))
         periods = np.asarray(model.periods(), dtype=float)
+        if shooting_chosen(compiled(model), method):
+            return orbit_from_return(compiled(model), start[0], p, periods, period, 1, intervals)
         return orbit_from_array(compiled(model), np.linspace(0.0, period, len(start)), start, p, periods, points)
     u, p = model.start_point(start, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)

@@ -2,8 +2,9 @@
 
 x = (u_1 .. u_M, T, q, p) divided by the metric. Second derivatives are never wanted but as D^2 F[d, .], along one
 direction d: the central difference of the Jacobian, whose columns are variations with their jumps at the crossings.
-That needs no second variational equation, has an error of the order STEP^2, and touches the precision of Newton's
-matrix only: what is solved is made of first derivatives.
+That needs no second variational equation, and its error touches Newton's matrix only: what is solved is made of first
+derivatives. Where surfaces are crossed simultaneously, in one order on one side of the orbit and in another on the
+other side, the error is of first order in the step.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.segments import Segments
 
 STEP = 1e-4  # (scaled) of the differences: their error, STEP^2, is that of the trajectories' accuracy over STEP
+SMALL_STEP = 1e-6  # ... where surfaces are crossed
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +79,11 @@ class Expansion:
         size = float(np.linalg.norm(direction))
         if size == 0.0:
             return np.zeros_like(self.jacobian)
-        sides = [self._moved(sense * STEP / size * direction * self.units) for sense in (1.0, -1.0)]
+        step = SMALL_STEP if any(flight.crossed for flight in self.segments.flights) else STEP
+        sides = [self._moved(sense * step / size * direction * self.units) for sense in (1.0, -1.0)]
         if sides[0] is None or sides[1] is None:
             return None
-        return np.asarray((sides[0] - sides[1]) * (size / (2.0 * STEP)))
+        return np.asarray((sides[0] - sides[1]) * (size / (2.0 * step)))
 
     def _moved(self, raw: Array) -> Array | None:
         """The Jacobian at another point."""

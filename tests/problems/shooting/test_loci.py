@@ -1,0 +1,170 @@
+"""Curves of special orbits by shooting: closed forms of piecewise-smooth flows, and agreement with collocation."""
+
+from math import cos, exp, pi, sin, sqrt, tanh
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import contin
+from contin import api
+from contin.errors import InputError
+from contin.model.model import Model
+from tests.problems.shooting.test_families import IN_PHASE, PERIODS
+from tests.problems.shooting.test_relays import forced_map
+
+BAUTIN = Model(
+    "bautin", states={"x": 0.9, "y": 0.0}, parameters={"b1": -0.1, "b2": 1.0, "w": 1.3}, definitions={"r": "x^2 + y^2"},
+    equations={"x": "b1*x - w*y + b2*x*r - x*r^2", "y": "w*x + b1*y + b2*y*r - y*r^2"},
+)  # fmt: skip
+TWO_RELAYS = Model(
+    "two", states={"x1": 1, "y1": 0.1, "x2": 1, "y2": 0.1}, parameters={"d": 0.2, "k": 0.5, "c": 0.9, "e": 0},
+    equations={
+        "x1": "y1", "y1": "-2*d*y1 - x1 + k*sign(y1) + c*(x2 - x1) + e*(y2 - y1)",
+        "x2": "y2", "y2": "-2*d*y2 - x2 + k*sign(y2) + c*(x1 - x2) + e*(y1 - y2)",
+    },
+)  # fmt: skip
+
+
+def half_turn(c, d, e):
+    """Trace and determinant of half a turn of the difference of two relays in phase.
+
+    q'' + 2 (d + e) q' + (1 + 2 c) q = 0 for the time pi/w of the sum's half turn, then q' grows by 1/rho.
+    """
+    w, damping = sqrt(1.0 - d * d), d + e
+    fast, rho = sqrt(1.0 + 2.0 * c - damping**2), exp(-pi * d / w)
+    theta, decay = pi * fast / w, exp(-damping * pi / w)
+    part = damping / fast * sin(theta)
+    return decay * (cos(theta) + part + (cos(theta) - part) / rho), decay**2 / rho
+
+
+def curve(point, names, first, second, **options):
+    return api.continuation(point.locus(), names, dict(zip(names, (first, second), strict=True)), **options)
+
+
+def test_folds_of_the_bautin_form_end_at_its_generalised_hopf_point():
+    """r' = b1 r + b2 r^3 - r^5: orbits fold on b1 = -b2^2/4, b2 > 0."""
+    family = api.continuation(api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1))
+    folds = curve(family["LPC1"], ("b1", "b2"), (-1, 1), (-0.5, 2))
+    np.testing.assert_allclose(folds.columns["b1"], -(folds.columns["b2"] ** 2) / 4.0, atol=1e-10)
+    np.testing.assert_allclose(folds.columns["period"], 2 * pi / 1.3, rtol=1e-10)
+    assert {end.reason for end in folds.ends} == {"bound", "hopf"}
+    assert not folds.points
+    assert folds.effort["evaluations"] <= 4.0 * folds.steps  # measured 3.0
+
+
+def test_the_equations_jacobian_is_their_derivative():
+    """For every type, at a point beside the curve, against differences of the residual; with crossings and without."""
+    pair = api.continuation(api.periodic_orbit(TWO_RELAYS, None, {"c": 1.4}), "c", (1.3, 1.55))
+    tori = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
+    smooth = api.continuation(api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1))
+    cases = ((pair["BPC1"], ("c", "d")), (tori["NS1"], ("e", "d")), (smooth["LPC1"], ("b1", "b2")))
+    for point, names in cases:
+        (seed,) = point.locus(names)
+        problem, z = seed.problem, seed.z.copy()
+        scale = problem.initial_scale(z, (-1.0, 1.0))
+        where = problem.curve.unknowns(z)
+        keep = where[problem.curve.orbits.n :]  # single states of symmetric orbits: the order of crossings changes
+        if point.type == "LPC":
+            keep = where
+        z[keep] += 1e-3 * scale[keep] * np.sin(np.arange(keep.size) + 1.0)
+        problem.settle(z, scale)
+        found = problem.curve.linearise(z, scale)
+        for place in keep:
+            step = np.zeros(z.size)
+            step[place] = 1e-5 * scale[place]
+            ends = [problem.curve.linearise(z + side * step, scale).residual for side in (1.0, -1.0)]
+            column = found.jacobian[:, int(np.flatnonzero(where == place)[0])]
+            size = max(1.0, float(np.abs(column).max()))
+            np.testing.assert_allclose((ends[0] - ends[1]) / 2e-5, column, atol=1e-3 * size)
+
+
+@pytest.mark.parametrize("segments", [None, 3])
+def test_period_doublings_of_the_roessler_system_pass_through_published_points(segments):
+    """Points of AUTO-07p (NTST 50, EPSL 1e-10), b = 2; by one segment and by several."""
+    line = api.continuation(api.equilibrium(contin.load("classics/roessler"), None, {"a": 0.2}), "a", (0.0, 0.5))
+    settings = {"method": "shooting"} | ({} if segments is None else {"intervals": segments})
+    family = api.continuation(line["HB1"].switch(), "a", (0.0, 0.35), settings=settings)
+    doublings = curve(family["PD1"], ("c", "a"), (3.9, 7.1), (0.05, 0.5), values={"c": [5, 6, 7]})
+    found = {round(p.values["c"]): p.values["a"] for p in doublings.points if p.type == "UZ"}
+    assert found == pytest.approx({5: 0.2634689961, 6: 0.2202132777, 7: 0.1903102199}, abs=2e-10)
+
+
+def test_folds_of_an_orbit_with_two_formulas_lie_where_its_return_map_says():
+    """(r^2)' = al - r^2 for y > 0, be r^4 for y < 0, each for a time pi: r^2 -> A + E r^2 -> its Moebius image.
+
+    With E = exp(-pi) and A = al (1 - E) the quadratic for r^2 has a double root where al be = tanh(pi/4)/pi.
+    """
+    model = Model(
+        "halves", states={"x": 1.0, "y": 0.0}, parameters={"al": 1.0, "be": 0.1},
+        definitions={"R": "x^2 + y^2", "g": "(al - R)/(2*R) if y > 0 else be*R/2"},
+        equations={"x": "x*g - y", "y": "y*g + x"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model), "be", (0.05, 0.4))
+    folds = curve(family["LPC1"], ("al", "be"), (0.2, 3), (0.05, 1))
+    np.testing.assert_allclose(folds.columns["al"] * folds.columns["be"], tanh(pi / 4) / pi, rtol=1e-9)
+    assert folds.columns["al"].min() < 0.22
+    assert folds.columns["al"].max() > 2.9
+
+
+def test_two_relays_in_phase_branch_along_a_known_curve():
+    """They cross the surface together, in either order; the half-turn of their difference has the eigenvalue 1."""
+    family = api.continuation(api.periodic_orbit(TWO_RELAYS, None, {"c": 1.4}), "c", (1.3, 1.55))
+    branching = curve(family["BPC1"], ("c", "d"), (0.2, 6), (0.05, 0.5))
+    for c, d in zip(branching.columns["c"], branching.columns["d"], strict=True):
+        trace, determinant = half_turn(c, d, 0.0)
+        assert abs(trace) == pytest.approx(1.0 + determinant, abs=2e-8)
+    assert np.ptp(branching.columns["d"]) > 0.44
+    np.testing.assert_allclose(branching.columns["x1.max"], branching.columns["x2.max"], rtol=1e-7)
+
+
+def test_two_relays_in_phase_lose_stability_to_a_torus_along_a_known_line():
+    """The determinant of the difference's half-turn is 1 where e = -d/2; R4 where its trace is +-sqrt(2)."""
+    family = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
+    tori = curve(family["NS1"], ("e", "d"), (-0.5, 0.5), (0.15, 0.3))
+    d = tori.columns["d"]
+    np.testing.assert_allclose(tori.columns["e"], -d / 2.0, atol=1e-9)
+    traces = np.array([half_turn(0.9, x, -x / 2.0)[0] for x in d])
+    np.testing.assert_allclose(tori.columns["cos.theta"], traces**2 / 2.0 - 1.0, atol=1e-7)
+    assert [p.label for p in tori.points] == ["R41"]
+    resonance = brentq(lambda x: half_turn(0.9, x, -x / 2.0)[0] ** 2 - 2.0, 0.2, 0.3, xtol=1e-14)
+    assert tori["R41"].values["d"] == pytest.approx(resonance, abs=1e-9)
+    assert tori["R41"].error < 1e-8
+
+
+def test_period_doublings_of_the_forced_bilinear_oscillator_are_those_of_exact_pieces():
+    model = Model(
+        "forced", states={"x": 0, "y": 0}, parameters={"w": 2.1, "d": 0.05, "k": 4, "F": 1},
+        equations={"x": "y", "y": "-2*d*y - x*(1 + k if x > 0 else 1) + F*cos(w*t)"}, forcing={"period": "2*pi/w"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model), "w", (2.1, 2.5))
+    doublings = curve(family["PD1"], ("w", "k"), (2, 3), (1, 12))
+    np.testing.assert_allclose(doublings.columns["period"] * doublings.columns["w"], 2 * pi, rtol=1e-12)
+    for row in (0, len(doublings) // 2, -1):
+        w, k = float(doublings.columns["w"][row]), float(doublings.columns["k"][row])
+        u = doublings.z[row][:2]
+        for _ in range(3):
+            end, matrix = forced_map(u, w, k=k)
+            u = u + np.linalg.solve(matrix - np.eye(2), u - end)
+        np.testing.assert_allclose(u, doublings.z[row][:2], atol=1e-8)
+        assert 1.0 + np.trace(matrix) + np.linalg.det(matrix) == pytest.approx(0.0, abs=1e-7)
+
+
+def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
+    mu = IN_PHASE[0.8, 0.01]
+    orbit = api.periodic_orbit(contin.load("metronomes/pair"), "in-phase", {"beta": 0.8, "eps": 0.01, "mu": mu + 0.5})
+    family = api.continuation(orbit, "mu", (mu - 0.5, mu + 0.7))
+    branching = curve(family["BPC1"], ("mu", "beta"), (2, 14), (0.29, 0.85), values={"beta": [0.3]})
+    found = branching["UZ1"].values
+    assert found["mu"] == pytest.approx(IN_PHASE[0.3, 0.01], abs=1e-8)
+    assert found["period"] == pytest.approx(PERIODS[0.3, 0.01], abs=1e-8)
+
+
+def test_what_has_no_curve_says_so():
+    model = contin.load("metronomes/one-constant")
+    orbit = api.periodic_orbit(model, "oscillating", {"eps": 0.02})
+    family = api.continuation(orbit, "alpha", (0.1, 0.2), direction="up", values={"alpha": [0.12]})
+    with pytest.raises(InputError, match="nonsmooth fold"):
+        family["LPC1"].locus(("alpha", "eps"))
+    with pytest.raises(InputError, match="UZ of orbits by shooting has no curve"):
+        family["UZ1"].locus(("alpha", "eps"))
