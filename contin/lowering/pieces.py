@@ -8,8 +8,8 @@ apart (x*y > 0 has the surfaces x = 0 and y = 0), so that crossing two surfaces 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 from contin.abi import NO_FUNCTION, Address
@@ -50,6 +50,8 @@ class Pieces:
     first_mode: int
     functions: tuple[Expression, ...]
     code: MachineCode
+    layout: Layout
+    holding_code: MachineCode | None = None  # of surfaces some of which are held
 
     @property
     def count(self) -> int:
@@ -66,7 +68,12 @@ class Pieces:
 
     @property
     def surfaces_address(self) -> Address:
-        return self.code.addresses.get("surfaces", NO_FUNCTION)
+        return (self.holding_code or self.code).addresses.get("surfaces", NO_FUNCTION)
+
+    def holding(self, signs: Mapping[int, int]) -> Pieces:
+        """The same flow with the formulas of one side (+-1) of these surfaces, wherever the state is: smooth there."""
+        functions = [number(signs[j]) if j in signs else h for j, h in enumerate(self.functions)]
+        return replace(self, holding_code=compile_routines([jacobian_routine("surfaces", functions, self.layout)]))
 
     def name(self, index: int) -> str:
         """A surface in words: the formula that vanishes there."""
@@ -86,7 +93,7 @@ def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | 
     if functions:
         routines.append(jacobian_routine("surfaces", functions, extended))
     code = compile_routines(routines)
-    return Pieces(len(layout.states), len(others), len(parameters), tuple(functions), code)
+    return Pieces(len(layout.states), len(others), len(parameters), tuple(functions), code, extended)
 
 
 def freeze(equations: Sequence[Expression], names: Iterable[str]) -> tuple[list[Expression], list[Expression]]:

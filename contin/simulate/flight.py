@@ -68,7 +68,7 @@ def fly(
     system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None,
     columns: NDArray[np.int64] | None = None, rtol: float = RTOL, atol: float = ATOL, max_step: float = np.inf,
-    box: float = 1e100, budget: int = BUDGET,
+    box: float = 1e100, budget: int = BUDGET, pieces: Any = None,
 ) -> Flight:  # fmt: skip
     """Integrate du/dt = f(u, p) over `duration`, or until `events` crossings of `section`.
 
@@ -77,7 +77,7 @@ def fly(
     variations : (n, k) initial vectors of v' = f_u v + f_q; they jump by the saltation matrix of every crossing.
     columns : (k,) index of q in z = (u, p) for sensitivities to a parameter, -1 for plain variations (the default).
     box : the largest modulus of a state at which the flight ends as escaped.
-    budget : most steps.
+    budget : most steps.  pieces : those of the system, perhaps with some surfaces held; by default none is.
 
     DOP853: about 1 us a step for small models; 2000 time units of the pair of metronomes, with 2700 crossings, 18 ms.
     Raises InputError for a map or a bad duration. All other trouble is an `outcome` in words.
@@ -89,7 +89,9 @@ def fly(
         raise InputError("a map has no trajectories in continuous time; iterate it")
     if not duration > 0.0:
         raise InputError(f"duration must be positive; got {duration!r}")
-    pieces, n = system.pieces, int(system.n)
+    n = int(system.n)
+    if pieces is None:
+        pieces = system.pieces
     y = np.array(u, dtype=float)
     if y.shape != (n,):
         raise InputError(f"the start must have {n} values ({', '.join(system.state_names)}); got {y.size}")

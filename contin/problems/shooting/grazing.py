@@ -76,7 +76,7 @@ def clearance(problem: Any, z: Array, surfaces: list[int]) -> float:
     times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossings(problem, z))
     best = np.inf
     for j in surfaces:
-        h = _surface(problem, z, j, times)
+        h = surface(problem, z, j, times)
         inner = np.abs(h)
         low = (inner <= np.roll(inner, 1)) & (inner <= np.roll(inner, -1))
         low &= (h * np.roll(h, 1) > 0.0) & (h * np.roll(h, -1) > 0.0)
@@ -84,7 +84,7 @@ def clearance(problem: Any, z: Array, surfaces: list[int]) -> float:
             fine = (place + np.linspace(-1.0, 1.0, FINER) / SAMPLES) % 1.0
             order = np.argsort(fine)
             values = np.empty(FINER)
-            values[order] = np.abs(_surface(problem, z, j, fine[order]))
+            values[order] = np.abs(surface(problem, z, j, fine[order]))
             k = int(np.clip(np.argmin(values), 1, FINER - 2))
             best = min(best, float(values.min()), _bottom(*values[k - 1 : k + 2]) if k != FINER // 2 else np.inf)
     return best
@@ -96,7 +96,7 @@ def _bottom(a: float, b: float, c: float) -> float:
     return b - 0.125 * (a - c) ** 2 / bend if bend > 0.0 else b
 
 
-def _surface(problem: Any, z: Array, j: int, times: Array) -> Array:
+def surface(problem: Any, z: Array, j: int, times: Array) -> Array:
     """h_j at scaled times."""
     from contin.model.evaluate import evaluate
 

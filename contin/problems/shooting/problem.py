@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -34,7 +34,7 @@ class ShootingProblem(FamilyOfOrbits):
     """phi_T(u, p) = u + winding in M segments, with a phase; z as in `contin.problems.shooting.layout`.
 
     count : segments M.  multiple : forcing periods in one orbit.  accuracy : relative tolerance of the trajectories;
-    `budget` : most steps of one segment.
+    `budget` : most steps of one segment.  held : by number of the segment, the flow with some surfaces held there.
 
     Cost of a Newton step: M trajectories with n + 1 variations, and a dense solve of size M n + 2.
     """
@@ -43,6 +43,7 @@ class ShootingProblem(FamilyOfOrbits):
     multiple: int = 1
     accuracy: float = ACCURACY
     budget: int = BUDGET
+    held: Mapping[int, Any] = field(default_factory=dict)
 
     maximum_chunk = 20
 

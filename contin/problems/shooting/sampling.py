@@ -31,7 +31,7 @@ def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
         found.append(
             fly(
                 problem.system, u, p, (i + 1) * length - i * length, start=i * length, times=wanted, rtol=RTOL,
-                atol=atol, budget=problem.budget,
+                atol=atol, budget=problem.budget, pieces=problem.held.get(i),
             )
         )  # fmt: skip
     return found

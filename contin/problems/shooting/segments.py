@@ -43,7 +43,7 @@ class Segments:
         for i, u in enumerate(nodes.u):
             flight = fly(
                 problem.system, u, p, length, start=i * length, variations=identity, columns=columns,
-                rtol=problem.accuracy, atol=atol, budget=problem.budget,
+                rtol=problem.accuracy, atol=atol, budget=problem.budget, pieces=problem.held.get(i),
             )  # fmt: skip
             if flight.outcome != "done" or not np.all(np.isfinite(flight.end)):
                 return None

@@ -82,7 +82,7 @@ def orbit_from_return(
     sizes = problem.state_sizes(problem.profile(z))
     count = segments or _enough(problem, z)
     problem = replace(problem, count=count)
-    z = _split(problem, z, count)
+    z = split(problem, z, count)
     if problem.autonomous:
         z = rebased(problem, z, fraction, sizes)
     scale = make_scale(sizes, count, 2.0 * period, 1.0)
@@ -102,14 +102,14 @@ def _enough(problem: Any, z: Array) -> int:
     """As many segments as keep perturbations in each from growing by more than GROWTH."""
     count = 1
     while count < MOST:
-        segments = Segments.of(replace(problem, count=count), _split(problem, z, count))
+        segments = Segments.of(replace(problem, count=count), split(problem, z, count))
         if segments is None or float(np.abs(segments.transitions).max()) < GROWTH:
             break
         count *= 2
     return count
 
 
-def _split(problem: Any, z: Array, count: int) -> Array:
+def split(problem: Any, z: Array, count: int) -> Array:
     """The same orbit with another number of segments."""
     from contin.problems.shooting.sampling import states
 

@@ -161,10 +161,8 @@ def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
 
 
 def test_what_has_no_curve_says_so():
-    model = contin.load("metronomes/one-constant")
-    orbit = api.periodic_orbit(model, "oscillating", {"eps": 0.02})
-    family = api.continuation(orbit, "alpha", (0.1, 0.2), direction="up", values={"alpha": [0.12]})
-    with pytest.raises(InputError, match="nonsmooth fold"):
-        family["LPC1"].locus(("alpha", "eps"))
+    family = api.continuation(
+        api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1), values={"b1": [-0.05]}
+    )
     with pytest.raises(InputError, match="UZ of orbits by shooting has no curve"):
-        family["UZ1"].locus(("alpha", "eps"))
+        family["UZ1"].locus(("b1", "b2"))

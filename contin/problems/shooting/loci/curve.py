@@ -7,8 +7,8 @@ unfolding: the orbit closes up to a multiple of a fixed jump, zero where a symme
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,35 +16,26 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
-from contin.problems.shooting.loci.conditions import Borders, Condition, borders, condition, matrix
+from contin.problems.shooting.loci.conditions import Borders, borders, condition, matrix
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.problem import ShootingProblem
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """Scaled residual (k,) and Jacobian (k, k + 1) by the unknowns that move, and the special condition in them."""
+    """Scaled residual (k,) and Jacobian (k, k + 1) by the unknowns that move; `bend` of folds, see `Condition`."""
 
     residual: Array
     jacobian: Array
-    condition: Condition
+    bend: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class ShootingCurve(CurveOfPeriodicOrbits):
-    """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
+class CurveByShooting(CurveOfPeriodicOrbits, ABC):
+    """What all curves by shooting have in common."""
 
-    type: str
     orbits: ShootingProblem
-    second: int
-    _memory: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def extra(self) -> int:
-        """Scalar unknowns beside the orbit."""
-        return int(self.type in ("NS", "BPC"))
-
-    @cached_property
     def _states(self) -> int:
         return self.orbits.count * self.orbits.n
 
@@ -52,8 +43,58 @@ class ShootingCurve(CurveOfPeriodicOrbits):
         """Places in z of (u, T, [further], q, p)."""
         return np.append(np.arange(self._states + 1), np.arange(z.size - 2 - self.extra, z.size))
 
+    @abstractmethod
+    def settle(self, z: Array, scale: Array) -> None:
+        """Take z as what the equations' auxiliary parts are chosen for."""
+
+    @abstractmethod
+    def linearise(self, z: Array, scale: Array) -> Equations | None:
+        """None where a trajectory does not come to its end."""
+
+    @property
+    @abstractmethod
+    def movable(self) -> bool:
+        """True where the orbit's phase may be changed on the way."""
+
+    @property
+    @abstractmethod
+    def touched(self) -> int | None:
+        """Number of the surface that the orbits touch; None for special orbits of a smooth return map."""
+
+    @abstractmethod
+    def precise(self, accuracy: float) -> CurveByShooting:
+        """The same equations with trajectories of another accuracy."""
+
+    @abstractmethod
+    def bend(self) -> float:
+        """Of the last linearisation, see `Condition`; NaN where it is not known."""
+
+    @abstractmethod
+    def shift(self, fraction: float) -> None:
+        """Told when it was: the orbit begins later by this part of its period."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShootingCurve(CurveByShooting):
+    """Equations of one type; `orbits` is the problem of the orbits themselves with the first parameter free."""
+
+    type: str
+    orbits: ShootingProblem
+    second: int
+    _memory: dict[str, Any] = field(default_factory=dict)
+
+    movable = True
+    touched = None
+
+    @property
+    def extra(self) -> int:
+        """Scalar unknowns beside the orbit."""
+        return int(self.type in ("NS", "BPC"))
+
+    def shift(self, fraction: float) -> None:
+        """Borders are found anew when the next chunk begins."""
+
     def precise(self, accuracy: float) -> ShootingCurve:
-        """The same equations, borders included, with trajectories of another accuracy."""
         known = {"borders": self._memory["borders"]} if "borders" in self._memory else {}
         return ShootingCurve(self.type, self.orbits.precise(accuracy), self.second, known)
 
@@ -70,7 +111,6 @@ class ShootingCurve(CurveOfPeriodicOrbits):
                 self._memory["borders"] = borders(self.type, a, self.orbits.n, self._memory.get("borders"))
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
-        """None where a trajectory does not come to its end."""
         last = self._memory.get("last")
         if last is not None and np.array_equal(last[0], z):
             found: Equations | None = last[1]
@@ -91,11 +131,10 @@ class ShootingCurve(CurveOfPeriodicOrbits):
                 [at.jacobian[:, : at.rows], further, at.jacobian[:, at.rows :]],
                 [slopes[:, : at.rows], by_further, slopes[:, at.rows :]],
             ])  # fmt: skip
-            equations = Equations(np.append(residual, special.values), jacobian, special)
+            equations = Equations(np.append(residual, special.values), jacobian, special.bend)
         self._memory["last"] = z.copy(), equations
         return equations
 
     def bend(self) -> float:
-        """Of the last linearisation: w^T D^2 F[v, v] of a fold."""
         last = self._memory.get("last")
-        return float("nan") if last is None or last[1] is None else float(last[1].condition.bend)
+        return float("nan") if last is None or last[1] is None else float(last[1].bend)

@@ -17,19 +17,20 @@ from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.loci import events
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.marched_in_python import MarchedInPython
+from contin.problems.shooting.events import nontrivial
 from contin.problems.shooting.linear import BorderedShooting
-from contin.problems.shooting.loci.curve import ShootingCurve
+from contin.problems.shooting.loci.curve import CurveByShooting
 
 
 @dataclass(frozen=True, eq=False)
 class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
     """See `contin.problems.shooting.loci.curve` for the unknowns and equations.
 
-    Cost of a Newton step: the orbit's trajectories three times (LPC, PD) or five times (NS, BPC), each with n + 2
-    variations, and a dense solve of size M n + 3 (NS, BPC: M n + 5).
+    Cost of a Newton step: the orbit's trajectories three times (LPC, PD), five times (NS, BPC) or once (touching
+    orbits), each with n + 2 variations, and a dense solve of size M n + 3 (NS, BPC: M n + 5).
     """
 
-    curve: ShootingCurve
+    curve: CurveByShooting
 
     maximum_chunk = 10
 
@@ -54,9 +55,12 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         """Tests as `contin.problems.orbits.loci.events` names them; the multipliers that are not critical decide."""
         from contin.kernels.tests_of_stability import map_tests
 
-        values = self.multipliers(z)
-        others, four = self.others(values, z), np.ones(4)
+        values, four = self.multipliers(z), np.ones(4)
+        touching = self.curve.touched is not None  # no multiplier is critical, on either side of the touched surface
+        others = nontrivial(self.curve.orbits, values) if touching else self.others(values, z)
         unstable = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
+        if touching:
+            return np.full(len(events.NAMES[self.locus]), np.nan), unstable, values
         tests = [four[2] if others.size > 1 else 1.0, four[3], ones(others)]
         if self.locus == "LPC":
             tests.append(self.curve.bend())
@@ -102,6 +106,13 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
         return columns
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        touched = self.curve.touched
+        if touched is None:
+            return ()
+        surface = self.system.pieces.name(touched)
+        return (f"the orbits touch {surface}: nonsmooth folds; what else happens to them is not looked for",)
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curves of other types through a point where two meet; its own where there is no other."""

@@ -28,14 +28,16 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> 
     grown = np.where(~angles & (largest > 1.3 * sizes), 1.3 * largest, sizes)
     place = nodes.u.size
     period = 2.0 * nodes.period if nodes.period > float(scale[place]) else float(scale[place])
-    moves = orbits.autonomous and misplaced(orbits, orbit, nodes, sizes)
+    moves = curve.movable and orbits.autonomous and misplaced(orbits, orbit, nodes, sizes)
     if not moves and np.array_equal(grown, sizes) and period == scale[place]:
         return Renewal(scale, origin, before, None)
     renewed = curve.join(make_scale(grown, nodes.count, period, float(scale[-1])), float(scale[-2]), 1.0)
     if not moves:
         kept = None if before is None else _remeasured(before, scale, renewed)
         return Renewal(renewed, _remeasured(origin, scale, renewed), kept, None)
-    moved = rebased(orbits, orbit, quietest(orbits, orbit), grown)
+    fraction = quietest(orbits, orbit)
+    moved = rebased(orbits, orbit, fraction, grown)
+    curve.shift(fraction)
     z = curve.join(moved, float(origin.z[-2]), curve.further(origin.z))
     return Renewal(renewed, _at_new_phase(problem, origin, z, scale, renewed), None, None)
 

@@ -14,7 +14,9 @@ from contin.problems.loci.start import indices
 from contin.problems.orbits.loci.beside import tori_beside
 from contin.problems.orbits.loci.start import CURVES, further_through, meeting
 from contin.problems.shooting.loci.curve import ShootingCurve
+from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.problems.shooting.loci.touching import laid_out, touches
 
 
 def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -26,10 +28,7 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
             "With one other parameter the orbit itself is followed from here"
         )
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
-        raise InputError(
-            f"{name} is a nonsmooth fold: the orbit touches a switching surface there. Curves of touching (grazing) "
-            "orbits are not followed"
-        )
+        return [_touching(problem, point, parameters)]
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [_seed(point.type, problem, point.z, point, parameters, further)]
 
@@ -56,4 +55,23 @@ def _seed(
         orbit = np.append(orbit[:-1], orbits.base[first])
     curve = ShootingCurve(type_, orbits, second)
     z = curve.join(orbit, float(orbits.base[second]), further)
+    return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))
+
+
+def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+    """The curve of orbits that touch a surface, through a nonsmooth fold."""
+    first, second = indices(problem.system, parameters)
+    orbits, orbit = problem, point.z
+    if problem.system.parameter_names[first] != problem.parameters[0]:
+        orbits = problem.with_active(parameters[0], orbit)
+        orbit = np.append(orbit[:-1], orbits.base[first])
+    found = laid_out(orbits, orbit, touches(orbits, orbit))
+    if found is None or not found[2]:
+        raise InputError(
+            f"{point.branch}.{point.label}: a nonsmooth fold where no place was found at which the orbit only touches "
+            "a switching surface; its curve is not followed"
+        )
+    whole, orbit, places = found
+    curve = GrazingCurve(whole, second, places[0])
+    z = curve.join(orbit, float(orbits.base[second]))
     return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))

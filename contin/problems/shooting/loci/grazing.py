@@ -1,0 +1,153 @@
+"""Curves of orbits that touch a switching surface: the equations.
+
+F = 0, the shooting equations with the touched surfaces held, and g = h(u(s)) = 0 with s the time at which h has its
+extremum. As dh/dt = 0 there, dg = h_u . du(s) + h_p dp at fixed s: first variations are enough (di Bernardo, Budd,
+Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, ch. 6 and 7). z is that of `CurveByShooting`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.shooting.layout import Nodes
+from contin.problems.shooting.loci.curve import CurveByShooting, Equations
+from contin.problems.shooting.loci.expansion import Expansion
+from contin.problems.shooting.loci.touching import Touch, vertex
+from contin.problems.shooting.problem import ShootingProblem
+from contin.simulate.flight import fly
+
+
+@dataclass(frozen=True, eq=False)
+class GrazingCurve(CurveByShooting):
+    """Nonsmooth folds: `orbits` holds the touched surfaces; `touch` is the first of them, at the start."""
+
+    orbits: ShootingProblem
+    second: int
+    touch: Touch
+    _memory: dict[str, Any] = field(default_factory=dict)  # time: where the extremum is looked for
+
+    type = "LPC"
+
+    def at(self, z: Array) -> ShootingProblem:
+        """The orbits themselves, without held surfaces."""
+        return replace(self._held(z), held={})
+
+    def _held(self, z: Array) -> ShootingProblem:
+        base = self.orbits.base.copy()
+        base[self.second] = z[-2]
+        return replace(self.orbits, base=base)
+
+    @property
+    def movable(self) -> bool:
+        """Where several segments hold different surfaces, their phase is kept."""
+        return self.orbits.count == 1
+
+    @property
+    def touched(self) -> int:
+        return self.touch.surface
+
+    def precise(self, accuracy: float) -> GrazingCurve:
+        return replace(self, orbits=self.orbits.precise(accuracy))
+
+    def bend(self) -> float:
+        return float("nan")
+
+    def shift(self, fraction: float) -> None:
+        self._memory["time"] = (self._time - fraction) % 1.0
+
+    @property
+    def _time(self) -> float:
+        return float(self._memory.get("time", self.touch.time))
+
+    def settle(self, z: Array, scale: Array) -> None:
+        found = self._extremum(z)
+        if found is not None:
+            self._memory["time"] = found / float(z[self._states])
+
+    def linearise(self, z: Array, scale: Array) -> Equations | None:
+        at = Expansion.of(self._held(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
+        time = self._extremum(z)
+        if at is None or time is None:
+            return None
+        special = self._clearance(z, time, at)
+        if special is None:
+            return None
+        value, row = special
+        row = row * at.units
+        unit = float(np.linalg.norm(row))
+        if not (np.isfinite(value) and np.isfinite(unit) and unit > 0.0):
+            return None
+        return Equations(np.append(at.residual, value / unit), np.vstack([at.jacobian, row / unit]))
+
+    def _extremum(self, z: Array) -> float | None:
+        """Time at which h has its extremum, next to the last known."""
+        problem, nodes, start = self._begin(z)
+        p = problem.full_parameters(self.orbit(z))
+
+        def along(times: Array) -> Array:
+            flight = fly(
+                problem.system, nodes.u[self._segment], p, float(times[-1]) - start, start=start, times=times,
+                rtol=problem.accuracy, atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()),
+                budget=problem.budget, pieces=problem.held[self._segment],
+            )  # fmt: skip
+            if len(flight.u) < len(times):
+                return np.full(len(times), np.nan)
+            return np.array([self._values(u, p, float(t))[0] for u, t in zip(flight.u, times, strict=True)])
+
+        time, value, _ = vertex(along, self._time * nodes.period, nodes.period)
+        return time if np.isfinite(value) and time > start else None
+
+    @property
+    def _segment(self) -> int:
+        return int(self.touch.time * self.orbits.count)
+
+    def _begin(self, z: Array) -> tuple[ShootingProblem, Nodes, float]:
+        nodes = Nodes.of(self.orbit(z), self.orbits.n)
+        return self._held(z), nodes, self._segment * nodes.period / nodes.count
+
+    def _clearance(self, z: Array, time: float, at: Expansion) -> tuple[float, Array] | None:
+        """h at its extremum, and its derivative by (u, T, q, p) in the model's units."""
+        problem, nodes, start = self._begin(z)
+        n, k, p = problem.n, self._segment, problem.full_parameters(self.orbit(z))
+        flight = fly(
+            problem.system, nodes.u[k], p, time - start, start=start,
+            variations=np.hstack([np.eye(n), np.zeros((n, 2))]),
+            columns=np.append(np.full(n, -1), [n + self.second, n + problem.active]), rtol=problem.accuracy,
+            atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()), budget=problem.budget,
+            pieces=problem.held[k],
+        )  # fmt: skip
+        if flight.outcome != "done":
+            return None
+        value, gradient = self._values(flight.end[:n], p, time)
+        by_start = gradient[:n] @ flight.variations
+        row = np.zeros(at.rows + 2)
+        row[k * n : (k + 1) * n] = by_start[:n]
+        if not problem.autonomous:  # the segment begins later if the period is longer
+            row[at.rows - 1] = -k / nodes.count * float(by_start[:n] @ at.segments.directions[k])
+        row[-2:] = by_start[n:] + gradient[[n + self.second, n + problem.active]]
+        return value, row
+
+    def _values(self, u: Array, p: Array, time: float) -> tuple[float, Array]:
+        """h and its derivative by (u, parameters)."""
+        from contin.model.evaluate import evaluate
+
+        system = self.system
+        names = [*system.state_names, *system.parameter_names]
+        known = {**dict(zip(names, [*u.tolist(), *p.tolist()], strict=False)), "t": time}
+        formula, *slopes = self._formulas
+        return float(evaluate(formula, known)), np.array([float(evaluate(s, known)) for s in slopes])
+
+    @property
+    def _formulas(self) -> list[Any]:
+        if "formulas" not in self._memory:
+            from contin.symbolic.derivatives import derivative
+
+            names = [*self.system.state_names, *self.system.parameter_names]
+            h = self.system.pieces.functions[self.touch.surface]
+            self._memory["formulas"] = [h, *(derivative(h, name) for name in names)]
+        known: list[Any] = self._memory["formulas"]
+        return known
