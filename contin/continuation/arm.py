@@ -13,7 +13,17 @@ from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
 from contin.continuation.offset import far_from_zero, travelled
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_adaptive, is_planar
+from contin.continuation.problem import (
+    Chunk,
+    Frame,
+    Problem,
+    Sample,
+    Stop,
+    Verified,
+    is_adaptive,
+    is_planar,
+    is_terminating,
+)
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 
@@ -251,7 +261,7 @@ class Arm:
     def _halt(self, found: list[Found]) -> Found | None:
         """The first point of a type at which the run is asked to stop (`settings.stop_at`); ends the arm.
 
-        So does a DP from which on a curve of folds is its own mirror image.
+        So do a DP from which on a curve of folds is its own mirror image, and points that the problem's curves end at.
         """
         if self.end is not None:
             return None
@@ -267,6 +277,10 @@ class Arm:
             if f.point.type in self.settings.stop_at:
                 self.end = End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
                 return f
+            if is_terminating(self.problem):
+                self.end = self.problem.end_at(f.point)
+                if self.end is not None:
+                    return f
         return None
 
     def _halves(self, f: Found) -> bool:

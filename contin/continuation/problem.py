@@ -167,6 +167,14 @@ class Floored(Protocol):
         """Every such unknown."""
 
 
+@runtime_checkable
+class Terminating(Protocol):
+    """A problem whose equations mean something else beyond some of its special points."""
+
+    def end_at(self, point: Verified) -> End | None:
+        """The end of a curve that has come to this labelled point, its last row; None where it goes on."""
+
+
 class Problem(Protocol):
     """What a problem offers to the engine.
 
@@ -279,3 +287,8 @@ def is_floored(problem: object) -> TypeGuard[Floored]:
 def is_recording(problem: object) -> TypeGuard[Recording]:
     """True for problems that explain missing observables."""
     return _offers(problem, Recording)
+
+
+def is_terminating(problem: object) -> TypeGuard[Terminating]:
+    """True for problems whose curves end at some of their special points."""
+    return _offers(problem, Terminating)

@@ -222,7 +222,7 @@ def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
         if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
             return []
         for k, known in enumerate(found):
-            if float(np.max(np.abs(_turned(problem, known.u - state)) / sizes)) < 1e-6:
+            if float(np.max(np.abs(_apart(problem, known.u, state)) / sizes)) < 1e-6:
                 found[k] = replace(known, visits=known.visits + 1)
                 break
         else:
@@ -297,8 +297,11 @@ def _rounded(value: float, state: Array) -> float:
     return float(value) if abs(value) > 1e-13 * max(1.0, float(np.abs(state).max())) else 0.0
 
 
-def _turned(problem: Any, difference: Array) -> Array:
-    """A difference of states without whole turns of angles."""
+def turns(problem: Any, difference: Array) -> Array:
+    """The whole turns of angles in a difference of states (rows of them); 0 for other states."""
     periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
-    turns = np.round(difference / np.where(periods > 0.0, periods, 1.0))
-    return np.asarray(difference - np.where(periods > 0.0, turns * periods, 0.0))
+    return np.asarray(np.where(periods > 0.0, np.round(difference / np.where(periods > 0.0, periods, 1.0)) * periods, 0.0))
+
+
+def _apart(problem: Any, u: Array, v: Array) -> Array:
+    return np.asarray(u - v - turns(problem, u - v))

@@ -13,6 +13,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.start import solved_connection
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
@@ -69,9 +70,8 @@ def _seed(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: A
     saddle = centre + unfolding.saddle(eps)
     values = np.linalg.eigvals(system.jacobian(saddle, moved)[1][:, :n])
     stable = int(np.sum(values.real < 0.0))
-    seed = solved_connection(
-        orbits, active[1], piece, saddle[None, :], stable, n - stable, float(moved[active[1]]), parent
-    )
+    curve = ConnectionCurve(orbits, active[1], 1, stable, n - stable)
+    seed = solved_connection(curve, piece, saddle[None, :], float(moved[active[1]]), parent)
     found = seed.problem.curve.profile(seed.z)  # type: ignore[attr-defined]
     extent = np.ptp(piece.u, axis=0).max()
     if float(np.abs(found.at(rest.times) - piece.u).max()) > ALIKE * extent:

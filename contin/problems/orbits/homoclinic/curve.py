@@ -7,6 +7,8 @@
 
 with L_s, L_u bases of the left stable and unstable subspaces (Beyn 1990; Champneys, Kuznetsov and Sandstede 1996). The
 length T of the time interval is fixed: the error is of the order of the squared distances of the ends from the saddles.
+Where x0 = x1 is a saddle-node, one eigenvalue is zero, there is one projection less, and its fold takes the place of it:
+the orbit leaves along the centre-unstable directions and arrives along the centre-stable ones.
 z = (u at the nodes, x0, [x1], T, h_1 .. h_N, q, p); T and the mesh are carried along, not solved for.
 """
 
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.homoclinic.saddle_node import borders, fold_scalar
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
@@ -35,18 +38,24 @@ class Gauge:
     reference: Array | None = None
     stable: Array | None = None
     unstable: Array | None = None
+    borders: tuple[Array, Array] | None = None  # of the matrix at a saddle-node
     vectors: dict[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class ConnectionCurve(CurveOfOrbits):
-    """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1."""
+    """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1.
+
+    They add up to n, at a saddle-node (`node`) to n - 1.  winding : whole turns of angles, by which u(1) is farther.
+    """
 
     orbits: OrbitProblem
     second: int
     saddles: int  # 1 homoclinic, 2 heteroclinic
     stable_count: int
     unstable_count: int
+    node: bool = False
+    winding: Array | None = None
     gauge: Gauge = field(default_factory=Gauge)
 
     type = "HOM"
@@ -78,6 +87,11 @@ class ConnectionCurve(CurveOfOrbits):
         nu = self.nodes(z)
         return z[nu : nu + self.saddles * self.n].reshape(self.saddles, self.n)
 
+    def termini(self, z: Array) -> tuple[Array, Array]:
+        """Where the orbit comes from and where it goes to, both (n,)."""
+        ends = self.equilibria(z)
+        return ends[0], ends[-1] if self.winding is None else ends[-1] + self.winding
+
     def unknowns(self, z: Array) -> NDArray[np.intp]:
         """Places of (u, saddles, q, p) in z."""
         return np.append(np.arange(self.nodes(z) + self.saddles * self.n), [z.size - 2, z.size - 1])
@@ -99,18 +113,33 @@ class ConnectionCurve(CurveOfOrbits):
         self.gauge.reference = z.copy()
         self.gauge.stable = self._basis(first, z, sizes, True, None)
         self.gauge.unstable = self._basis(last, z, sizes, False, None)
+        if self.node:
+            self.gauge.borders = borders(self.scaled_matrix(first, z, sizes))
+
+    def scaled_matrix(self, u: Array, z: Array, sizes: Array) -> Array:
+        """f_u at a state, of states relative to their sizes."""
+        return np.asarray(self.matrix(u, z) * sizes / sizes[:, None])
 
     def _basis(self, u: Array, z: Array, sizes: Array, stable: bool, reference: Array | None) -> Array:
-        matrix = self.matrix(u, z) * sizes / sizes[:, None]
+        matrix = self.scaled_matrix(u, z, sizes)
         return left_subspace(matrix, self.stable_count if stable else self.unstable_count, stable, reference)
 
+    def offsets(self, z: Array, sizes: Array) -> tuple[Array, Array]:
+        """Of both ends of the orbit from the saddles, relative to the states' sizes."""
+        u, (first, last) = z[: self.nodes(z)], self.termini(z)
+        return (u[: self.n] - first) / sizes, (u[-self.n :] - last) / sizes
+
     def projections(self, z: Array, sizes: Array) -> Array:
-        """The n boundary conditions (scaled)."""
-        u, ends = z[: self.nodes(z)], self.equilibria(z)
-        start, finish = (u[: self.n] - ends[0]) / sizes, (u[-self.n :] - ends[-1]) / sizes
+        """The n boundary conditions (scaled); at a saddle-node the last one is its fold."""
+        ends = self.equilibria(z)
+        start, finish = self.offsets(z, sizes)
         stable = self._basis(ends[0], z, sizes, True, self.gauge.stable)
         unstable = self._basis(ends[-1], z, sizes, False, self.gauge.unstable)
-        return np.concatenate([stable.T @ start, unstable.T @ finish])
+        conditions = [stable.T @ start, unstable.T @ finish]
+        if self.node:
+            assert self.gauge.borders is not None
+            conditions.append(np.array([fold_scalar(self.scaled_matrix(ends[0], z, sizes), *self.gauge.borders)]))
+        return np.concatenate(conditions)
 
     def linearise(self, z: Array, scale: Array, sizes: Array) -> tuple[Array, Any]:
         """Scaled equations (k,) and their sparse Jacobian (k, k + 1) by `unknowns`."""
@@ -175,7 +204,8 @@ class ConnectionCurve(CurveOfOrbits):
         values.append(self.projections(z, sizes))
         row = np.zeros((n, total))
         row[: self.stable_count, :n] = self._basis(ends[0], z, sizes, True, self.gauge.stable).T / sizes
-        row[self.stable_count :, nu - n : nu] = self._basis(ends[-1], z, sizes, False, self.gauge.unstable).T / sizes
+        arriving = slice(self.stable_count, self.stable_count + self.unstable_count)
+        row[arriving, nu - n : nu] = self._basis(ends[-1], z, sizes, False, self.gauge.unstable).T / sizes
         small = [*range(nu, nu + self.saddles * n), total - 2, total - 1]
         where = self.unknowns(z)
         for column in small:

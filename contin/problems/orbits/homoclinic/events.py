@@ -1,7 +1,8 @@
 """Test functions along a curve of connecting orbits, named as in HomCont and MatCont.
 
     NSS NSF NFF   resonance: the leading eigenvalues have real parts nu_s + nu_u = 0 (none, one, both of them complex)
-    NCH           an eigenvalue of the saddle vanishes: non-central homoclinic orbit to a saddle-node
+    NCH           an eigenvalue of the saddle vanishes: non-central homoclinic orbit to a saddle-node; along orbits to
+                  a saddle-node, one of their ends has no part in the direction of that eigenvalue
     SH            a pair becomes imaginary: Shilnikov-Hopf
     OFS OFU       orbit flip: the orbit enters (leaves) along the strong stable (unstable) directions
     IFS IFU       inclination flip: so does the bounded solution of the adjoint variational equation
@@ -19,6 +20,8 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.orbits.homoclinic.interval import extent_of
+from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
@@ -29,8 +32,15 @@ NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple[Array, NDArray[np.complex128]]:
     """The tests from index 2 on and the eigenvalues of the (first) saddle."""
     ends = curve.equilibria(z)
-    matrices = [curve.matrix(u, z) * sizes / sizes[:, None] for u in ends]
+    matrices = [curve.scaled_matrix(u, z, sizes) for u in ends]
     n = curve.n
+    leaving, arriving = curve.offsets(z, sizes)
+    values = np.linalg.eigvals(matrices[0]).astype(complex)
+    values = values[np.lexsort((-values.imag, -values.real))]
+    if curve.node:
+        tests = np.full(len(NAMES), np.nan)
+        tests[1] = centrality(matrices[0], leaving, arriving, extent_of(curve.profile(z), sizes))
+        return tests, values
     slow_out = leading(matrices[0], n - curve.stable_count, False)
     slow_in = leading(matrices[-1], n - curve.unstable_count, True)
     if curve.saddles == 1:
@@ -40,8 +50,6 @@ def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple
     tests = np.full(len(NAMES), np.nan)
     tests[0] = (slow_in.value.real + slow_out.value.real) / size
     tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
-    u = z[: curve.nodes(z)]
-    arriving, leaving = (u[-n:] - ends[-1]) / sizes, (u[:n] - ends[0]) / sizes
     memory = curve.gauge.vectors
     tests[2] = _component(memory, "OFS", slow_in, slow_in.left, arriving)
     tests[3] = _component(memory, "OFU", slow_out, slow_out.left, leaving)
@@ -51,8 +59,7 @@ def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple
         accurate = np.flatnonzero(sizes_of_rows > ABOVE_ROUNDING * float(sizes_of_rows.max()))
         tests[4] = _component(memory, "IFS", slow_in, slow_in.right, turned[accurate[0]])
         tests[5] = _component(memory, "IFU", slow_out, slow_out.right, turned[accurate[-1]])
-    values = np.linalg.eigvals(matrices[0]).astype(complex)
-    return tests, values[np.lexsort((-values.imag, -values.real))]
+    return tests, values
 
 
 def _same_sense(memory: dict[str, Array], adjoint: Array) -> Array:

@@ -2,79 +2,93 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.homoclinic.tail import Tail, tail_of
+from contin.problems.orbits.layout import Profile, node_times
 
-WANTED = 1e-5  # distance of the ends from the saddles, relative to the orbit's extent
-FARTHEST, NEAREST = 3e-4, 1e-8  # ... beyond which the interval is changed
-ADDED = 4  # intervals of a piece that is added
-LONGEST = 30.0  # time that is added at once, in units of the slowest rate
+
+@dataclass(frozen=True)
+class Reach:
+    """Distances of the ends from the saddles, relative to the orbit's extent."""
+
+    wanted: float
+    farthest: float  # beyond which, or nearer than which, the interval is changed
+    nearest: float
+
+
+HYPERBOLIC: Final = Reach(1e-5, 3e-4, 1e-8)
+SADDLE_NODE: Final = Reach(1e-3, 1e-2, 1e-7)  # approached like 1 / t; the strong directions damp the projections' error
+ADDED = 6  # intervals of a piece that is added
+
+
+def reach_of(curve: Any) -> Reach:
+    return SADDLE_NODE if curve.node else HYPERBOLIC
 
 
 def distances(curve: Any, z: Array, sizes: Array) -> tuple[float, float]:
     """Of both ends from their saddles, relative to the orbit's extent."""
-    profile, ends = curve.profile(z), curve.equilibria(z)
-    extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
-    first = float(np.max(np.abs(profile.u[0] - ends[0]) / sizes))
-    last = float(np.max(np.abs(profile.u[-1] - ends[-1]) / sizes))
+    extent = extent_of(curve.profile(z), sizes)
+    first, last = (float(np.max(np.abs(offset))) for offset in curve.offsets(z, sizes))
     return first / extent, last / extent
 
 
+def extent_of(profile: Profile, sizes: Array) -> float:
+    """Of the orbit, relative to the states' sizes."""
+    return float(np.max(np.ptp(profile.u, axis=0) / sizes))
+
+
 def fits(curve: Any, z: Array, sizes: Array) -> bool:
-    return all(NEAREST <= d <= FARTHEST for d in distances(curve, z, sizes))
+    reach = reach_of(curve)
+    return all(reach.nearest <= d <= reach.farthest for d in distances(curve, z, sizes))
 
 
 def fitted(curve: Any, z: Array, sizes: Array) -> Array:
-    """z on an interval whose ends are about WANTED from the saddles: cut, or continued by the linear flow there."""
-    profile, ends = curve.profile(z), curve.equilibria(z)
+    """z on an interval whose ends are as near to the saddles as is wanted: cut, or continued by the flow there."""
+    profile, ends, reach = curve.profile(z), curve.termini(z), reach_of(curve)
     first, last = distances(curve, z, sizes)
-    if first > FARTHEST:
-        profile = _extended(curve, profile, z, ends[0], first, False)
-    if last > FARTHEST:
-        profile = _extended(curve, profile, z, ends[-1], last, True)
-    if first < NEAREST or last < NEAREST:
-        profile = _cut(profile, ends, sizes)
-    return np.asarray(curve.join(profile, ends, float(z[-2])))
+    if first > reach.farthest:
+        tail = tail_of(curve, z, sizes, ends[0], profile.u[0] - ends[0], False, reach.wanted / first)
+        profile = _extended(profile, ends[0], tail, False)
+    if last > reach.farthest:
+        tail = tail_of(curve, z, sizes, ends[-1], profile.u[-1] - ends[-1], True, reach.wanted / last)
+        profile = _extended(profile, ends[-1], tail, True)
+    if first < reach.nearest or last < reach.nearest:
+        profile = _cut(profile, ends, sizes, reach.wanted)
+    return np.asarray(curve.join(profile, curve.equilibria(z), float(z[-2])))
 
 
-def _extended(curve: Any, profile: Profile, z: Array, saddle: Array, distance: float, at_end: bool) -> Profile:
-    from scipy.linalg import expm
-
-    matrix = curve.matrix(saddle, z)
-    real = np.linalg.eigvals(matrix).real
-    rate = float(np.min(-real[real < 0.0])) if at_end else float(np.min(real[real > 0.0]))
-    time = min(np.log(distance / WANTED), LONGEST) / rate
-    count = ADDED * profile.m
-    step = time / count
-    offset = (profile.u[-1] if at_end else profile.u[0]) - saddle
-    # only the part that decays away from the orbit: the rest is the error of the projection
-    values, vectors = np.linalg.eig(matrix)
-    kept = values.real < 0.0 if at_end else values.real > 0.0
-    part = np.real(vectors[:, kept] @ np.linalg.lstsq(vectors, offset.astype(complex), rcond=None)[0][kept])
-    flow = expm(matrix * (step if at_end else -step))
-    rows = [part]
-    for _ in range(count):
-        rows.append(flow @ rows[-1])
-    piece = saddle + np.array(rows[1:])
-    total = profile.period + time
-    own, new = profile.h * (profile.period / total), np.full(ADDED, time / ADDED / total)
+def _extended(profile: Profile, saddle: Array, tail: Tail, at_end: bool) -> Profile:
+    """The orbit with a tail at one end, on intervals over which the tail shrinks by equal factors."""
+    edges = tail.times(np.linspace(0.0, 1.0, ADDED + 1))
+    steps = np.diff(edges)
+    if not (np.all(np.isfinite(steps)) and np.all(steps > 0.0)):
+        return profile
+    total = profile.period + float(edges[-1])
+    moments = node_times(steps / edges[-1], profile.m)[1:] * edges[-1]
+    piece = saddle + tail.offsets(moments)
+    own, new = profile.h * (profile.period / total), steps / total
     if at_end:
         return replace(profile, u=np.vstack([profile.u, piece]), period=total, h=np.concatenate([own, new]))
-    return replace(profile, u=np.vstack([piece[::-1], profile.u]), period=total, h=np.concatenate([new, own]))
+    return replace(profile, u=np.vstack([piece[::-1], profile.u]), period=total, h=np.concatenate([new[::-1], own]))
 
 
-def _cut(profile: Profile, ends: Array, sizes: Array) -> Profile:
-    times = np.linspace(0.0, 1.0, 8 * len(profile.u))
+def _cut(profile: Profile, ends: tuple[Array, Array], sizes: Array, wanted: float) -> Profile:
+    """Without what is nearer to the saddles than a tenth of the distance that is wanted."""
+    times = np.unique(np.concatenate([profile.times, np.linspace(0.0, 1.0, 8 * len(profile.u))]))
     u = profile.at(times)
-    extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
-    away = np.max(np.abs(u - ends[0]) / sizes, axis=1) > 0.1 * WANTED * extent
-    arrived = np.max(np.abs(u - ends[-1]) / sizes, axis=1) > 0.1 * WANTED * extent
-    start, end = float(times[np.argmax(away)]), float(times[len(times) - 1 - np.argmax(arrived[::-1])])
+    extent = extent_of(profile, sizes)
+    away = np.max(np.abs(u - ends[0]) / sizes, axis=1) > 0.1 * wanted * extent
+    arrived = np.max(np.abs(u - ends[-1]) / sizes, axis=1) > 0.1 * wanted * extent
+    return piece_of(profile, float(times[np.argmax(away)]), float(times[len(times) - 1 - np.argmax(arrived[::-1])]))
+
+
+def piece_of(profile: Profile, start: float, end: float) -> Profile:
+    """The stretch between two scaled times, on the mesh that it had."""
     inside = profile.mesh[(profile.mesh > start + 1e-9) & (profile.mesh < end - 1e-9)]
     edges = np.concatenate([[start], inside, [end]])
     h = np.diff(edges) / (end - start)

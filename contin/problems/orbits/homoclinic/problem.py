@@ -78,12 +78,18 @@ class ConnectionProblem(MarchedInPython):
             tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
         except (np.linalg.LinAlgError, ValueError):
             return np.full(len(events.NAMES), np.nan), 0, np.full(self.curve.n, np.nan, complex)
-        return tests, int(np.sum(values.real > 0.0)), values
+        return tests, self._unstable(values), values
+
+    def _unstable(self, values: NDArray[np.complex128]) -> int:
+        """Without the zero eigenvalue of a saddle-node, whose rounding has a sign."""
+        return self.curve.unstable_count if self.curve.node else int(np.sum(values.real > 0.0))
 
     def _adjoint(self, jacobian: Any, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
         from contin.problems.orbits.defining import Bordered
 
+        if self.curve.node:
+            return None
         n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)
         inside = nu - n
         rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
@@ -169,11 +175,23 @@ class ConnectionProblem(MarchedInPython):
         t = np.concatenate([moving.u.ravel(), saddles, [0.0], np.zeros(len(h)), raw[-2:]]) / renewed
         return replace(sample, z=z, tangent=t / np.linalg.norm(t))
 
+    def end_at(self, point: Verified) -> End | None:
+        """NCH and SH, beyond which the equations describe no homoclinic orbits to this equilibrium."""
+        where = self.place(point.z)
+        if point.type == "NCH" and self.curve.node:
+            text = f"the homoclinic orbits to a saddle-node end at a non-central one at {where}: to a saddle beyond"
+            return End("saddle-node", text)
+        if point.type == "NCH":
+            return End("saddle-node", f"the saddle becomes a saddle-node at {where}: homoclinic orbits to it follow")
+        if point.type == "SH":
+            return End("hopf", f"the saddle has a Hopf bifurcation at {where}: orbits to a cycle follow")
+        return None
+
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """Both parameters, smallest and largest values of the states over the orbit, and the saddle(s)."""
+        """Both parameters, smallest and largest values of the states over the orbit, the saddle(s), and what it is."""
         names = self.system.state_names
         columns = self.parameter_columns(z)
         ranges = orbit_columns(z, names, self.curve.profile, lambda u, _: u)
@@ -185,6 +203,8 @@ class ConnectionProblem(MarchedInPython):
             columns[f"{name}.saddle"] = ends[:, 0, k]
             if self.curve.saddles == 2:
                 columns[f"{name}.saddle2"] = ends[:, 1, k]
+        if self.curve.node:
+            columns["saddle_node"] = np.ones(len(z), bool)
         return columns
 
     def describe_failure(self, z: Array) -> str:
@@ -199,4 +219,11 @@ class ConnectionProblem(MarchedInPython):
         raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        raise InputError(f"{point.branch}.{point.label}: no other curves are started from points of homoclinic curves")
+        """The other curve of homoclinic orbits that ends at a non-central one."""
+        from contin.problems.orbits.homoclinic.switch import through_non_central
+
+        if point.type == "NCH":
+            return through_non_central(self, point, parameters)
+        raise InputError(
+            f"{point.branch}.{point.label}: of the points of homoclinic curves, only NCH is the start of another curve"
+        )

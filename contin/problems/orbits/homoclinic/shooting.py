@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import InputError, NotFiniteError
 from contin.problems.loci.start import indices
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.start import solved_connection
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
@@ -40,7 +41,8 @@ class ConnectingOrbit:
         orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(self.system.n), 4)
         piece = self._trajectory(float(self.p[first]))
         ends = self.saddles[:1] if self.is_loop else self.saddles
-        return [solved_connection(orbits, second, piece, ends, stable, unstable, float(self.p[second]), None)]
+        curve = ConnectionCurve(orbits, second, len(ends), stable, unstable)
+        return [solved_connection(curve, piece, ends, float(self.p[second]), None)]
 
     @property
     def is_loop(self) -> bool:

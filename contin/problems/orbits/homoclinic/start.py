@@ -14,51 +14,104 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.interval import fits, fitted
+from contin.problems.orbits.homoclinic.interval import extent_of, fits, fitted, piece_of
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
+from contin.problems.orbits.invariant_circle import fold_passed
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 
+BESIDE = 0.03  # of the orbit's extent: how far from a saddle-node it is cut
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
 
 
 def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits (of every heteroclinic one) that a family of orbits ends at."""
-    from contin.problems.orbits.ends import saddles_near
+    from contin.problems.orbits.ends import saddles_near, turns
 
     first, second = indices(problem.system, parameters)
-    names = problem.system.parameter_names
     profile = problem.profile(point.z)
     sizes = problem.state_sizes(profile)
+    if point.normal_form.get("kind") == "saddle-node":
+        return [loop_of_saddle_node(problem, point, parameters)]
     visited = saddles_near(problem, profile, sizes)
     if not visited:
         raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a saddle")
-    loops = _passages(profile, visited, sizes)
-    orbits = problem if names[first] == problem.parameters[0] else problem.with_active(names[first], point.z)
+    loops = _passages(problem, profile, visited, sizes)
+    orbits = _with_first(problem, point, first)
     seeds = []
     for a, b, start, end in loops:
         piece = _piece(profile, start, end)
+        piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - visited[a].u))
+        winding = turns(problem, piece.u[-1] - visited[b].u)
         value = float(orbits.base[first]) if orbits is not problem else profile.parameter
-        ends = np.array([visited[a].u] if a == b else [visited[a].u, visited[b].u])
+        ends = np.array([visited[a].u] if a == b else [visited[a].u, visited[b].u + winding])
         stable = int(np.sum(visited[a].eigenvalues.real < 0.0))
         unstable = int(np.sum(visited[b].eigenvalues.real > 0.0))
         piece = replace(piece, parameter=value)
         parent = Parent(point.branch, point.label)
         q = float(orbits.base[second])
-        seeds.append(solved_connection(orbits, second, piece, ends, stable, unstable, q, parent))
+        turned = winding if a == b and winding.any() else None
+        curve = ConnectionCurve(orbits, second, len(ends), stable, unstable, winding=turned)
+        seeds.append(solved_connection(curve, piece, ends, q, parent))
     if any(not np.allclose(seeds[0].z[-2:], s.z[-2:]) for s in seeds):
         return seeds
     return seeds if len(visited) > 1 else seeds[:1]  # loops of one saddle: images of each other, or one twice
 
 
-def _passages(profile: Profile, visited: Sequence[Any], sizes: Array) -> list[tuple[int, int, float, float]]:
+def _with_first(problem: OrbitProblem, point: SpecialPoint, first: int) -> OrbitProblem:
+    """The orbits with the first parameter of the plane as theirs."""
+    name = problem.system.parameter_names[first]
+    return problem if name == problem.parameters[0] else problem.with_active(name, point.z)
+
+
+def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+    """The curve of homoclinic orbits to a saddle-node that a family of orbits ends at.
+
+    Inside the bottleneck the orbit is not that of the fold yet: it is cut `BESIDE` of its extent away from it.
+    """
+    from contin.problems.orbits.ends import turns
+
+    first, second = indices(problem.system, parameters)
+    profile = problem.profile(point.z)
+    sizes = problem.state_sizes(profile)
+    fold = fold_passed(problem, profile, sizes, float(point.scale[-1]) if point.scale.size else 1.0)
+    if fold is None:
+        raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a fold of equilibria")
+    at = fold[0]
+    values = np.linalg.eigvals(problem.system.jacobian(at[:-1], problem.full_parameters(at))[1][:, : problem.n])
+    others = np.delete(values, int(np.argmin(np.abs(values)))).real
+    times = np.linspace(0.0, 1.0, 16 * len(profile.u) + 1)[:-1]
+    times = np.unique(np.concatenate([profile.times[:-1], times]))
+    gaps = profile.at(times) - at[:-1]
+    away = np.max(np.abs(gaps - turns(problem, gaps)) / sizes, axis=1) / extent_of(profile, sizes)
+    slowest = int(np.argmin(away))
+    outside = np.flatnonzero(np.roll(away, -slowest) > BESIDE)
+    start, end = np.roll(times, -slowest)[outside[[0, -1]]]
+    piece = _piece(profile, float(start), float(end if end > start else end + 1.0))
+    piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - at[:-1]))
+    winding = turns(problem, piece.u[-1] - at[:-1])
+    p = problem.full_parameters(at)
+    orbits = replace(problem, base=p, active=first)
+    curve = ConnectionCurve(
+        orbits, second, 1, int(np.sum(others < 0.0)), int(np.sum(others > 0.0)), True, winding if winding.any() else None
+    )
+    piece = replace(piece, parameter=float(p[first]))
+    return solved_connection(curve, piece, at[None, :-1], float(p[second]), Parent(point.branch, point.label))
+
+
+def _passages(
+    problem: OrbitProblem, profile: Profile, visited: Sequence[Any], sizes: Array
+) -> list[tuple[int, int, float, float]]:
     """(saddle left, saddle reached, from, to) of the loops between visits, in scaled time (to may exceed 1)."""
+    from contin.problems.orbits.ends import turns
+
     extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
     times = np.linspace(0.0, 1.0, 8 * len(profile.u) + 1)[:-1]
     times = np.unique(np.concatenate([profile.times[:-1], times]))
     u = profile.at(times)
-    distances = np.array([np.max(np.abs(u - s.u) / sizes, axis=1) for s in visited]) / extent
+    gaps = [u - s.u - turns(problem, u - s.u) for s in visited]
+    distances = np.array([np.max(np.abs(gap) / sizes, axis=1) for gap in gaps]) / extent
     near, which = distances.min(axis=0), distances.argmin(axis=0)
     minima = [
         k for k in range(len(times))
@@ -92,31 +145,24 @@ def _merged(minima: list[int], near: Array) -> list[int]:
 
 
 def _piece(profile: Profile, start: float, end: float) -> Profile:
-    """The stretch from `start` to `end` of a closed orbit on a mesh of its own."""
-    mesh = np.concatenate([profile.mesh[:-1], 1.0 + profile.mesh])
-    inside = mesh[(mesh > start + 1e-9) & (mesh < end - 1e-9)]
-    ends = np.concatenate([[start], inside, [end]])
-    h = np.diff(ends) / (end - start)
-    empty = Profile(profile.m, np.empty((len(h) * profile.m + 1, profile.n)), 1.0, h, profile.parameter)
-    times = start + (end - start) * empty.times
-    turns = np.floor(np.minimum(times, 2.0 - 1e-15))
+    """The stretch from `start` to `end` (which may exceed 1) of a closed orbit on a mesh of its own."""
     winding = profile.u[-1] - profile.u[0]
-    u = profile.at(times - turns) + turns[:, None] * winding
-    return Profile(profile.m, u, (end - start) * profile.period, h, profile.parameter)
+    twice = replace(
+        profile, u=np.vstack([profile.u, profile.u[1:] + winding]), period=2.0 * profile.period,
+        h=np.concatenate([profile.h, profile.h]) / 2.0,
+    )  # fmt: skip
+    return piece_of(twice, start / 2.0, end / 2.0)
 
 
-def solved_connection(
-    orbits: OrbitProblem, second: int, piece: Profile, ends: Array, stable: int, unstable: int, q: float,
-    parent: Parent | None,
-) -> Seed:  # fmt: skip
+def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
     """The connection solved for at fixed q, on an interval and a mesh that fit it; `parent` : where it comes from."""
     source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
-    curve = ConnectionCurve(orbits, second, len(ends), stable, unstable)
     problem = ConnectionProblem(curve)
-    if stable + unstable != curve.n:
+    orbits = curve.orbits
+    if curve.stable_count + curve.unstable_count != curve.n - curve.node:
         raise InputError(
-            f"{source}: {stable} stable directions of the first and {unstable} unstable ones of "
-            f"the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
+            f"{source}: {curve.stable_count} stable directions of the first and {curve.unstable_count} unstable ones "
+            f"of the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
         )
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)

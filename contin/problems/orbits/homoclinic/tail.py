@@ -1,0 +1,98 @@
+"""How a connecting orbit goes on beyond its interval: along the slowest direction of the saddle, and faster ones.
+
+The part c along the slowest real eigenvector obeys c' = r c + a c^2 up to third order, which holds as well where r is
+small beside a c (a saddle next to a fold) and where r = 0 (a saddle-node):
+
+    c(t) = r c0 e^(r t) / (r + a c0 (1 - e^(r t))),      r = 0:  c(t) = c0 / (1 - a c0 t)
+
+All other parts obey the linear equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+STEP = 1e-3  # of the second difference, relative to the states' sizes
+LONGEST = 30.0  # time of a tail in units of the slowest rate, where there is one
+STILL = 1e-9  # a rate times the tail's length below which it is zero
+
+
+@dataclass(frozen=True, eq=False)
+class Tail:
+    """Offsets from the saddle at times after (before) an end; rates are those of the time that leads away from it."""
+
+    rate: float
+    quadratic: float
+    start: float  # c0
+    shrink: float  # factor by which c is to fall
+    slow: Array  # (n,) right eigenvector, in the states' units
+    rates: NDArray[np.complex128]
+    fast: NDArray[np.complex128]  # (n, k) other parts of the offset, each along an eigenvector
+
+    def times(self, parts: Array) -> Array:
+        """When c has fallen by the factors shrink^parts."""
+        r, b = self.rate, self.quadratic * self.start
+        factors = self.shrink**parts
+        if abs(r) * self._still < STILL * abs(b):
+            return np.asarray((1.0 - 1.0 / factors) / b) if b != 0.0 else np.full(len(parts), np.nan)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            times = np.log(factors * (r + b) / (r + b * factors)) / r
+        return np.asarray(times)
+
+    @property
+    def _still(self) -> float:
+        return 1.0 / max(self.shrink, 1e-300)
+
+    def offsets(self, times: Array) -> Array:
+        """(len(times), n)"""
+        r, b = self.rate, self.quadratic * self.start
+        if abs(r) * self._still < STILL * abs(b):
+            c = self.start / (1.0 - b * times)
+        else:
+            grown = np.exp(r * times)
+            c = r * self.start * grown / (r + b * (1.0 - grown))
+        others = np.real(np.exp(np.outer(times, self.rates)) @ self.fast.T)
+        return np.asarray(c[:, None] * self.slow + others)
+
+
+def tail_of(
+    curve: Any, z: Array, sizes: Array, saddle: Array, offset: Array, at_end: bool, shrink: float
+) -> Tail:
+    """The tail of an orbit whose end is `offset` away from the saddle, for that to fall by a factor."""
+    matrix = curve.scaled_matrix(saddle, z, sizes)
+    sign = 1.0 if at_end else -1.0
+    values, vectors = np.linalg.eig(sign * matrix)
+    parts = np.linalg.solve(vectors, (offset / sizes).astype(complex))
+    order = np.argsort(-values.real)
+    count = curve.unstable_count if at_end else curve.stable_count  # of the directions that lead away: left out
+    kept = order[count:]
+    k, others = kept[0], kept[1:]
+    if values[k].imag != 0.0:
+        rate, q, start, quadratic = float(values[k].real), np.zeros(curve.n), 0.0, 0.0
+        others = kept
+    else:
+        rate, q = float(values[k].real), np.real(vectors[:, k])
+        start, quadratic = float(parts[k].real), sign * _quadratic(curve, z, sizes, saddle, vectors, k)
+    fast = (vectors[:, others] * parts[others]) * sizes[:, None]
+    tail = Tail(rate, quadratic, start, shrink, q * sizes, values[others], fast)
+    last = tail.times(np.ones(1))[0]
+    if not (0.0 < last and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
+        return Tail(rate, 0.0, start, max(shrink, float(np.exp(-LONGEST))), q * sizes, values[others], fast)
+    return tail
+
+
+def _quadratic(
+    curve: Any, z: Array, sizes: Array, saddle: Array, vectors: NDArray[np.complex128], k: int
+) -> float:
+    """<p, f_uu(q, q)> / 2 along eigenvector k of the scaled equations."""
+    parameters, system = curve.full_parameters(z), curve.orbits.system
+    q = np.real(vectors[:, k])
+    around = [system.jacobian(saddle + s * STEP * sizes * q, parameters)[0] for s in (-1.0, 0.0, 1.0)]
+    second = (around[0] - 2.0 * around[1] + around[2]) / STEP**2 / sizes
+    return 0.5 * float(np.real(np.linalg.inv(vectors)[k] @ second))
