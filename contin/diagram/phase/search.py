@@ -211,6 +211,9 @@ class LociSearch:
         """True where the curve through this seed is new, and of a kind that is looked for."""
         if not orbital:
             return not is_known_locus([b for b in self.loci if not is_orbital(b)], seed, self.box)
+        problem: Any = seed.problem
+        if problem.locus == "HOM" and problem.curve.node:  # a part of a curve of folds
+            return False
         if not self.orbits or is_known_curve(self.loci, seed, self.box):
             return False
         if self.spent > TOTAL:

@@ -300,7 +300,8 @@ def _rounded(value: float, state: Array) -> float:
 def turns(problem: Any, difference: Array) -> Array:
     """The whole turns of angles in a difference of states (rows of them); 0 for other states."""
     periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
-    return np.asarray(np.where(periods > 0.0, np.round(difference / np.where(periods > 0.0, periods, 1.0)) * periods, 0.0))
+    count = np.round(difference / np.where(periods > 0.0, periods, 1.0))
+    return np.asarray(np.where(periods > 0.0, count * periods, 0.0))
 
 
 def _apart(problem: Any, u: Array, v: Array) -> Array:

@@ -7,8 +7,8 @@
 
 with L_s, L_u bases of the left stable and unstable subspaces (Beyn 1990; Champneys, Kuznetsov and Sandstede 1996). The
 length T of the time interval is fixed: the error is of the order of the squared distances of the ends from the saddles.
-Where x0 = x1 is a saddle-node, one eigenvalue is zero, there is one projection less, and its fold takes the place of it:
-the orbit leaves along the centre-unstable directions and arrives along the centre-stable ones.
+Where x0 = x1 is a saddle-node, one eigenvalue is zero, there is one projection less, and the fold takes its place: the
+orbit leaves along the centre-unstable directions and arrives along the centre-stable ones.
 z = (u at the nodes, x0, [x1], T, h_1 .. h_N, q, p); T and the mesh are carried along, not solved for.
 """
 

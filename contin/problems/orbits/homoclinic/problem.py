@@ -18,7 +18,7 @@ from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.columns import of_one_size, orbit_columns
 from contin.problems.orbits.homoclinic import events
-from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.layout import make_scale, sizes_of
@@ -108,6 +108,20 @@ class ConnectionProblem(MarchedInPython):
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         return events.verify(self, type_, near, frame)
+
+    def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
+        """How far the zero of a test (either parameter) moves when every interval of the mesh is halved."""
+        from contin.problems.orbits.loci.events import _zero
+
+        curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)))
+        h = np.repeat(0.5 * curve.profile(found.z).h, 2)
+        sizes = self.sizes(found.z, frame.scale)
+        scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
+        finer = replace(self, curve=curve, _last={})
+        moved = finer._moved(found, frame.scale, scale, h)
+        curve.settle(moved.z, sizes)
+        again = _zero(finer, moved, Frame(scale), index)
+        return None if again is None else float(np.max(np.abs(again.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0

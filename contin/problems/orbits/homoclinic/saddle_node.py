@@ -1,8 +1,8 @@
 """Saddle-nodes that homoclinic orbits return to: the fold as a scalar equation, and how central the orbit is.
 
-A saddle-node has one zero eigenvalue, f_u q = 0, p^T f_u = 0. The orbit leaves it along q, on the side where the flow on
-the centre manifold leads away, and comes back on the other side, tangent to q as well: a central homoclinic orbit, which
-lasts along the whole curve of folds. Where it comes back (or leaves) along another direction, it is non-central (NCH):
+A saddle-node has one zero eigenvalue, f_u q = 0, p^T f_u = 0. The orbit leaves it along q, on the side where the flow
+on the centre manifold leads away, and comes back on the other side, tangent to q as well: a central homoclinic orbit,
+which lasts along a curve of folds. Where it comes back (or leaves) along another direction, it is non-central (NCH):
 there the curve of homoclinic orbits to a saddle begins (Schecter, SIAM J. Math. Anal. 18 (1987) 1142; Champneys,
 Kuznetsov and Sandstede 1996).
 """

@@ -93,9 +93,9 @@ def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: 
     winding = turns(problem, piece.u[-1] - at[:-1])
     p = problem.full_parameters(at)
     orbits = replace(problem, base=p, active=first)
-    curve = ConnectionCurve(
-        orbits, second, 1, int(np.sum(others < 0.0)), int(np.sum(others > 0.0)), True, winding if winding.any() else None
-    )
+    stable, unstable = int(np.sum(others < 0.0)), int(np.sum(others > 0.0))
+    turned = winding if winding.any() else None
+    curve = ConnectionCurve(orbits, second, 1, stable, unstable, node=True, winding=turned)
     piece = replace(piece, parameter=float(p[first]))
     return solved_connection(curve, piece, at[None, :-1], float(p[second]), Parent(point.branch, point.label))
 
@@ -155,7 +155,7 @@ def _piece(profile: Profile, start: float, end: float) -> Profile:
 
 
 def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
-    """The connection solved for at fixed q, on an interval and a mesh that fit it; `parent` : where it comes from."""
+    """The connection solved for at fixed q (else p), on an interval and a mesh that fit it; `parent` : its origin."""
     source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
     problem = ConnectionProblem(curve)
     orbits = curve.orbits
@@ -171,6 +171,8 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         scale = problem.scale_for(profile.h, sizes, max(1e-3, abs(float(z[-1]))), max(1e-3, abs(q)))
         curve.settle(z, sizes)
         solved = problem.at_unknown(-2, z, q, scale)
+        if solved is None and curve.node:  # folds that the first parameter does not move
+            solved = problem.at_unknown(-1, z, piece.parameter, scale)
         if solved is None:
             raise InputError(f"{source}: Newton for the connecting orbit did not converge")
         z = solved
@@ -180,5 +182,5 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
             break
         if attempt < 2:
             chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
-            z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), q)
+            z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
     return Seed(problem, z, parent=parent)

@@ -57,17 +57,20 @@ def _other(curve: ConnectionCurve, z: Array, parameters: Sequence[str]) -> Conne
     """The equations of the other curve at a point of this one."""
     first, second = indices(curve.system, parameters)
     orbits = replace(curve.orbits, base=curve.full_parameters(z), active=first)
-    counts = {"stable_count": curve.stable_count, "unstable_count": curve.unstable_count}
+    stable, unstable = curve.stable_count, curve.unstable_count
     matrix = curve.matrix(curve.equilibria(z)[0], z)
     if curve.node:  # the end without a part along the zero eigenvalue's direction projects it out now
         p, _ = critical_direction(matrix)
         leaving, arriving = (abs(float(p @ offset)) for offset in curve.offsets(z, np.ones(curve.n)))
-        counts["unstable_count" if arriving < leaving else "stable_count"] += 1
+        stable, unstable = stable + int(arriving >= leaving), unstable + int(arriving < leaving)
     else:
         order = np.sort(np.linalg.eigvals(matrix).real)
-        slowest = abs(order[curve.stable_count - 1]), abs(order[curve.stable_count])
-        counts["stable_count" if slowest[0] < slowest[1] else "unstable_count"] -= 1
-    return replace(curve, orbits=orbits, second=second, node=not curve.node, gauge=Gauge(), **counts)
+        fades = abs(order[stable - 1]) < abs(order[stable])  # the slowest stable eigenvalue is the one that vanishes
+        stable, unstable = stable - int(fades), unstable - int(not fades)
+    return replace(
+        curve, orbits=orbits, second=second, stable_count=stable, unstable_count=unstable, node=not curve.node,
+        gauge=Gauge(),
+    )  # fmt: skip
 
 
 def _side(problem: ConnectionProblem, base: Sample, frame: Frame) -> float:

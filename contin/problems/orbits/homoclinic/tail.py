@@ -67,7 +67,8 @@ def tail_of(
     """The tail of an orbit whose end is `offset` away from the saddle, for that to fall by a factor."""
     matrix = curve.scaled_matrix(saddle, z, sizes)
     sign = 1.0 if at_end else -1.0
-    values, vectors = np.linalg.eig(sign * matrix)
+    pairs = np.linalg.eig(sign * matrix)
+    values, vectors = pairs[0].astype(complex), pairs[1].astype(complex)
     parts = np.linalg.solve(vectors, (offset / sizes).astype(complex))
     order = np.argsort(-values.real)
     count = curve.unstable_count if at_end else curve.stable_count  # of the directions that lead away: left out
@@ -80,10 +81,11 @@ def tail_of(
         rate, q = float(values[k].real), np.real(vectors[:, k])
         start, quadratic = float(parts[k].real), sign * _quadratic(curve, z, sizes, saddle, vectors, k)
     fast = (vectors[:, others] * parts[others]) * sizes[:, None]
-    tail = Tail(rate, quadratic, start, shrink, q * sizes, values[others], fast)
+    rates: NDArray[np.complex128] = values[others]
+    tail = Tail(rate, quadratic, start, shrink, q * sizes, rates, fast)
     last = tail.times(np.ones(1))[0]
-    if not (0.0 < last and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
-        return Tail(rate, 0.0, start, max(shrink, float(np.exp(-LONGEST))), q * sizes, values[others], fast)
+    if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
+        return Tail(rate, 0.0, start, max(shrink, float(np.exp(-LONGEST))), q * sizes, rates, fast)
     return tail
 
 
