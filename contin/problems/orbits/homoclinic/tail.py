@@ -80,8 +80,8 @@ def tail_of(
     else:
         rate, q = float(values[k].real), np.real(vectors[:, k])
         start, quadratic = float(parts[k].real), sign * _quadratic(curve, z, sizes, saddle, vectors, k)
-    fast = (vectors[:, others] * parts[others]) * sizes[:, None]
-    rates: NDArray[np.complex128] = values[others]
+    fast: NDArray[np.complex128] = (vectors[:, others] * parts[others] * sizes[:, None]).astype(complex)
+    rates = values[others]
     tail = Tail(rate, quadratic, start, shrink, q * sizes, rates, fast)
     last = tail.times(np.ones(1))[0]
     if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
