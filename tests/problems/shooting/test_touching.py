@@ -20,6 +20,7 @@ def test_circles_that_touch_a_line_lie_where_their_radius_says():
     touching = api.continuation(point.locus(), ("b1", "b2"), {"b1": (-0.4, 0.3), "b2": (0.01, 1.2)})
     np.testing.assert_allclose(touching.columns["b1"], 0.0016 - 0.04 * touching.columns["b2"], atol=1e-11)
     assert [end.reason for end in touching.ends] == ["bound", "bound"]
+    np.testing.assert_array_equal(touching.columns["turns"], touching.columns["b2"] > 0.08)  # there b1 falls with r
     assert touching.notes[0].startswith("the orbits touch x - 0.2 = 0: nonsmooth folds")
 
 
@@ -39,6 +40,9 @@ def test_metronomes_that_reach_the_ends_of_their_escapement_on_both_sides():
     np.testing.assert_allclose(touching.columns["x.min"], -1.5, atol=1e-9)
     there = fold_of(model, "oscillating", "alpha", {"eps": 0.1})
     assert touching["UZ1"].values["alpha"] == pytest.approx(there.values["alpha"], abs=3e-10)
+    averaged = api.continuation(point.locus(), ("alpha", "x1"), {"alpha": (0.01, 0.5), "x1": (0.4, 1.2)})
+    far = abs(averaged.columns["x1"] - 0.75) > 0.02  # (r - x1)/r^2 is largest at r = 2 x1, to order eps
+    np.testing.assert_array_equal(averaged.columns["turns"][far], averaged.columns["x1"][far] > 0.75)
     assert touching.columns["alpha"][np.argmin(touching.columns["eps"])] == pytest.approx(4 / 9 / np.pi, abs=1e-4)
 
 

@@ -20,6 +20,8 @@ from contin.problems.shooting.loci.touching import Touch, vertex
 from contin.problems.shooting.problem import ShootingProblem
 from contin.simulate.flight import fly
 
+BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # (scaled) how far beyond a touching orbit it is seen how the surface is crossed
+
 
 @dataclass(frozen=True, eq=False)
 class GrazingCurve(CurveByShooting):
@@ -82,6 +84,34 @@ class GrazingCurve(CurveByShooting):
         if not (np.isfinite(value) and np.isfinite(unit) and unit > 0.0):
             return None
         return Equations(np.append(at.residual, value / unit), np.vstack([at.jacobian, row / unit]))
+
+    def turns(self, z: Array, scale: Array) -> bool:
+        """True where the family of orbits in the first parameter turns round at the touching one: a fold.
+
+        Beyond it the surface is crossed, and the tangent is that of the flow without held surfaces.
+        """
+        orbit, metric, width = self.orbit(z), self.orbit(scale), float(scale[-2])
+        time = self._extremum(z)
+        at = Expansion.of(self._held(z), self.second, orbit, metric, width)
+        special = None if at is None or time is None else self._clearance(z, time, at)
+        if special is None or at is None:
+            return False
+        own = np.delete(np.arange(at.rows + 2), at.rows)  # without the second parameter
+        approach = (self.touch.side * special[1] * at.units)[own]
+
+        def ahead(here: Expansion) -> Array:
+            t = np.linalg.svd(here.jacobian[:, own])[2][-1]
+            return np.asarray(-t * np.sign(float(approach @ t)))
+
+        first = ahead(at)
+        for distance in BEYOND:
+            moved = orbit.copy()
+            moved[: at.rows] += distance * first[:-1] * at.units[: at.rows]
+            moved[-1] += distance * first[-1] * at.units[-1]
+            beyond = Expansion.of(self.at(z), self.second, moved, metric, width)
+            if beyond is not None and not any(f.touched for f in beyond.segments.flights):
+                return float(first[-1] * ahead(beyond)[-1]) < 0.0
+        return False
 
     def _extremum(self, z: Array) -> float | None:
         """Time at which h has its extremum, next to the last known."""

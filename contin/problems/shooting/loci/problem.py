@@ -20,6 +20,7 @@ from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.shooting.events import nontrivial
 from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.loci.curve import CurveByShooting
+from contin.problems.shooting.loci.grazing import GrazingCurve
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +103,9 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"] = np.array([low[0, k] for low, _ in both])
             columns[f"{name}.max"] = np.array([high[0, k] for _, high in both])
+        if isinstance(curve, GrazingCurve) and len(z):
+            scale = self.initial_scale(z[0], self.first_bounds)
+            columns["turns"] = np.array([curve.turns(row, scale) for row in z])  # type: ignore[assignment]
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
@@ -112,7 +116,7 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         if touched is None:
             return ()
         surface = self.system.pieces.name(touched)
-        return (f"the orbits touch {surface}: nonsmooth folds; what else happens to them is not looked for",)
+        return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curves of other types through a point where two meet; its own where there is no other."""

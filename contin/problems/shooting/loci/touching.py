@@ -14,7 +14,6 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.shooting.grazing import surface
-from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import flights
 from contin.problems.shooting.start import split
@@ -107,7 +106,3 @@ def _fits(count: int, found: Sequence[Touch], crossings: Sequence[tuple[float, i
                 return False
     return True
 
-
-def base_time(nodes: Nodes, segment: int) -> float:
-    """When a segment begins."""
-    return segment * nodes.period / nodes.count
