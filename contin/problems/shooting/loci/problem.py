@@ -105,7 +105,7 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
             columns[f"{name}.max"] = np.array([high[0, k] for _, high in both])
         if isinstance(curve, GrazingCurve) and len(z):
             scale = self.initial_scale(z[0], self.first_bounds)
-            columns["turns"] = np.array([curve.turns(row, scale) for row in z])  # type: ignore[assignment]
+            columns["turns"] = np.array([curve.turns(row, scale) for row in z])
         if self.locus == "NS":
             columns["cos.theta"] = z[:, -3].copy()
             columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
