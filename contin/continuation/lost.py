@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.arm import Arm, Piece
 from contin.continuation.branch import End
-from contin.continuation.problem import is_adaptive, is_planar
+from contin.continuation.problem import Problem, is_adaptive, is_planar
 
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
@@ -27,9 +29,9 @@ LONG: Final = 1e-3  # ... in such steps; near a fold on the bound only much shor
 def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm up to the row where it is lost; then `arm.end` says how.
 
-    Periodic orbits have ends of their own, and a locus may well run along a line of constant parameter.
+    Periodic orbits have ends of their own; a locus may well run along a line of constant parameter.
     """
-    if is_adaptive(arm.problem) or is_planar(arm.problem):
+    if is_adaptive(arm.problem):
         yield from pieces
         return
     record = _Record(arm, start.copy(), arm.scale[:-1].copy(), last=start)
@@ -41,6 +43,12 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
         arm.end = stop.end
         yield piece.cut(stop.row + 1)
         return
+
+
+def _may_grow(problem: Problem) -> NDArray[np.bool_]:
+    """True for the states: not angles, not the auxiliary vectors of a locus; without the last unknown."""
+    states = problem.angle_periods == 0.0
+    return np.asarray(states & problem.identifying[:-1] & problem.growing[:-1] if is_planar(problem) else states)
 
 
 @dataclass(frozen=True)
@@ -58,7 +66,7 @@ class _Record:
     arm: Arm
     anchor: Array  # a row, from which nothing may have moved since
     scale: Array  # of the states, at the first row
-    decades: list[float] = field(default_factory=list)  # parameter values where a state passed 10, 100, .. times it
+    decades: list[Array] = field(default_factory=list)  # parameters where a state passed 10, 100, .. times it
     vertical: int = 0  # rows without a move of the parameter, and of anything
     standing: int = 0
     approaching: int = 0  # rows in turn that came nearer to a bound
@@ -68,18 +76,20 @@ class _Record:
         """Take the rows of one more piece."""
         if not len(piece.z):
             return None
+        if is_planar(self.arm.problem):
+            return self._infinite(piece)
         return self._infinite(piece) or self._approaching(piece) or self._unmoved(piece)
 
     def _infinite(self, piece: Piece) -> _Stop | None:
-        free = self.arm.problem.angle_periods == 0.0
-        sizes = np.max(np.abs(piece.z[:, :-1][:, free]) / self.scale[free], axis=1, initial=0.0)
+        relative = np.abs(piece.z[:, :-1]) / self.scale * _may_grow(self.arm.problem)
+        sizes = np.max(relative, axis=1, initial=0.0)
         if not sizes.max() >= self._next:
             return None
         for row in np.flatnonzero(sizes >= self._next):
             while sizes[row] >= self._next:
-                self.decades.append(float(piece.z[row, -1]))
+                self.decades.append(piece.z[row, -len(self.arm.problem.parameters) :] / self._widths)
             if self._converges():
-                name = self._fastest(piece.z[row])
+                name = self._fastest(relative[row])
                 text = f"{name} grows without bound: {sizes[row]:.0e} times its scale"
                 return self._stop(int(row), piece, "bound", text)
         return None
@@ -92,15 +102,25 @@ class _Record:
     def _width(self) -> float:
         return self.arm.bounds[1] - self.arm.bounds[0]
 
+    @cached_property
+    def _widths(self) -> Array:
+        """Of the ranges of the varying parameters, in the order of the unknowns."""
+        problem = self.arm.problem
+        walls = problem.walls if is_planar(problem) else [(-1, *self.arm.bounds)]
+        widths = [high - low for _, low, high in sorted(walls)]
+        return np.array([width if np.isfinite(width) else 1.0 for width in widths])
+
     def _converges(self) -> bool:
         if len(self.decades) < DECADES:
             return False
         a, b, c = self.decades[-3:]
-        return abs(c - b) <= min(CONVERGED * self._width, SHRINKING * abs(b - a))
+        return float(np.abs(c - b).max()) <= min(CONVERGED, SHRINKING * float(np.abs(b - a).max()))
 
-    def _fastest(self, z: Array) -> str:
-        names = list(self.arm.problem.columns(z[None]))[1:]
-        return names[int(np.argmax(np.abs(z[:-1]) / self.scale))] if len(names) >= len(z) - 1 else "the state"
+    def _fastest(self, relative: Array) -> str:
+        problem = self.arm.problem
+        names = list(problem.columns(self.last[None]))[len(problem.parameters) :]
+        largest = int(np.argmax(relative))
+        return names[largest] if largest < len(names) else "the state"
 
     def _approaching(self, piece: Piece) -> _Stop | None:
         """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows."""

@@ -19,6 +19,7 @@ GUARD_FLOOR = 2e-3  # ... but not below this arclength
 GROWTH = 2.0  # largest growth of a step
 SHRINK = 0.3  # smallest
 RESCALE_AT = 2.0  # the metric is renewed when a state exceeds its scale by this factor
+ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a straight line
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
 
 
@@ -85,7 +86,7 @@ def next_step(h, angle, target_angle, correction, wanted, order, iterations, mos
     factor = GROWTH
     if angle > 0.0:
         factor = min(factor, target_angle / angle)
-    if correction > 0.0:
+    if correction > ROUNDING:
         factor = min(factor, (wanted / correction) ** (1.0 / order))
     if iterations > most:
         factor = min(factor, most / iterations)

@@ -121,10 +121,15 @@ def _inverse(matrix: Array) -> Array | None:
 
 
 def singular_basis(matrix: NDArray[Any], dimension: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Orthonormal bases of the left and right spaces of the `dimension` smallest singular values."""
+    """Orthonormal bases of the left and right spaces of the `dimension` smallest singular values.
+
+    NaN, with which Newton's method ends, where the equations have no value.
+    """
+    rows, columns = matrix.shape[0], matrix.shape[1] - matrix.shape[0]
+    if not np.isfinite(matrix).all():
+        return np.full((rows, dimension), np.nan), np.full((rows + columns, dimension + columns), np.nan)
     left, _, right = np.linalg.svd(matrix)
-    columns = matrix.shape[1] - matrix.shape[0]
-    return left[:, matrix.shape[0] - dimension :], right.conj().T[:, matrix.shape[1] - dimension - columns :]
+    return left[:, rows - dimension :], right.conj().T[:, rows - dimension :]
 
 
 def fold(local: Local, y: Array) -> Solved | None:

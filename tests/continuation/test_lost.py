@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+import contin
+from contin.model.model import Model
 from tests.continuation.test_range_and_starts import FOLD
 from tests.problems.cases import oscillator
 from tests.problems.follow import follow, labels, reasons
@@ -25,6 +27,19 @@ def test_competing_species_at_their_pole():
     assert [t for t, _ in labels(branch)] == ["BP"]  # at b = 1, where y = 0
     assert "grows without bound" in branch.ends[1].text
     assert branch.ends[1].data["value"] == pytest.approx(2.0, abs=1e-8)
+
+
+def test_a_curve_in_two_parameters_that_goes_to_infinity_ends_there():
+    """x' = p - (q x - 1)^2: folds x = 1/q at p = 0."""
+    model = Model(
+        "far", states={"x": 1.0}, parameters={"p": 0.5, "q": 1.0}, equations={"x": "p - (q*x - 1)^2"}
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model, {"x": 1.5}), "p", (-1.0, 1.0))
+    folds = contin.continuation(line["LP1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-1, 2)})
+    assert sorted(end.reason for end in folds.ends) == ["bound", "bound"]
+    assert sum("x grows without bound" in end.text for end in folds.ends) == 1
+    assert folds.columns["q"].min() == pytest.approx(0.0, abs=1e-9)
+    assert len(folds) < 2000
 
 
 def test_growth_by_itself_is_no_end():

@@ -103,7 +103,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         if type_ == "neutral":
             return "a pair of multipliers touches the unit circle without a change of the unstable count"
         theta = float(np.angle(pair))
-    if type_ in ("LPC", "BPC") and _extent(problem, near.z, frame) < NO_ORBIT:
+    if type_ in ("LPC", "BPC") and _at_rest(problem, near.z, frame):
         return ""
     if type_ == "PD" and _orientable(problem, near.z):
         return ""
@@ -122,7 +122,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     if type_ == "NS" and abs(solved.theta - theta) > 0.3:
         return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
-    if type_ in ("LPC", "BPC") and _extent(problem, solved.z, frame) < NO_ORBIT:
+    if type_ in ("LPC", "BPC") and _at_rest(problem, solved.z, frame):
         return ""  # the family passes through a Hopf point and comes back
     if type_ == "LPC" and not solved.confirmed:
         return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"  # noqa: E501
@@ -165,8 +165,10 @@ def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:
     return abs(float(gap[-1])) <= 2.0 * errors and float(np.linalg.norm(gap)) < ADJACENT
 
 
-def _extent(problem: Any, z: Array, frame: Frame) -> float:
-    return float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
+def _at_rest(problem: Any, z: Array, frame: Frame) -> bool:
+    """True where a family is at its Hopf point; a forced system may rest as well as move."""
+    extent = float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
+    return problem.autonomous and extent < NO_ORBIT
 
 
 def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:

@@ -54,6 +54,12 @@ class OrbitLinear:
         return self.scale[self.unknowns]
 
     @cached_property
+    def field(self) -> Array:
+        """f(u) at the nodes, (nodes, n)."""
+        parameters = self.problem.full_parameters(self.z)
+        return np.array([self.problem.system.value(u, parameters) for u in self.profile.u])
+
+    @cached_property
     def _points(self) -> Any:
         from contin.kernels.collocation import evaluate, new_points, set_phase
 

@@ -27,6 +27,7 @@ from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.defining import Bordered
 from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
 
 SHEARLESS = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
@@ -152,17 +153,20 @@ def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:
 def branch_point(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
     """{kind, breaks}: pitchfork where the parameter does not move along one of the families, else transcritical.
 
-    breaks: the declared symmetry that the orbit has and the new family has not.
+    breaks: the declared symmetry that the orbit has and the new family has not; kernel: the number of multipliers that
+    pass 1 together there, where it is above 1 (see `contin.problems.orbits.multiple`).
     """
-    tangents = problem.tangents(point.z, scale)
-    if len(tangents) < 2:
+    tangents = crossing_tangents(problem, point.z, scale, point.eigenvalues)
+    kernel = {"kernel": kernel_dimension(problem, point.eigenvalues)} if tangents else {}
+    tangents = tangents or problem.tangents(point.z, scale)
+    if len(tangents) < 2 and not kernel:
         return {}
     for tangent in tangents:
         broken = halves_alike(problem, point.z, tangent * scale)
         if broken:
-            return {"kind": "pitchfork", "breaks": broken[0]}
+            return {"kind": "pitchfork", "breaks": broken[0], **kernel}
     flat = min(abs(float(tangent[-1])) for tangent in tangents)
-    return {"kind": "pitchfork" if flat < VERTICAL else "transcritical"}
+    return {"kind": "pitchfork" if flat < VERTICAL else "transcritical", **kernel}
 
 
 def fold(linear: OrbitLinear) -> float:
@@ -180,7 +184,7 @@ def fold(linear: OrbitLinear) -> float:
         return float((periodic.projection(0.5 * forms.apply(v, v) + forms.first(v)) / periodic.projection(v)).real)
     along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
     p = along[1] * left[:, 0] - along[0] * left[:, 1]
-    field = _field_at_nodes(linear).ravel() / linear.units[: linear.nu]
+    field = linear.field.ravel() / linear.units[: linear.nu]
     parts = kernel.T @ field
     q = kernel @ np.array([parts[1], -parts[0]])
     return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
@@ -189,11 +193,6 @@ def fold(linear: OrbitLinear) -> float:
 def _without_drift(periodic: Variation, forms: Forms, w: NDArray[Any], p: NDArray[Any]) -> float:
     v = forms.values(w)
     return float((0.5 * periodic.projection(forms.apply(v, v), p) / periodic.projection(v, p)).real)
-
-
-def _field_at_nodes(linear: OrbitLinear) -> Array:
-    parameters = linear.problem.full_parameters(linear.z)
-    return np.array([linear.problem.system.value(u, parameters) for u in linear.profile.u])
 
 
 def period_doubling(linear: OrbitLinear) -> tuple[float, float]:

@@ -213,7 +213,7 @@ class OrbitProblem(FamilyOfOrbits):
         return limit
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        if length == 0.0 and self.is_constant(base.z, frame.scale):
+        if length == 0.0 and self.autonomous and self.is_constant(base.z, frame.scale):
             return None
         return self._probe(base.z, base.tangent, length, guess, frame, min(settings.tolerance, PROBE_TOLERANCE))
 

@@ -211,7 +211,7 @@ def _polished(
             f"next to its closest return, at {period:.6g} ({near.loops} loops, to {near.distance:.1e} of its extent). "
             f"{ADVICE}."
         )
-    if problem.is_constant(solved, 1e3 * scale):
+    if problem.autonomous and problem.is_constant(solved, 1e3 * scale):
         raise NoSolutionError("the closed orbit is an equilibrium: start further away from it")
     return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), problem.winding, multiple)
 

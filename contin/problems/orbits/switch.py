@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.arm import HALF_PERIOD
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.multiple import crossing_tangents
 from contin.problems.orbits.symmetry import halves_alike
 
 
@@ -25,7 +27,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
             "one of its orbits"
         )
     if point.type == "BPC":
-        return [_crossing(problem, point)]
+        return _crossing(problem, point)
     if point.type == "PD":
         return [_doubled(problem, point)]
     if point.type == "HOM":
@@ -50,13 +52,19 @@ def _in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any,
     return other, replace(point, z=z, scale=scale)
 
 
-def _crossing(problem: Any, point: SpecialPoint) -> Seed:
+def _crossing(problem: Any, point: SpecialPoint) -> list[Seed]:
+    several = crossing_tangents(problem, point.z, point.scale, point.eigenvalues)
+    if several:
+        return [_along(problem, point, direction) for direction in several]
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
     tangents = [t for t in problem.tangents(point.z, point.scale) if abs(float(t @ own)) < 0.999]
     if not tangents:
         raise InputError(f"{point.branch}.{point.label}: no second real family crosses here")
-    direction = min(tangents, key=lambda t: abs(float(t @ own)))
+    return [_along(problem, point, min(tangents, key=lambda t: abs(float(t @ own))))]
+
+
+def _along(problem: Any, point: SpecialPoint, direction: Array) -> Seed:
     symmetries = halves_alike(problem, point.z, direction * point.scale)
     halves = (1,) if symmetries else (-1, 1)
     if direction[-1] < 0.0:

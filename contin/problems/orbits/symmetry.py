@@ -72,27 +72,41 @@ def reverses(problem: Any, z: Array, direction: Array, name: str) -> bool:
 
     HALF_PERIOD: true where the orbit has half the period and the shift turns the direction round.
     """
+    change = _states_of(problem, z, direction)
+    size = float(np.abs(change).max())
+    if size == 0.0:
+        return False
+    for fraction in (0.5,) if name == HALF_PERIOD else (0.0, 0.5):
+        image = moved_direction(problem, z, direction, name, fraction)
+        if image is not None and float(np.abs(image + change).max()) < TURNED * size:
+            return True
+    return False
+
+
+def moved_direction(problem: Any, z: Array, direction: Array, name: str, fraction: float) -> Array | None:
+    """States (K, n) of the image of a raw direction (like z) under a symmetry and a shift by `fraction` of a period.
+
+    None where these do not keep the orbit.
+    """
+    profile = problem.profile(z)
+    change = _states_of(problem, z, direction)
+    step = STEP / float(np.abs(change).max()) * max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
+    p = problem.full_parameters(z)
+    images = []
+    for sign in (0.0, step, -step):
+        bent = shifted(problem, replace(profile, u=profile.u + sign * change), fraction)
+        images.append(bent - 0.5 * problem.winding if name == HALF_PERIOD else states_moved(problem, name, bent, p))
+    if not _apart(problem, images[0], profile) < ALIKE:
+        return None
+    return np.asarray((images[1] - images[2]) / (2.0 * step))
+
+
+def _states_of(problem: Any, z: Array, direction: Array) -> Array:
+    """The states' part of a raw direction (like z), (K, n)."""
     profile = problem.profile(z)
     moved = direction.copy()
     moved[profile.u.size + 1 : -1] = profile.h
-    change = problem.profile(moved)
-    size = float(np.abs(change.u).max())
-    if size == 0.0:
-        return False
-    step = STEP / size * max(float(np.ptp(profile.u, axis=0).max()), 1e-12)
-    p = problem.full_parameters(z)
-    for fraction in (0.5,) if name == HALF_PERIOD else (0.0, 0.5):
-        images = []
-        for sign in (0.0, step, -step):
-            bent = shifted(problem, replace(profile, u=profile.u + sign * change.u), fraction)
-            if name == HALF_PERIOD:
-                images.append(bent - 0.5 * problem.winding)
-            else:
-                images.append(states_moved(problem, name, bent, p))
-        derivative = (images[1] - images[2]) / (2.0 * step)
-        if _apart(problem, images[0], profile) < ALIKE and float(np.abs(derivative + change.u).max()) < TURNED * size:
-            return True
-    return False
+    return np.asarray(problem.profile(moved).u)
 
 
 def _apart(problem: Any, u: Array, profile: Profile) -> float:

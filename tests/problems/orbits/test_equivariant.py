@@ -52,3 +52,35 @@ def test_diagram_follows_every_pattern_once():
     names = [b.name for b in diagram if b.kind == "orbit"]
     assert names == ["start/HB1", "start/HB2", "start/HB2.2", "start/HB2.3"]
     assert all(b.ends[1].reason == "bound" for b in diagram if b.kind == "orbit")
+
+
+def test_cells_in_step_lose_their_stability_to_two_against_one():
+    """All-to-all w_i' = (mu + i) w_i - (1 - i/2) |w_i|^2 w_i + c sum_j (w_j - w_i): in step |w|^2 = mu, and differences
+    of the amplitudes decay with 2 mu + 3 c (of the phases with 3 c), so that for c = -0.1 two multipliers pass 1 at mu
+    = 0.15. Symmetry gives one family there, up to images: two cells against one.
+    """
+    equations = {}
+    for i in (1, 2, 3):
+        square = f"(x{i}^2 + y{i}^2)"
+        growth, turn = f"(mu + 0.3 - {square})", f"(1 + {square}/2)"  # 0.3 = -3 c
+        equations[f"x{i}"] = f"{growth}*x{i} - {turn}*y{i} - 0.1*(x1 + x2 + x3)"
+        equations[f"y{i}"] = f"{growth}*y{i} + {turn}*x{i} - 0.1*(y1 + y2 + y3)"
+    rotate = {f"{x}{i}": f"{x}{i % 3 + 1}" for x in "xy" for i in (1, 2, 3)}
+    swap = {"x1": "x2", "y1": "y2", "x2": "x1", "y2": "y1"}
+    model = Model(
+        "all-to-all", states=dict.fromkeys(equations, 0.0), parameters={"mu": -0.1}, equations=equations,
+        symmetries={"rotate": rotate, "swap": swap},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "mu", (-0.2, 1.0))
+    together = api.continuation(line["HB1"].switch()[0], "mu", (-0.2, 0.5))
+    (point,) = together.points
+    assert (point.type, point.normal_form["kernel"]) == ("BPC", 2)
+    assert point.values["mu"] == pytest.approx(0.15, abs=1e-7)
+    assert np.sum(np.abs(point.eigenvalues - 1.0) < 1e-6) == 3  # with the trivial one
+    (seed,) = point.switch()
+    apart = api.continuation(seed, "mu", (0.1, 0.5), values={"mu": [0.3]})
+    for label in [p for p in apart.points if p.type == "UZ"]:
+        cells = apart.problem.profile(label.z).u.reshape(-1, 3, 2)
+        gaps = sorted(float(np.abs(cells[:, i] - cells[:, j]).max()) for i, j in ((0, 1), (1, 2), (2, 0)))
+        assert gaps[0] < 1e-7 < 1e-2 < gaps[1]
+    assert any(p.type == "UZ" for p in apart.points)

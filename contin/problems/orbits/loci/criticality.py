@@ -1,13 +1,15 @@
 """The coefficient that decides between super- and subcritical, along curves of PD and NS: it vanishes at GPD and CH.
 
 c of PD or Re d of NS (`contin.problems.orbits.normal_form`) costs as much as some twenty steps. So it is computed at
-the first and the last row of a chunk; where its sign changes, bisection finds the two rows between which it does, and
-the chunk ends there. Rows in between have no value (NaN), which is no change of sign.
+the first and the last row of a chunk, and before a step with a strong resonance; where its sign changes, bisection
+finds the two rows between which it does, and the chunk ends there. Rows in between have no value (NaN), which is no
+change of sign.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -61,11 +63,17 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     if curve.type not in SLOTS or len(chunk) < 2:
         return chunk
     rows = [chunk.sample(row) for row in range(len(chunk))]
-    values = {0: _known(curve, rows[0]), len(rows) - 1: coefficient(curve, rows[-1].z, scale, True)}
+    last = len(rows) - 1
+    values = {last: coefficient(curve, rows[-1].z, scale, True), 0: _known(curve, rows[0])}
     if values[0] is None:
         values[0] = coefficient(curve, rows[0].z, scale, True)
-    low, high = 0, len(rows) - 1
-    found = values[low] * values[high] < 0.0
+    looked_at = [0, last]
+    if last > 1 and np.any(rows[-2].tests[2:] * rows[-1].tests[2:] < 0.0):  # a resonance, which may be a pole
+        values[last - 1] = coefficient(curve, rows[-2].z, scale, True)
+        looked_at = [0, last - 1, last]
+    changes = [(a, b) for a, b in pairwise(looked_at) if values[a] * values[b] < 0.0]
+    found = bool(changes)
+    low, high = changes[0] if found else (0, last)
     while found and high - low > 1:
         middle = (low + high) // 2
         values[middle] = coefficient(curve, rows[middle].z, scale)
@@ -73,7 +81,6 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
             high = middle
         else:
             low = middle
-    found = found and not np.any(rows[low].tests[2:] * rows[high].tests[2:] < 0.0)  # a pole at a strong resonance
     if found:
         rows[low], rows[high] = (_with(curve, rows[k], values[k]) for k in (low, high))
         curve.critical["typical"] = max(abs(values[low]), abs(values[high]))

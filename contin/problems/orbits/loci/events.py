@@ -22,6 +22,7 @@ NAMES: Final = {
     "PD": ("PDNS", "R2", "LPPD", "GPD"),
     "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4", "CH"),
 }
+PAIRS: Final = {"LPC": "LPNS", "BPC": "LPNS", "PD": "PDNS", "NS": "NSNS"}  # a pair of the other multipliers
 STEPS: Final = 40
 ACCURATE: Final = 1e-11  # scaled arclength
 NEUTRAL: Final = ""
@@ -57,7 +58,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not verified: its test function has no zero nearby"
     if type_ == "CPC" and problem.has_shrunk(found.z, frame.scale):
         return NEUTRAL  # the curve turns round at its generalised Hopf point
-    if type_ in ("LPNS", "PDNS", "NSNS") and not _complex_pair(problem, found):
+    if type_ == PAIRS[problem.locus] and not _complex_pair(problem, found):
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
         return NEUTRAL

@@ -46,7 +46,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
         """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
         sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
         small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
-        return small and not self.curve.orbits.winding.any()
+        return small and self.curve.orbits.autonomous and not self.curve.orbits.winding.any()
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]

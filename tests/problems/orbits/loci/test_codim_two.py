@@ -83,6 +83,27 @@ def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns():
     assert tori["R31"].values["cos.theta"] == pytest.approx(cos(2 * pi / 3), abs=1e-9)
 
 
+def test_torus_bifurcation_is_degenerate_beside_and_at_a_strong_resonance():
+    """v' = (p + i q + (q - r) |v|^2 - |v|^4) v: Re d = q - r; R4 at q = 1/4, in one step with CH at q = r."""
+    for r in (0.252, 0.25):
+        x, y = amplitude("c", "d", f"p + (q - {r})*(c^2 + d^2) - (c^2 + d^2)^2", "q")
+        tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (0.18, 0.31)}, "NS")
+        assert_only(tori, {"R4": (0.25,), "CH": (r,)}, "q")
+
+
+def test_tori_meet_period_doublings():
+    """s' = (p/2 + q - s^2) s in the turning plane, v' = (p + 0.3 i - |v|^2) v: PD at q = -p/2, NS at p = 0."""
+    x, y = amplitude("e", "f", "p - (e^2 + f^2)", "0.3")
+    equations = {**twisted(f"p/2 + q - {SQUARE}", "-1"), "e": x, "f": y}
+    box = {"p": (-0.3, 0.4), "q": (-0.35, 0.3)}
+    tori = curve(equations, ("p", "q"), box, "NS")
+    np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
+    assert_only(tori, {"PDNS": (0.0,)}, "q")
+    flips = through(tori["PDNS1"], "PD", box)
+    np.testing.assert_allclose(flips.columns["p"], -2 * flips.columns["q"], atol=1e-8)
+    assert_only(flips, {"PDNS": (0.0,)}, "q")
+
+
 def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form():
     """s' = z, z' = p s + q z - s^3: multipliers -exp(2 pi l), l^2 - q l - p = 0; PD at p = 0, both at q = 0."""
     equations = twisted("0", "q", along_by_z="1", across_by_s=f"p - {SQUARE}")
@@ -116,6 +137,7 @@ def test_folds_meet_further_critical_multipliers():
     box = {"p": (-0.5, 0.5), "q": (-0.13, 0.13)}
     tori = through(folds["LPNS1"], "NS", box)  # q + x/5 = 0, x^2 = p
     np.testing.assert_allclose(tori.columns["p"], 25 * tori.columns["q"] ** 2, atol=1e-7)
+    assert_only(tori, {"LPNS": (0.0,)}, "q")
     flips = twisted(f"q + 0.2*x - {SQUARE}", "-1")
     folds = folds_of({"x": "p - x^2", **flips})
     assert_only(folds, {"LPPD": (0.0,)}, "q")
