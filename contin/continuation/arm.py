@@ -21,6 +21,7 @@ from contin.continuation.problem import (
     Stop,
     Verified,
     is_adaptive,
+    is_phased,
     is_planar,
     is_terminating,
 )
@@ -351,7 +352,7 @@ class Arm:
         """The start again, where the last step passed it."""
         if self.loop is None or stop in (Stop.LIMIT, Stop.RESCALE) or self.end is not None:
             return None
-        start = self.loop
+        start = self._start_near(last)
 
         def along(sample: Sample) -> float:
             return float(start.tangent @ self._seen(self._wrapped(sample.z - start.z) / self.scale))
@@ -363,6 +364,7 @@ class Arm:
         ):
             return None
         _, high = stretch.zero(along, stretch.base, last, 1e-9)
+        start = self._start_near(high)
         gap = self._wrapped(high.z - start.z)
         if np.linalg.norm(self._seen(gap / self.scale)) > CLOSED:
             return None
@@ -370,6 +372,11 @@ class Arm:
         winding = (high.z - start.z) - gap
         closed = start.z + winding
         return replace(high, z=closed if not is_planar(self.problem) else self._same_vectors(high.z, closed))
+
+    def _start_near(self, sample: Sample) -> Sample:
+        """The start, in phase with a sample."""
+        assert self.loop is not None
+        return self.problem.in_phase(self.loop, sample.z, self.scale) if is_phased(self.problem) else self.loop
 
     def _same_vectors(self, z: Array, closed: Array) -> Array:
         """The start again, with the auxiliary vectors as the curve brought them (their sign may have turned)."""

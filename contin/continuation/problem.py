@@ -258,6 +258,14 @@ class Recording(Protocol):
         """The first observable that is not finite at z, and why."""
 
 
+@runtime_checkable
+class Phased(Protocol):
+    """A problem whose solutions may be shifted in time: a branch may come back to its start with another phase."""
+
+    def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
+        """The start, shifted to be as close to `near` as it can be."""
+
+
 _offered: dict[tuple[type, type], bool] = {}
 
 
@@ -282,6 +290,11 @@ def is_planar(problem: object) -> TypeGuard[Planar]:
 def is_floored(problem: object) -> TypeGuard[Floored]:
     """True for problems with floors under unknowns."""
     return _offers(problem, Floored)
+
+
+def is_phased(problem: object) -> TypeGuard[Phased]:
+    """True for problems whose solutions have a phase."""
+    return _offers(problem, Phased)
 
 
 def is_recording(problem: object) -> TypeGuard[Recording]:

@@ -21,6 +21,7 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
+from contin.problems.orbits.in_phase import cut_at_start, in_phase
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.orbits.mesh import WORTHWHILE
 from contin.problems.orbits.planar import applies, resolve
@@ -176,10 +177,14 @@ class OrbitProblem(FamilyOfOrbits):
             nearby = self.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
             p = self.full_parameters(np.array([nearby.parameter]))
             detail = next((text for u in nearby.u if (text := self.system.explain(u, p))), "")
-        return Chunk(
+        chunk = Chunk(
             z[:m], t[:m], out.tests[:m], out.unstable[:m], out.re[:m] + 1j * out.im[:m], out.lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
+        return cut_at_start(self, chunk, loop, frame.scale)
+
+    def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
+        return in_phase(self, start, near, scale) if self.autonomous and start.z.size == near.size else start
 
     def _chunk(self, intervals: int) -> int:
         """Steps in one kernel call, which cannot be interrupted: some 50 ms."""

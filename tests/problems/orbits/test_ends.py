@@ -71,3 +71,22 @@ def test_subharmonic_orbits_turn_round_at_their_branch_points_without_a_fold():
     assert {end.reason for end in family.ends} == {"closed"}
     for p in family.points:  # Liouville: the product of the multipliers is exp(-0.1 T)
         assert np.prod(p.eigenvalues).real == pytest.approx(np.exp(-0.6 * pi), rel=1e-7)
+
+
+def test_a_closed_family_ends_at_its_start_whatever_its_phase_there():
+    """r' = r (e - mu^2 - (r^2 - 1)^2) with a rate that depends on mu, and z' = x y - z: an ellipse in mu and r^2 - 1.
+
+    Round it the phases that the steps choose add up to a shift, as z has the same phase at all mu but x and y do not.
+    """
+    square, growth = "(x^2 + y^2)", "(0.04 - mu^2 - (x^2 + y^2 - 1)^2)"
+    model = Model(
+        "isola", states={"x": 1.1, "y": 0.0, "z": 0.0}, parameters={"mu": 0.0},
+        equations={"x": f"x*{growth} - y*(1 + 0.3*mu)", "y": f"y*{growth} + x*(1 + 0.3*mu)", "z": "x*y - z"},
+        observables={"square": square},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model), "mu", (-1.0, 1.0))
+    assert [end.reason for end in family.ends] == ["closed", "closed"]
+    assert sorted(p.values["mu"] for p in family.points) == pytest.approx([-0.2, 0.2], abs=1e-9)
+    mu, s = family.columns["mu"], family.columns["square.max"] - 1.0
+    np.testing.assert_allclose(mu**2 + s**2, 0.04, atol=1e-6)
+    assert len(family) < 100
