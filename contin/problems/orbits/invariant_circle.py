@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.saddles import extent_of, rounded, slowest_points
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
@@ -24,9 +25,8 @@ NEAR = 0.1  # of the orbit's extent: distance of the bottleneck from the fold
 def fold_passed(problem: Any, profile: Profile, sizes: Array, width: float) -> tuple[Array, float] | None:
     """The fold of equilibria (u, p) in whose bottleneck the orbit spends its time, and the error of p."""
     from contin.problems import defining
-    from contin.problems.orbits.ends import _slowest_points
 
-    slowest = _slowest_points(profile, sizes)
+    slowest = slowest_points(profile, sizes)
     if len(slowest) != 1:
         return None
     metric = np.append(np.sqrt(problem.n) * sizes, width)
@@ -35,7 +35,7 @@ def fold_passed(problem: Any, profile: Profile, sizes: Array, width: float) -> t
     if solved is None or not solved.residual < 1e-8:
         return None
     found = solved.y * metric
-    extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
+    extent = extent_of(profile, sizes)
     near = float(np.max(np.abs(found[:-1] - slowest[0]) / sizes)) <= NEAR * extent
     return (found, solved.error * width) if near else None
 
@@ -48,7 +48,6 @@ def _equilibria(problem: Any) -> Any:
 
 def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
     """The fold of equilibria that the family has come to, or None."""
-    from contin.problems.orbits.ends import _rounded
     from contin.problems.orbits.problem import dwelling
 
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
@@ -68,7 +67,7 @@ def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame)
         return None
     name = problem.parameters[0]
     values = np.linalg.eigvals(_equilibria(problem).linear_part(found))
-    state = {k: _rounded(v, found[:-1]) for k, v in zip(problem.system.state_names, found[:-1], strict=True)}
+    state = {k: rounded(v, found[:-1]) for k, v in zip(problem.system.state_names, found[:-1], strict=True)}
     where = ", ".join(f"{k} = {v:.8g}" for k, v in state.items())
     at, error = float(found[-1]), doubt
     text = (

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.problems.orbits.homoclinic.interval import extent_of
 from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
+from contin.problems.orbits.saddles import extent_of
 
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error

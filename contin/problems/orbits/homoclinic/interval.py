@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.problems.orbits.homoclinic.tail import Tail, tail_of
 from contin.problems.orbits.layout import Profile, node_times
+from contin.problems.orbits.saddles import extent_of
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,6 @@ def distances(curve: Any, z: Array, sizes: Array) -> tuple[float, float]:
     extent = extent_of(curve.profile(z), sizes)
     first, last = (float(np.max(np.abs(offset))) for offset in curve.offsets(z, sizes))
     return first / extent, last / extent
-
-
-def extent_of(profile: Profile, sizes: Array) -> float:
-    """Of the orbit, relative to the states' sizes."""
-    return float(np.max(np.ptp(profile.u, axis=0) / sizes))
 
 
 def fits(curve: Any, z: Array, sizes: Array) -> bool:

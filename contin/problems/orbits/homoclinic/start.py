@@ -14,12 +14,13 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.interval import extent_of, fits, fitted, piece_of
+from contin.problems.orbits.homoclinic.interval import fits, fitted, piece_of
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.invariant_circle import fold_passed
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.saddles import extent_of, saddles_near, turns
 
 BESIDE = 0.03  # of the orbit's extent: how far from a saddle-node it is cut
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
@@ -27,8 +28,6 @@ CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's ex
 
 def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits (of every heteroclinic one) that a family of orbits ends at."""
-    from contin.problems.orbits.ends import saddles_near, turns
-
     first, second = indices(problem.system, parameters)
     profile = problem.profile(point.z)
     sizes = problem.state_sizes(profile)
@@ -70,8 +69,6 @@ def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: 
 
     Inside the bottleneck the orbit is not that of the fold yet: it is cut `BESIDE` of its extent away from it.
     """
-    from contin.problems.orbits.ends import turns
-
     first, second = indices(problem.system, parameters)
     profile = problem.profile(point.z)
     sizes = problem.state_sizes(profile)
@@ -104,9 +101,7 @@ def _passages(
     problem: OrbitProblem, profile: Profile, visited: Sequence[Any], sizes: Array
 ) -> list[tuple[int, int, float, float]]:
     """(saddle left, saddle reached, from, to) of the loops between visits, in scaled time (to may exceed 1)."""
-    from contin.problems.orbits.ends import turns
-
-    extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
+    extent = extent_of(profile, sizes)
     times = np.linspace(0.0, 1.0, 8 * len(profile.u) + 1)[:-1]
     times = np.unique(np.concatenate([profile.times[:-1], times]))
     u = profile.at(times)

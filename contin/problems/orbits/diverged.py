@@ -1,0 +1,120 @@
+"""Families whose period grows without bound: the homoclinic or heteroclinic orbit that they approach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.saddles import Saddle, rounded, saddles_near
+
+REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
+AGREED = 1e-9  # ... or at which two extrapolations agree to this
+AGREED_SPIRAL = 1e-7  # ... with complex leading eigenvalues, where infinitely many folds accumulate
+SWINGING = 6.0  # the error estimate's factor of safety there
+DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
+NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
+LEVELS = 3  # rates of a saddle that are tried
+PRECISE = Settings(tolerance=1e-11)
+
+
+def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
+    """The homoclinic or heteroclinic orbit that a family with growing period approaches.
+
+    With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
+    p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r,
+    and p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits
+    agree on it and the remaining distance is small. The slowest direction of a saddle may have no part in it (a skew
+    product, the phase of a frame that turns with the state, a flip): faster rates are tried after it.
+    """
+    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
+    position = profile.u.size
+    earlier = problem.profile(before.z)
+    gained = profile.period - earlier.period
+    if not gained > 0.0:
+        return None
+    saddles = saddles_near(problem, profile, sizes)
+    if not saddles:
+        return None
+    slopes = []
+    for sample in (origin, before):
+        exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
+        if exact is None or exact.tangent[position] == 0.0:
+            return None
+        raw = exact.tangent * frame.scale
+        slopes.append(float(raw[-1] / raw[position]))
+    width = float(frame.scale[-1])
+    moved = profile.parameter - earlier.parameter
+    rates = list(zip(*(s.by_rate for s in saddles), strict=False))
+    for level, slowest in enumerate(rates[:LEVELS]):
+        limit = _extrapolated(slowest, [s.visits for s in saddles], slopes, gained, moved)
+        remaining = abs(limit.step)
+        if remaining > DOUBTFUL * width:
+            continue
+        error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
+        settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
+        near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
+        if settled or (near and level == 0):
+            at = profile.parameter + limit.step
+            doubt = (SWINGING if limit.spiral else 3.0) * error
+            at_limit = [s.at(problem, at, sizes) for s in saddles]
+            return _connection(problem, origin, profile, at_limit, at, doubt + 2e-11 * width)
+    return None
+
+
+@dataclass(frozen=True)
+class _Limit:
+    """Distance of an orbit's parameter from its limit, and how far two orbits disagree on that."""
+
+    step: float
+    drift: float
+    spiral: bool
+
+
+def _extrapolated(
+    slowest: Sequence[complex], visits: Sequence[int], slopes: Sequence[float], gained: float, moved: float
+) -> _Limit:
+    """From the slopes dp/dT of two orbits whose periods differ by `gained` and whose parameters by `moved`."""
+    k = 1.0 / sum(count / abs(value.real) for count, value in zip(visits, slowest, strict=True))
+    q = k * max(value.imag / abs(value.real) for value in slowest)
+    if q > 0.0:
+        bends = (
+            (4.0 * slopes[0] + 2.0 * slopes[1]) / gained - 6.0 * moved / gained**2,
+            -(2.0 * slopes[0] + 4.0 * slopes[1]) / gained + 6.0 * moved / gained**2,
+        )
+        steps = [(bend + 2.0 * k * slope) / (k * k + q * q) for bend, slope in zip(bends, slopes, strict=True)]
+    else:
+        steps = [slope / k for slope in slopes]
+    return _Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0)
+
+
+def _connection(
+    problem: Any, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
+) -> tuple[End, Verified]:
+    name, names = problem.parameters[0], problem.system.state_names
+    data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
+    kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
+    states = [{k: rounded(v, s.u) for k, v in zip(names, s.u, strict=True)} for s in saddles]
+    described = ["(" + ", ".join(f"{k} = {v:.8g}" for k, v in state.items()) + ")" for state in states]
+    if len(saddles) == 1:
+        data |= {"saddle": states[0], "eigenvalues": saddles[0].eigenvalues, "saddle_quantity": saddles[0].quantity}
+        data["passes"] = saddles[0].visits
+    else:
+        data["saddles"] = [
+            {"state": state, "eigenvalues": s.eigenvalues, "saddle_quantity": s.quantity}
+            for state, s in zip(states, saddles, strict=True)
+        ]
+    text = (
+        f"the period grows without bound (here {profile.period:.6g}): {kind} orbit at {name} = {limit:.12g} "
+        f"+- {error:.1e}, "
+        f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
+    )
+    point = Verified(
+        "HOM", origin.z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
+        normal_form={"at": {name: limit}} | ({"kind": kind} if kind == "heteroclinic" else {}),
+    )  # fmt: skip
+    return End(kind, text, data), point

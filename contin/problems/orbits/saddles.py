@@ -1,0 +1,128 @@
+"""Saddles that an orbit lingers at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.problems.orbits.layout import Profile
+
+NEAR_SADDLE = 0.1  # of the orbit's extent: how close the slowest point must be to its equilibrium
+SLOW = 0.05  # speed relative to the mean below which an orbit dwells
+
+
+@dataclass(frozen=True, eq=False)
+class Saddle:
+    """An equilibrium that the orbit lingers at."""
+
+    u: Array
+    eigenvalues: NDArray[np.complex128]
+    visits: int
+
+    @property
+    def leading(self) -> complex:
+        """The leading eigenvalue, stable or unstable, with the slower rate; the upper one of a pair."""
+        return self.by_rate[0]
+
+    @property
+    def by_rate(self) -> list[complex]:
+        """An eigenvalue of each rate |Re|, the slowest first; the upper one of a pair."""
+        found: list[complex] = []
+        for value in sorted(self.eigenvalues, key=lambda v: (abs(v.real), -v.imag)):
+            if not found or abs(value.real) > abs(found[-1].real) * (1.0 + 1e-9):
+                found.append(complex(value))
+            elif value.imag > found[-1].imag:
+                found[-1] = complex(value)
+        return found
+
+    def at(self, problem: Any, parameter: float, sizes: Array) -> Saddle:
+        """The same equilibrium at another parameter value."""
+        found = equilibrium_near(problem, self.u, parameter, sizes)
+        return self if found is None else replace(self, u=found[0], eigenvalues=found[1])
+
+    @property
+    def quantity(self) -> float:
+        """Saddle quantity: leading unstable plus leading stable real part; negative: a stable cycle (n = 2)."""
+        real = self.eigenvalues.real
+        return float(real[real > 0].min() + real[real < 0].max())
+
+
+def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
+    """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
+    extent = extent_of(profile, sizes)
+    found: list[Saddle] = []
+    for u in slowest_points(profile, sizes):
+        near = equilibrium_near(problem, u, profile.parameter, sizes)
+        if near is None or float(np.max(np.abs(near[0] - u) / sizes)) > NEAR_SADDLE * extent:
+            return []
+        state, values = near
+        if not (np.any(values.real > 0) and np.any(values.real < 0)):
+            return []
+        if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
+            return []
+        for k, known in enumerate(found):
+            if float(np.max(np.abs(apart(problem, known.u, state)) / sizes)) < 1e-6:
+                found[k] = replace(known, visits=known.visits + 1)
+                break
+        else:
+            found.append(Saddle(state, values, 1))
+    return found
+
+
+def equilibrium_near(
+    problem: Any, u: Array, parameter: float, sizes: Array
+) -> tuple[Array, NDArray[np.complex128]] | None:
+    """The equilibrium near u and its eigenvalues by falling real part."""
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    z = rest.at_parameter(np.append(u, parameter), parameter, np.append(sizes, 1.0))
+    if z is None:
+        return None
+    values = np.linalg.eigvals(rest.linear_part(z))
+    return z[:-1], values[np.argsort(-values.real)].astype(complex)
+
+
+def slowest_points(profile: Profile, sizes: Array) -> list[Array]:
+    """The slowest node of every stretch of the orbit (a closed curve) that is passed slowly."""
+    steps = np.linalg.norm(np.diff(profile.u, axis=0) / sizes, axis=1)
+    speed = steps / np.diff(profile.times)
+    slow = speed < SLOW * float(steps.sum())
+    if slow.all() or not slow.any():
+        return []
+    first = int(np.argmin(slow))  # begin on a fast stretch
+    order = np.roll(np.arange(len(speed)), -first)
+    points: list[Array] = []
+    run: list[int] = []
+    for k in [*order.tolist(), int(order[0])]:
+        if slow[k] and not (run and k == order[0]):
+            run.append(k)
+        elif run:
+            points.append(profile.u[min(run, key=lambda j: speed[j])])
+            run = []
+    return points
+
+
+def turns(problem: Any, difference: Array) -> Array:
+    """The whole turns of angles in a difference of states (rows of them); 0 for other states."""
+    periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
+    count = np.round(difference / np.where(periods > 0.0, periods, 1.0))
+    return np.asarray(np.where(periods > 0.0, count * periods, 0.0))
+
+
+def apart(problem: Any, u: Array, v: Array) -> Array:
+    return np.asarray(u - v - turns(problem, u - v))
+
+
+def rounded(value: float, state: Array) -> float:
+    """Zero for what is rounding beside the state's other entries (and 1)."""
+    return float(value) if abs(value) > 1e-13 * max(1.0, float(np.abs(state).max())) else 0.0
+
+
+def extent_of(profile: Profile, sizes: Array) -> float:
+    """Of an orbit, relative to the states' sizes."""
+    return float(np.max(np.ptp(profile.u, axis=0) / sizes))
