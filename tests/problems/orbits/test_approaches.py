@@ -1,0 +1,108 @@
+"""Approaches to homoclinic and heteroclinic orbits whose limits are known by other means."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import contin
+from contin.model.model import Model
+
+
+def test_a_slow_direction_that_takes_no_part_does_not_hide_the_limit():
+    """The cubic leaf x^2 (1 - x) = y^2 is a loop of the origin at m = 0 (Sandstede 1997), eigenvalues a +- b.
+
+    It drives z, whose rate 0.05 is much slower, and which drives nothing.
+    """
+    model = Model(
+        "leaf", states={"x": 0.6, "y": 0, "z": 0}, parameters={"m": 0.4, "a": -0.25, "b": 1},
+        equations={
+            "x": "a*x + b*y - a*x^2 + m*x*(2 - 3*x)", "y": "b*x + a*y - 1.5*b*x^2 - 1.5*a*x*y - 2*m*y",
+            "z": "-0.05*z + x*y",
+        },
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "m", (-1, 1))
+    family = contin.continuation(line["HB1"].switch(), "m", (-1, 1))
+    end = family.ends[1]
+    assert end.reason == "homoclinic"
+    assert abs(end.data["at"]["m"]) <= end.data["error"] < 1e-7
+    assert end.data["passes"] == 1
+
+
+def test_orbits_between_two_saddles_are_heteroclinic_cycles():
+    """x'' = -x + x^3 + e (m - x^2) x' has a cycle over x = -1 and 1 at m = 1/5 + O(e^2), by Melnikov's method."""
+    model = Model(
+        "cubic", states={"x": 0, "y": 0}, parameters={"m": -0.1, "e": 0.1},
+        equations={"x": "y", "y": "-x + x^3 + e*y*(m - x^2)"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "m", (-1, 1))
+    family = contin.continuation(line["HB1"].switch(), "m", (-1, 1))
+    end = family.ends[1]
+    assert end.reason == "heteroclinic"
+    assert [s["state"]["x"] for s in end.data["saddles"]] == pytest.approx([-1, 1])
+    assert end.data["at"]["m"] == pytest.approx(0.2, abs=2e-5)
+    plane, box = ("m", "e"), {"m": (0.0, 0.5), "e": (0.01, 0.2)}
+    halves = [contin.continuation(seed, plane, box) for seed in family["HOM1"].locus(plane)]
+    assert len(halves) == 2
+    for half in halves:
+        m, e = half.columns["m"], half.columns["e"]
+        assert np.interp(0.1, e, m) == pytest.approx(end.data["at"]["m"], abs=1e-6)
+        slope = np.polyfit(e**2, m, 1)
+        assert slope[1] == pytest.approx(0.2, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def beats():
+    """Three metronomes: beating born where one swings with another amplitude than the other two, beta = 0.8."""
+    model = contin.average(contin.load("metronomes/three"), form="cartesian")
+    line = contin.continuation(contin.equilibrium(model, "in-phase", {"mu": 8, "beta": 0.8}), "mu", (2.9, 8))
+    fork = contin.continuation(line["BP1"].switch()[0], "mu", (2.6, 4))
+    born = min((p for p in fork.points if p.type == "HB"), key=lambda p: abs(p.values["mu"] - 2.7587))
+    return contin.continuation(born.switch(), "mu", (1.5, 4.0))
+
+
+def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
+    """One metronome leaves the common state and comes back, then another one does: two loops of one saddle.
+
+    Each lies in the subspace in which the other two agree, where the loop is found by shooting: the trajectory that
+    leaves the saddle comes back to it, and passes it on one side or the other.
+    """
+    end = beats.ends[1]
+    assert end.reason == "homoclinic"
+    assert end.data["passes"] == 2
+    system = beats.problem.system
+    base = beats.problem.base.copy()
+
+    def side(mu):
+        p = base.copy()
+        p[beats.problem.active] = mu
+        saddle = np.array(list(end.data["saddle"].values()))
+        for _ in range(5):
+            f, jacobian = system.jacobian(saddle, p)
+            saddle = saddle - np.linalg.solve(jacobian[:, :6], f)
+        values, vectors = np.linalg.eig(system.jacobian(saddle, p)[1][:, :6])
+        plane = np.real(vectors[:, values.real > 0])  # two directions; in one, states 2 and 3 agree
+        agree = np.linalg.svd(plane[2:4] - plane[4:6])[2][-1]
+        leave = plane @ agree
+        leave *= -np.sign(leave[0]) / np.linalg.norm(leave)
+
+        def field(_, u):
+            v = system.jacobian(u, p)[0].copy()
+            v[4:6] = v[2:4]
+            return v
+
+        path = solve_ivp(field, (0, 60), saddle + 1e-6 * leave, rtol=1e-11, atol=1e-13, dense_output=True)
+        times = np.linspace(0, 60, 12001)
+        gap = path.sol(times)[0] - path.sol(times)[2]
+        away = int(np.argmax(np.abs(gap) > 0.2))
+        back = away + int(np.argmax(np.abs(gap[away:]) < 0.01))
+        return gap[back + int(np.argmax(np.abs(gap[back:]) > 0.05))]
+
+    low, high = 2.56920, 2.56921
+    start = np.sign(side(low))
+    assert start != np.sign(side(high))
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if np.sign(side(middle)) == start else (low, middle)
+    assert end.data["at"]["mu"] == pytest.approx(0.5 * (low + high), abs=5e-9)
