@@ -1,12 +1,20 @@
-"""The picture of a phase diagram: curves by type, points of codimension two, regions shaded and labelled."""
+"""The picture of a phase diagram: curves by type, points of codimension two, regions shaded and named.
+
+A region's letter stands where it is farthest from every curve; what the letters mean is written beside the picture.
+Types of curves differ in colour and in dashes.
+"""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 
+from contin.abi import Array
+from contin.plot.labels import densify, place
+from contin.plot.places import deepest
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import PALETTE, locus_words, style_of
 
@@ -14,10 +22,18 @@ COLOURS: Final = {
     "LP": PALETTE[0], "HB": PALETTE[1], "BP": PALETTE[2], "PD": PALETTE[3], "NS": PALETTE[4], "LPC": PALETTE[5],
     "BPC": "#8C564B", "HOM": PALETTE[6],
 }  # fmt: skip
-SHADES: Final = ("#f7f7f7", "#e3eef7", "#c6dcee", "#a9cae4")  # none, one, two, three or more stable states
-MARKED: Final = 14  # names of points are written while there are no more than this
-NAMED: Final = 2e-3  # a region with less of the box is not named in it
-EXPLAINED: Final = 0.06  # one with more is described in words, too
+DASHES: Final = {"BP": (0, (7, 1.5)), "LPC": (0, (4, 1.3)), "BPC": (0, (7, 1.5, 1.5, 1.5)), "PD": (0, (2.2, 1.0)),
+          "NS": (0, (3.5, 1.2, 1.0, 1.2))}  # fmt: skip
+SHADES: Final = {  # for one, two, three or more stable states: equilibria (blue), orbits (sand), both (green), others
+    (True, False): ("#e6eef6", "#c9dcee", "#a6c5e3"),
+    (False, True): ("#fcf0dc", "#f8deb4", "#f2c88a"),
+    (True, True): ("#e9f3e4", "#d3e8ca", "#b5d8a8"),
+}
+APERIODIC, EMPTY = ("#f1e6f4", "#e2cbe9", "#cfaadb"), "#fdfdfd"
+NAMED: Final = 1e-3  # a region with less of the box is not named
+LETTER, CODE = 9.0, 7.5  # points: sizes of the names of regions and of special points
+KEYS: Final = 22  # lines that explain letters, at most
+WIDTH: Final = 30  # characters of such a line
 QUIET: Final = frozenset({"UZ", "R3", "R4"})
 
 
@@ -37,7 +53,7 @@ def draw(
 
     curves = [b for b in branches if b["name"] in set(data["curves"])]
     with rc_context(STYLE):
-        figure = Figure(figsize=(6.6, 5.0), layout="constrained")
+        figure = Figure(figsize=(8.0, 5.0), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         axes.spines[["top", "right"]].set_visible(True)
@@ -46,16 +62,49 @@ def draw(
             points, values = (np.asarray(part) for part in scan)
             axes.scatter(points[:, 0], points[:, 1], c=values, s=6, cmap="Greys", alpha=0.6, linewidths=0, zorder=1)
         _curves(axes, data, curves)
-        _points(axes, data, curves)
-        _names(axes, data)
+        marked = _points(axes, data, curves)
         first, second = data["parameters"]
         axes.set(xlabel=first, ylabel=second, xlim=data["range"][first], ylim=data["range"][second])
         if title:
             axes.set_title(title, fontsize=10)
-        handles, labels = axes.get_legend_handles_labels()
-        if handles:
-            figure.legend(handles, labels, loc="outside lower center", ncols=min(3, len(handles)), frameon=False)
+        _legends(figure, axes, data)
+        figure.draw_without_rendering()  # the layout decides where there is room for names
+        _names(axes, data, curves, marked)
     return figure
+
+
+def _shade_of(region: Mapping[str, Any]) -> str:
+    rests, orbits, others = (region.get(key, 0) for key in ("stable", "stable_orbits", "aperiodic"))
+    number = rests + orbits + others
+    if not number:
+        return EMPTY
+    shades = APERIODIC if others else SHADES[rests > 0, orbits > 0]
+    return shades[min(number, len(shades)) - 1]
+
+
+def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
+    """Types of curves and points below; what the letters of the regions mean, at the right."""
+    from matplotlib.patches import Patch
+
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        columns = min(3, len(handles))
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2)
+    kinds = {r["name"]: r for r in sorted(data["regions"], key=lambda r: r["area"]) if r["area"] >= NAMED}
+    kinds = dict(sorted(kinds.items(), key=lambda item: (len(item[0]), item[0])))
+    keys = [
+        Patch(facecolor=_shade_of(r), edgecolor="#666666", lw=0.5, label=_explained(name, r["words"]))
+        for name, r in list(kinds.items())[:KEYS]
+    ]
+    if len(kinds) > KEYS:
+        keys.append(Patch(visible=False, label=f"and {len(kinds) - KEYS} more: see the report"))
+    if keys:
+        figure.legend(handles=keys, loc="outside right upper", frameon=False, fontsize=7.5, labelspacing=0.7)
+
+
+def _explained(name: str, words: str) -> str:
+    lines = [line for part in words.split(", ") for line in textwrap.wrap(part, WIDTH)]
+    return f"{name}  " + "\n     ".join(lines)
 
 
 def _shade(axes: Any, data: Mapping[str, Any]) -> None:
@@ -65,8 +114,8 @@ def _shade(axes: Any, data: Mapping[str, Any]) -> None:
     for region in data["regions"]:
         rings = [np.array([*ring, ring[0]]) for ring in (region["outline"], *region["holes"])]
         codes = np.concatenate([[Path.MOVETO, *([Path.LINETO] * (len(r) - 2)), Path.CLOSEPOLY] for r in rings])
-        shade = SHADES[min(region["stable"] + region.get("stable_orbits", 0), len(SHADES) - 1)]
-        axes.add_patch(PathPatch(Path(np.concatenate(rings), codes), facecolor=shade, edgecolor="none", zorder=0))
+        patch = PathPatch(Path(np.concatenate(rings), codes), facecolor=_shade_of(region), edgecolor="none", zorder=0)
+        axes.add_patch(patch)
 
 
 def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> None:
@@ -83,13 +132,16 @@ def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
             words = "neutral saddles" if neutral[rows[0]] else locus_words(code)
             joined = np.append(rows, rows[-1] + 1) if rows[-1] + 1 < len(x) else rows
             extent = tuple(hi - lo for lo, hi in (data["range"][first], data["range"][second]))
-            line = {"lw": 0.8, "ls": ":"} if neutral[rows[0]] else {"lw": 1.7}
+            line = {"lw": 0.8, "ls": ":"} if neutral[rows[0]] else {"lw": 1.6, "ls": DASHES.get(code, "-")}
             label = None if kind in seen else words
             axes.plot(*smooth(x[joined], y[joined], extent), color=colour, label=label, zorder=2, **line)
             seen.add(kind)
 
 
-def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> None:
+def _points(
+    axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]
+) -> list[tuple[str, float, float]]:
+    """Mark the points of codimension two; (type, x, y) of each."""
     marked: list[tuple[str, float, float]] = []
     seen: set[str] = set()
     names = data["parameters"]
@@ -104,20 +156,51 @@ def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
                 continue
             style = style_of(p["type"])
             label = None if p["type"] in seen else f"{p['type']}: {style.words}"
-            axes.plot([x], [y], style.marker, color="black", ms=5.5, mec="white", mew=0.7, ls="", label=label, zorder=4)
+            axes.plot([x], [y], style.marker, color="black", ms=5.0, mec="white", mew=0.6, ls="", label=label, zorder=4)
             seen.add(p["type"])
             marked.append((p["type"], x, y))
-    if len(marked) <= MARKED:
-        for type_, x, y in marked:
-            axes.annotate(type_, (x, y), xytext=(4, 4), textcoords="offset points", fontsize=7.5, zorder=5)
+    return marked
 
 
-def _names(axes: Any, data: Mapping[str, Any]) -> None:
+def _names(
+    axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]], marked: Sequence[tuple[str, float, float]]
+) -> None:
+    """Letters of regions inside them, or beside a narrow one with a line to it; codes of points beside these."""
+    from matplotlib.patheffects import withStroke
+
+    pixels = axes.figure.dpi / 72.0
+    halo = [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
+    back, ahead = axes.transData.inverted().transform, axes.transData.transform
     first, second = data["parameters"]
+    strands = [ahead(np.column_stack([b["columns"][first], b["columns"][second]]).astype(float)) for b in curves]
+    obstacles = [densify(strands, 2.5 * pixels)]
+    narrow: list[tuple[str, Array]] = []
     for region in data["regions"]:
         if region["area"] < NAMED:
             continue
-        words = region["words"].replace("stable, ", "stable,\n")
-        text = f"{region['name']}\n{words}" if region["area"] > EXPLAINED else region["name"]
-        place = region["point"][first], region["point"][second]
-        axes.text(*place, text, ha="center", va="center", fontsize=7.5, color="#333333", zorder=3)
+        rings = [ahead(np.asarray(ring, dtype=float)) for ring in (region["outline"], *region["holes"])]
+        centre, depth = deepest(rings)
+        size = np.array([0.75 * LETTER * len(region["name"]), LETTER]) * pixels
+        if depth < 0.6 * size[1]:
+            narrow.append((region["name"], centre))
+            continue
+        style = {"fontsize": LETTER, "fontweight": "bold", "color": "#333333", "path_effects": halo}
+        axes.text(*back(centre), region["name"], ha="center", va="center", zorder=3, **style)
+        grid = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 6)] * 2), axis=-1).reshape(-1, 2)
+        obstacles.append(centre + np.repeat(grid * size, 3, axis=0))
+    texts = [*(name for name, _ in narrow), *(code for code, _, _ in marked)]
+    if not texts:
+        return
+    anchors = np.array([*(centre for _, centre in narrow), *(ahead((x, y)) for _, x, y in marked)], dtype=float)
+    sizes = np.array([(0.7 * CODE * len(text), CODE) for text in texts]) * pixels
+    frame = axes.get_window_extent()
+    centres = place(anchors, sizes, np.vstack(obstacles), (frame.x0, frame.y0, frame.x1, frame.y1))
+    for k, (text, anchor, at, box) in enumerate(zip(texts, anchors, centres, sizes, strict=True)):
+        if not np.isfinite(at).all() or not np.isfinite(anchor).all():
+            continue
+        far = k < len(narrow) or np.hypot(*((at - anchor) / (box / 2 + CODE * pixels))) > 1.6
+        line = {"arrowstyle": "-", "lw": 0.6, "color": "#555555", "shrinkA": 0, "shrinkB": 0}
+        axes.annotate(
+            text, back(anchor), xytext=back(at), ha="center", va="center", zorder=5, path_effects=halo, fontsize=CODE,
+            fontweight="bold" if k < len(narrow) else "normal", arrowprops=line if far else None,
+        )  # fmt: skip

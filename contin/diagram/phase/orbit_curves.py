@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import Branch
+from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
 
@@ -26,6 +26,14 @@ def is_known_curve(loci: Sequence[Branch], seed: Seed, box: Box) -> bool:
     problem: Any = seed.problem
     place, marks = unit(seed.z[None, [-1, -2]], box)[0], _marks(problem, problem.columns(seed.z[None]))[0]
     return any(_passes(b, place, marks, box) for b in loci if b.locus == problem.locus and is_orbital(b))
+
+
+def is_known_point(loci: Sequence[Branch], point: SpecialPoint, states: Sequence[str], place: Array, box: Box) -> bool:
+    """True where a labelled orbit of a family is on one of the curves of its type: no equations are solved for that."""
+    extents = [point.values[f"{name}.max"] - point.values[f"{name}.min"] for name in states]
+    period = 1.0 if point.type == "HOM" else point.values["period"]
+    marks = np.array([period, np.linalg.norm(extents)])
+    return any(_passes(b, place, marks, box) for b in loci if b.locus == point.type and is_orbital(b))
 
 
 def passes_near(loci: Sequence[Branch], locus: str, place: Array, box: Box) -> bool:

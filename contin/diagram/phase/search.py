@@ -24,7 +24,14 @@ from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, is_orbital
-from contin.diagram.phase.orbit_curves import ORBITAL, families_across, is_known_curve, passes_near, repeats_curve
+from contin.diagram.phase.orbit_curves import (
+    ORBITAL,
+    families_across,
+    is_known_curve,
+    is_known_point,
+    passes_near,
+    repeats_curve,
+)  # fmt: skip
 from contin.diagram.phase.starts import brought, on_branch, on_curve, was_stopped
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
@@ -61,6 +68,7 @@ class LociSearch:
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
     searched: int = 0  # of these
+    absorbed: dict[int, Branch] = field(default_factory=dict)  # by id: branches whose points were looked at
     spent: float = 0.0  # seconds, on curves of orbits
 
     def run(self) -> None:
@@ -84,7 +92,9 @@ class LociSearch:
         return len(self.loci) > before
 
     def _absorb(self, branches: Sequence[Branch]) -> None:
-        self._work(deque(p for b in branches if b.image_of is None for p in b.points if p.type in FOLLOWED[b.kind]))
+        new = [b for b in branches if b.image_of is None and id(b) not in self.absorbed]
+        self.absorbed |= {id(b): b for b in new}
+        self._work(deque(p for b in new for p in b.points if p.type in FOLLOWED[b.kind]))
 
     def _work(self, queue: deque[SpecialPoint]) -> None:
         while queue:
@@ -159,6 +169,12 @@ class LociSearch:
     def _follow(self, point: SpecialPoint) -> list[SpecialPoint]:
         """Follow the curves through a point that are new; the codimension-two points on them."""
         if not self._within(point) or self._was_refused(point):
+            return []
+        if (
+            point.type in ORBITAL
+            and "period" in point.values
+            and is_known_point(self.loci, point, self.problem.system.state_names, self._place(point), self.box)
+        ):
             return []
         try:
             seeds = point.locus(self.parameters)

@@ -9,6 +9,7 @@ a symmetry forces the branch points.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -170,7 +171,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
             frames.begin(work.frame, widths)
         for _ in range(2):
             measured = self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
-            frames.set_borders(self.type, work, self._units(z, scale), self.further(z))
+            with suppress(np.linalg.LinAlgError):  # of very long orbits: the borders before serve
+                frames.set_borders(self.type, work, self._units(z, scale), self.further(z))
             if self.type != "LPC":
                 break
             if not isinstance(measured, str):
