@@ -6,6 +6,7 @@ Types of curves differ in colour and in dashes.
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -103,7 +104,7 @@ def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
 
 
 def _explained(name: str, words: str) -> str:
-    lines = [line for part in words.split(", ") for line in textwrap.wrap(part, WIDTH)]
+    lines = [line for part in re.split(r", (?=\d|an )", words) for line in textwrap.wrap(part, WIDTH)]
     return f"{name}  " + "\n     ".join(lines)
 
 

@@ -10,21 +10,24 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
-from contin.diagram.phase.starts import was_stopped
 from contin.diagram.phase.states import State, images_of
 from contin.errors import ContinError, NoSolutionError
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
 LONGEST: Final = 4000.0  # time scales until a trajectory is given up
-TRANSIENT, STEPS = 300.0, 20_000  # time scales of the first look, which must not take more steps (or escapes)
+TRANSIENT, STEPS = 300.0, 6_000  # time scales of the first look, which must not take more steps (or escapes)
 ARRIVED: Final = 1e-3  # distance (relative) from a stable equilibrium at which a trajectory has reached it
-TRIED, SCATTERED = 6, 8  # trajectories at one point of the box, from beside unstable equilibria and from anywhere
+TRIED, SCATTERED = 6, 12  # trajectories at one point of the box, from beside unstable equilibria and from anywhere
+SMALL: Final = 0.1  # ... and from points so much nearer to zero
+BESIDE: Final = 1e-3  # distance (relative) of a start from the stable state of another point of the box
+ZERO: Final = 1e-12  # relative to the states' sizes: a state at rest that decays to nothing is zero
 WINDOW, RESTING = 20.0, 1e-4  # time scales in which a trajectory at rest moves less than this part of the states' sizes
 SAMPLES: Final = 400  # of an orbit
+ENOUGH: Final = 2  # trajectories without a period after which others that stay in the same box are taken for the same
+ROOM: Final = 0.05  # of the extent of the box, around it
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,17 +43,17 @@ class Reached:
     aperiodic: int = 0
 
 
-def reached(problem: Any, states: Sequence[State], value: float) -> Reached:
+def reached(problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None) -> Reached:
     """Stable states on which trajectories settle, without those that are known.
 
     `problem` : of the equilibria on the line.  `states` : all that is known where its parameter has this value.
-    Trajectories start beside every unstable equilibrium, on both sides along its most unstable direction, and from
-    `SCATTERED` points of the box in which all known states are, with as much room again around it.
+    Trajectories start from `starts`; by default beside every unstable equilibrium, on both sides along its most
+    unstable direction, and from `SCATTERED` points around all known states and as many near zero.
     """
     if problem.system.n_switches or problem.system.kind == "map":  # their families are found from special points only
         return Reached()
     search = _Trajectories(problem, list(states), value)
-    for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)]:
+    for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)] if starts is None else starts:
         with suppress(ContinError, np.linalg.LinAlgError):
             search.follow(u)
     return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic)
@@ -65,7 +68,12 @@ class _Trajectories:
     value: float
     seeds: list[Seed] = field(default_factory=list)
     rests: list[State] = field(default_factory=list)
-    aperiodic: int = 0
+    wild: list[tuple[Array, Array]] = field(default_factory=list)  # boxes that hold trajectories without a period
+
+    @property
+    def aperiodic(self) -> int:
+        """1 where there was such a trajectory."""
+        return int(bool(self.wild))
 
     def __post_init__(self) -> None:
         self.p = self.problem.full_parameters(np.append(np.zeros(self.problem.n), self.value))[: len(self.problem.base)]
@@ -87,8 +95,12 @@ class _Trajectories:
         moved = float(np.ptp(window.u, axis=0).max())
         if moved < RESTING * max(self._size(), float(np.abs(u).max())):
             self._rest(end)
-        else:
-            self._orbit(end)
+        elif len(self.wild) < ENOUGH or not self._is_wild(window.u):
+            self._orbit(end, scale)
+
+    def _is_wild(self, points: Array) -> bool:
+        """True where a trajectory stays in the box of one that has no period."""
+        return any(bool(np.all((low <= points) & (points <= high))) for low, high in self.wild)
 
     def _size(self) -> float:
         return max((float(np.abs(state.vector).max()) for state in self.states if state.orbit is None), default=0.0)
@@ -111,7 +123,8 @@ class _Trajectories:
             solution = converge(self.problem.system, u, self.p, self.periods)
         except (ContinError, np.linalg.LinAlgError):
             solution = None
-        at = u if solution is None else solution.u
+        at = np.array(u if solution is None else solution.u)
+        at[np.abs(at) < ZERO * self._size()] = 0.0
         if self._is_at_rest(at):
             return
         self.equilibria.append(at)
@@ -122,13 +135,18 @@ class _Trajectories:
         else:
             self.seeds.append(Seed(self.problem, z))
 
-    def _orbit(self, u: Array) -> None:
+    def _orbit(self, u: Array, scale: float) -> None:
         from contin.problems.orbits.simulation import orbit_by_simulation
+        from contin.simulate.trajectory import integrate
 
         try:
             orbit = orbit_by_simulation(self.problem.system, u, self.p, self.periods, longest=LONGEST)
         except NoSolutionError as error:
-            self.aperiodic = max(self.aperiodic, int("comes to rest" not in str(error)))
+            if "comes to rest" not in str(error):
+                time = TRANSIENT * scale
+                path = integrate(self.problem.system, u, self.p, time, times=np.linspace(0.0, time, 2000)).u
+                room = ROOM * np.ptp(path, axis=0)
+                self.wild.append((path.min(axis=0) - room, path.max(axis=0) + room))
             return
         seed = orbit.seed(self.problem.parameters[0])
         if known_orbit(seed.problem, seed.z, self.orbits) is None:
@@ -147,39 +165,6 @@ def _is_on(u: Array, orbit: tuple[Any, Array], periods: Array) -> bool:
     size = float(np.ptp(points, axis=0).max())
     grain = float(np.abs(np.diff(points, axis=0)).max())
     return float(np.abs(wrapped(points - u, periods)).max(axis=1).min()) < grain + ARRIVED * size
-
-
-def carried(family: Branch, names: tuple[str, str], values: tuple[float, float], search: Any) -> list[Seed]:
-    """Orbits of a family in the first parameter, followed in the second one to another point of the box."""
-    from contin.continuation.trace import trace
-
-    problem: Any = family.problem
-    first, second = values
-    column = family.z[:, -1] - first
-    found: list[Seed] = []
-    for row in np.flatnonzero(column[:-1] * column[1:] <= 0.0):
-        z = family.z[row][~np.isnan(family.z[row])]
-        z = problem.at_parameter(z, first, problem.initial_scale(z, search.box[0]))
-        if z is None:
-            continue
-        across = problem.with_active(names[1], z)
-        here = float(across.base[across.active])
-        start = np.append(z[:-1], here)
-        if here != second:
-            bounds = min(here, second), max(here, second)
-            try:
-                way = trace(Seed(across, start, arms=(1 if second > here else -1,)), bounds, settings=search.settings)
-            except ContinError:
-                continue
-            if was_stopped(way):
-                raise KeyboardInterrupt
-            last = way.z[-1 if second > here else 0]
-            if abs(float(last[-1]) - second) > 1e-9 * max(1.0, abs(second)):
-                continue
-            start = last[~np.isnan(last)]
-        along = across.with_active(names[0], start)
-        found.append(Seed(along, np.append(start[:-1], first)))
-    return found
 
 
 def _pushed(problem: Any, states: Sequence[State], value: float) -> list[Array]:
@@ -205,5 +190,17 @@ def _scattered(states: Sequence[State]) -> list[Array]:
         return []
     points = np.concatenate(known)
     low, high = points.min(axis=0), points.max(axis=0)
-    room = 0.5 * np.maximum(high - low, np.maximum(np.abs(low), np.abs(high)))
-    return list(np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low))))
+    room = np.maximum(high - low, 0.5 * np.maximum(np.abs(low), np.abs(high)))
+    anywhere = np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low)))
+    return [*anywhere, *(SMALL * anywhere)]
+
+
+def within_basins(states: Sequence[State]) -> list[Array]:
+    """A point beside every stable state: where to look for its like at other parameters."""
+    generator = np.random.default_rng(3)
+    points = []
+    for state in states:
+        if state.unstable == 0:
+            points += [state.vector if state.orbit is None else state.orbit[0].profile(state.orbit[1]).u[0]]
+    size = max((float(np.abs(u).max()) for u in points), default=0.0)
+    return [u + BESIDE * size * generator.normal(size=len(u)) for u in points]

@@ -21,6 +21,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.explore import Budget, Explorer
+from contin.diagram.phase.attractors import reached
 from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, is_orbital
@@ -33,6 +34,7 @@ from contin.diagram.phase.orbit_curves import (
     repeats_curve,
 )  # fmt: skip
 from contin.diagram.phase.starts import brought, on_branch, on_curve, was_stopped
+from contin.diagram.phase.states import states_on
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
@@ -41,7 +43,7 @@ LINES: Final = (0.5, 0.12, 0.88)  # where lines across the box are explored, as 
 MOST: Final = 60  # curves
 MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a homoclinic orbit to a saddle-focus
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones
-COARSE, FEW, LEAST = 0.1, 120, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
+COARSE, FEW, LEAST = 0.1, 60, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
 BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
 LONGEST, TOTAL = 30.0, 150.0  # seconds for one curve of orbits, and for all of them
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
@@ -79,10 +81,21 @@ class LociSearch:
         for axis in (0, 1):
             for part in LINES:
                 low, high = self.box[1 - axis]
-                line = self.line(axis, low + part * (high - low))
+                line = self._settled(axis, low + part * (high - low))
                 self.branches.extend(line.branches)
                 self._absorb(line.branches)
         self._tori()
+
+    def _settled(self, axis: int, value: float) -> Line:
+        """A line with the families of the orbits on which trajectories settle at some of its points."""
+        low, high = self.box[axis]
+        places = [low + part * (high - low) for part in LINES] if self.orbits and axis == 0 else []
+        line = self.line(axis, value, places)
+        problem = replace(self.problem, base=self.held(axis, value))
+        for place in places:
+            states = states_on(line.branches, place, high - low)
+            line.add(reached(problem, states, place).seeds)
+        return line
 
     def absorb(self, branches: Sequence[Branch]) -> bool:
         """Follow the curves through the special points of branches that are new; True where there was one."""

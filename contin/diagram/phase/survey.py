@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.diagram.orbits import known_orbit
-from contin.diagram.phase.attractors import Reached, carried, reached
+from contin.diagram.phase.attractors import reached, within_basins
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import polylines
 from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
@@ -33,7 +33,7 @@ class Visit:
     width: float  # of the parameter's range
     rests: tuple[State, ...] = ()  # where trajectories come to rest and the equations have no derivatives
     aperiodic: int = 0  # 1 where trajectories settle on something without a period
-    offered: set[int] = field(default_factory=set)  # families of other visits that were looked for here
+    offered: dict[int, int] = field(default_factory=dict)  # by other visit: how many of its states were looked for here
     _states: tuple[int, tuple[State, ...]] = (-1, ())
 
     @property
@@ -95,24 +95,26 @@ class Survey:
         height = float(places[0][1])
         line = self.search.line(0, height, [float(place[0]) for place in places])
         for (face, point), place in zip(row, places, strict=True):
-            visit = Visit(point, (float(place[0]), height), line, float(width[0]))
-            if self.search.orbits:
-                problem = replace(self.search.problem, base=self.search.held(0, height))
-                found: Reached = reached(problem, visit.states, visit.at[0])
-                visit.add(found.seeds)
-                visit.rests, visit.aperiodic = found.rests, found.aperiodic
-            self.visits[face] = visit
+            visit = self.visits[face] = Visit(point, (float(place[0]), height), line, float(width[0]))
+            self._look(visit)
+
+    def _look(self, visit: Visit, starts: Sequence[Array] | None = None) -> None:
+        """Add the stable states that trajectories from here, or from these `starts`, settle on."""
+        if self.search.orbits:
+            problem = replace(self.search.problem, base=self.search.held(0, visit.at[1]))
+            found = reached(problem, visit.states, visit.at[0], starts)
+            visit.add(found.seeds)
+            visit.rests += found.rests
+            visit.aperiodic = max(visit.aperiodic, found.aperiodic)
 
     def _share(self) -> None:
-        """Stable orbits that trajectories led to in one region are looked for in the others."""
+        """Stable states of one region are looked for in the others: trajectories start beside them there."""
         visits = [visit for visit in self.visits if visit is not None]
-        families = {id(b): b for visit in visits for b in visit.line.orbits if b.parent is None}.values()
-        if self.search.orbits:
-            for visit in visits:
-                for family in families:
-                    if id(family) not in visit.offered and not any(family is b for b in visit.line.branches):
-                        visit.offered.add(id(family))
-                        visit.add(carried(family, self.search.parameters, visit.at, self.search))
+        for visit in visits:
+            for other in visits:
+                if other is not visit and len(other.states) > visit.offered.get(id(other), 0):
+                    visit.offered[id(other)] = len(other.states)
+                    self._look(visit, within_basins(other.states))
         self.shared = True
 
 

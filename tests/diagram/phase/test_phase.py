@@ -88,9 +88,13 @@ def test_the_report_and_the_picture_name_regions_and_points(cusp):
     assert "2 of 3 equilibria stable" in text
     figure = cusp.plot()
     (axes,) = figure.axes
-    written = [t.get_text() for t in axes.texts]
-    assert "CP" in written
-    assert any("2 of 3" in t for t in written)
+    written = {t.get_text(): t for t in axes.texts}
+    assert {r.name for r in cusp.regions} | {"CP"} == set(written)
+    explained = [t.get_text() for legend in figure.legends for t in legend.get_texts()]
+    for region in cusp.regions:
+        assert f"{region.name}  {region.words}" in explained
+        place = dict(zip(("p", "q"), written[region.name].get_position(), strict=True))
+        assert cusp.region_at(place).name == region.name
     assert (axes.get_xlim(), axes.get_ylim()) == (CUSP_BOX["p"], CUSP_BOX["q"])
 
 

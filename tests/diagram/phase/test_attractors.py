@@ -1,0 +1,55 @@
+"""Stable states that no branch from the start leads to: trajectories settle on them, and regions are named by them."""
+
+import numpy as np
+import pytest
+
+import contin
+from tests.problems.follow import model
+
+BOX = {"c": (0.2, 1.2), "b": (0.3, 1.4)}
+
+
+@pytest.fixture(scope="module")
+def langford():
+    """Langford (1979), without the term that breaks its rotation symmetry. In r = |(x, y)| and z it is a planar system.
+
+    Orbits are at z = b, r^2 = (c + a b - b^3/3)/(1 + b/4), a = 0.95, for all of the box, with determinant
+    2 r^2 (1 + b/4) > 0 and trace a - b^2 - r^2/4: a torus bifurcation where that vanishes. Its Hopf points, z = b on
+    the upper branch of equilibria c + a z - z^3/3 = 0, are at b > 1.7, outside the box.
+    """
+    equations = {
+        "x": "(z - b)*x - 3.5*y",
+        "y": "3.5*x + (z - b)*y",
+        "z": "c + 0.95*z - z^3/3 - (x^2 + y^2)*(1 + 0.25*z)",
+    }
+    form = model(equations, {"x": 0.0, "y": 0.0, "z": 1.8}, {"c": 0.3, "b": 0.7})
+    return contin.phase(form, ("c", "b"), BOX)
+
+
+def trace(c, b):
+    return 0.95 - b**2 - 0.25 * (c + 0.95 * b - b**3 / 3) / (1 + 0.25 * b)
+
+
+def test_the_curve_of_tori_is_found_though_no_hopf_point_is_in_the_box(langford):
+    (curve,) = [locus for locus in langford.loci if locus.locus == "NS"]
+    np.testing.assert_allclose(trace(curve.columns["c"], curve.columns["b"]), 0.0, atol=1e-8)
+    assert [end.reason for end in curve.ends] == ["bound", "bound"]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_orbit_is_stable_where_the_trace_is_negative(langford, seed):
+    c, b = np.random.default_rng(seed).uniform([0.2, 0.3], [1.2, 1.4])
+    assert langford.region_at({"c": c, "b": b}).stable_orbits == int(trace(c, b) < 0.0)
+
+
+def test_beyond_it_there_is_an_attractor_without_a_period(langford):
+    beyond = langford.region_at({"c": 0.9, "b": 0.6})
+    assert (beyond.stable, beyond.stable_orbits, beyond.aperiodic) == (0, 0, 1)
+    assert beyond.words == "1 equilibrium, unstable, an aperiodic attractor"
+
+
+def test_the_equilibrium_that_is_far_from_the_start_is_named_where_it_exists(langford):
+    # c + 0.95 z - z^3/3 has three roots where c < 2/3 0.95^(3/2); the lowest one, z < 0 < b, is stable
+    fold = 2 / 3 * 0.95**1.5
+    for c in (fold - 0.05, fold + 0.05):
+        assert langford.region_at({"c": c, "b": 1.2}).stable == int(c < fold)
