@@ -20,7 +20,7 @@ from contin.problems.orbits.symmetry import halves_alike
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the families born at a BPC (the crossing one), a PD (the doubled orbits) or a HOM (see `gluing`)."""
     if parameter != problem.parameters[0] and point.type == "PD":
-        return [_doubled(*_in_another(problem, point, parameter))]
+        return [_doubled(*in_another(problem, point, parameter))]
     if parameter != problem.parameters[0]:
         raise InputError(
             f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "  # noqa: E501
@@ -39,7 +39,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     )
 
 
-def _in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
+def in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
     """The same orbit with another parameter free: the doubled orbits are born along every one that moves the point."""
     if parameter not in problem.system.parameter_names:
         names = ", ".join(problem.system.parameter_names)

@@ -87,7 +87,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     error += found.error * width
     return Verified(
         type_, found.z, found.residual, error, values, sum(abs(v) > 1.0 for v in rest),
-        normal_form=_normal_form(problem, type_, found.z, frame.scale), vectors={"theta": theta},
+        normal_form=_normal_form(problem, type_, found.z, frame.scale, theta), vectors={"theta": theta},
     )  # fmt: skip
 
 
@@ -118,8 +118,13 @@ def _targets(type_: str, theta: float) -> tuple[complex, ...]:
     return (-1.0,) if type_ == "PD" else (1.0,)
 
 
-def _normal_form(problem: Any, type_: str, z: Array, scale: Array) -> Mapping[str, Any]:
-    """At a branch point: does the flow have corners on the orbit, and on which side do the new orbits lie?"""
+def _normal_form(problem: Any, type_: str, z: Array, scale: Array, theta: float) -> Mapping[str, Any]:
+    """Of a PD and NS the criticality; of a branch point: does the flow have corners on the orbit, and on which side do
+    the new orbits lie?"""
+    if type_ in ("PD", "NS"):
+        from contin.problems.shooting.normal_form import criticality
+
+        return criticality(problem, type_, z, problem.sizes(z, scale), theta)
     if type_ != "BPC":
         return {}
     from contin.problems.shooting.switch import side_of_branch

@@ -18,6 +18,7 @@ from contin.continuation import march as generic
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.problems.orbits.switch import in_another
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.sampling import flights, states
@@ -28,7 +29,9 @@ OFF = 0.05  # sine of the angle to the family's own tangent below which the orbi
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """Seeds of the families born at a BPC (the crossing one) or a PD (the doubled orbits), with `parameter` free."""
+    """Seeds of the families born at a BPC (the crossing one, along its own parameter) or a PD (the doubled orbits)."""
+    if parameter != problem.parameters[0] and point.type == "PD":
+        return [_doubled(*in_another(problem, point, parameter))]
     if parameter != problem.parameters[0]:
         raise InputError(
             f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter "

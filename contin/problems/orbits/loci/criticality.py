@@ -28,20 +28,11 @@ def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> fl
 
     decided : NaN, too, where the terms cancel to rounding (a conservative flow).
     """
-    from contin.problems.orbits.linear import OrbitLinear
-    from contin.problems.orbits.normal_form import period_doubling, torus
-
-    orbit = curve.orbit(z)
-    linear = OrbitLinear(curve.at(z), orbit, curve.orbit(scale), orbit)
+    if curve.type == "NS" and not abs(curve.further(z)) < 1.0:
+        return float("nan")
     try:
-        if curve.type == "PD":
-            value, size = period_doubling(linear)
-        elif abs(curve.further(z)) < 1.0:
-            d, size = torus(linear, curve.theta(z))
-            value = d.real
-        else:
-            return float("nan")
-        return float("nan") if decided and abs(value) <= UNDECIDED * size else value
+        value, size = curve.critical_coefficient(z, scale)
+        return float("nan") if decided and abs(value) <= UNDECIDED * size else float(value)
     except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
         pass
     return float("nan")

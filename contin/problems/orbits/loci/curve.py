@@ -65,6 +65,18 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         """Number of node values, the place of the period in z."""
         return self.intervals(z) * (self._many - 1) + self.orbits.n
 
+    def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
+        """c of PD or Re d of NS, and the size of the terms that it is made of."""
+        from contin.problems.orbits.linear import OrbitLinear
+        from contin.problems.orbits.normal_form import period_doubling, torus
+
+        orbit = self.orbit(z)
+        linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
+        if self.type == "PD":
+            return period_doubling(linear)
+        d, size = torus(linear, self.theta(z))
+        return d.real, size
+
     # -- the kernel ---------------------------------------------------------------------------------------------------
 
     def correct(

@@ -82,6 +82,7 @@ class ShootingCurve(CurveByShooting):
     orbits: ShootingProblem
     second: int
     _memory: dict[str, Any] = field(default_factory=dict)
+    critical: dict[str, Any] = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
 
     movable = True
     touched = None
@@ -96,7 +97,17 @@ class ShootingCurve(CurveByShooting):
 
     def precise(self, accuracy: float) -> ShootingCurve:
         known = {"borders": self._memory["borders"]} if "borders" in self._memory else {}
-        return ShootingCurve(self.type, self.orbits.precise(accuracy), self.second, known)
+        return ShootingCurve(self.type, self.orbits.precise(accuracy), self.second, known, self.critical)
+
+    def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
+        """c of PD or Re d of NS, and the size of the terms that it is made of."""
+        from contin.problems.shooting.normal_form import period_doubling, torus
+
+        orbits, orbit = self.at(z), self.orbit(z)
+        sizes = orbits.sizes(orbit, self.orbit(scale))
+        if self.type == "PD":
+            return period_doubling(orbits, orbit, sizes)
+        return torus(orbits, orbit, sizes, float(np.arccos(np.clip(self.further(z), -1.0, 1.0))))
 
     def expansion(self, z: Array, scale: Array) -> Expansion | None:
         return Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))

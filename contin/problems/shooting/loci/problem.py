@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.orbits.columns import names_of
-from contin.problems.orbits.loci import events
+from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.shooting.events import nontrivial
@@ -71,6 +71,19 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
             k = self.curve.further(z)
             tests += [k - 1.0, k + 1.0, k + 0.5, k, np.nan]
         return np.array(tests), unstable, values
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        return criticality.cut_at_change(self.curve, chunk, frame.scale)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        found = super().probe(base, length, guess, frame, settings)
+        if found is None or not criticality.is_measured(self.curve, base):
+            return found
+        return criticality.measured(self.curve, found, frame.scale)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.shooting.loci.verify import verify

@@ -32,19 +32,27 @@ def twisted(along_by_s: str, across_by_z: str, along_by_z: str = "0", across_by_
     return {"c": " + ".join(["-d/2", *terms[0]]), "d": " + ".join(["c/2", *terms[1]])}
 
 
-def orbit_on_circle(equations: dict[str, str], parameters: dict[str, float], x: float = 0.0):
+METHODS = pytest.mark.parametrize("method", ["collocation", "shooting"])
+
+
+def orbit_on_circle(
+    equations: dict[str, str], parameters: dict[str, float], x: float = 0.0, method: str = "collocation"
+):
     """The unit circle with the first further state at x and the others at 0, closed by Newton."""
     states = {name: 1.0 if name == "a" else 0.0 for name in (*CIRCLE, *equations)}
     model = Model("circle", states=states, parameters=parameters, equations={**CIRCLE, **equations})
     angle = np.linspace(0, 2 * pi, 101)
     u = np.zeros((101, len(states)))
     u[:, 0], u[:, 1], u[:, 2] = np.cos(angle), np.sin(angle), x
-    return contin.periodic_orbit(model, u, period=2 * pi)
+    return contin.periodic_orbit(model, u, period=2 * pi, method=method)
 
 
-def curve(equations: dict[str, str], names: tuple[str, str], box: dict[str, tuple[float, float]], label: str):
+def curve(
+    equations: dict[str, str], names: tuple[str, str], box: dict[str, tuple[float, float]], label: str,
+    method: str = "collocation",
+):  # fmt: skip
     """The curve through the first such point of the circle with the first parameter rising through the box."""
-    orbit = orbit_on_circle(equations, {name: box[name][0] for name in names})
+    orbit = orbit_on_circle(equations, {name: box[name][0] for name in names}, method=method)
     family = contin.continuation(orbit, names[0], box[names[0]])
     point = next(p for p in family.points if p.type == label)
     return contin.continuation(point.locus(names), names, box)
@@ -59,26 +67,29 @@ def assert_only(branch, wanted: dict[str, tuple[float, ...]], name: str) -> None
         assert sorted(found[type_]) == pytest.approx(sorted(values), abs=1e-7)
 
 
-def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes():
+@METHODS
+def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """s' = p s + q s^3 - s^5, z' = -z: PD at p = 0 with c = q, the eigenfunction having |s| = 1."""
     equations = twisted(f"p + q*{SQUARE} - ({SQUARE})^2", "-1")
-    flips = curve(equations, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "PD")
+    flips = curve(equations, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "PD", method)
     np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-9)
     assert_only(flips, {"GPD": (0.0,)}, "q")
     assert [end.reason for end in flips.ends] == ["bound", "bound"]
 
 
-def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes():
+@METHODS
+def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """v' = (p + i t + q |v|^2 - |v|^4) v: NS at p = 0 with Re d = q."""
     x, y = amplitude("c", "d", "p + q*(c^2 + d^2) - (c^2 + d^2)^2", "0.3")
-    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "NS")
+    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)}, "NS", method)
     np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
     assert_only(tori, {"CH": (0.0,)}, "q")
 
 
-def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns():
+@METHODS
+def test_resonances_of_a_torus_bifurcation_lie_at_rational_turns(method):
     x, y = amplitude("c", "d", "p - (c^2 + d^2)", "(q + 0.05*(c^2 + d^2))")
-    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (0.2, 0.4)}, "NS")
+    tori = curve({"c": x, "d": y}, ("p", "q"), {"p": (-0.3, 0.4), "q": (0.2, 0.4)}, "NS", method)
     assert_only(tori, {"R4": (1 / 4,), "R3": (1 / 3,)}, "q")
     assert tori["R31"].values["cos.theta"] == pytest.approx(cos(2 * pi / 3), abs=1e-9)
 
@@ -104,10 +115,11 @@ def test_tori_meet_period_doublings():
     assert_only(flips, {"PDNS": (0.0,)}, "q")
 
 
-def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form():
+@METHODS
+def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form(method):
     """s' = z, z' = p s + q z - s^3: multipliers -exp(2 pi l), l^2 - q l - p = 0; PD at p = 0, both at q = 0."""
     equations = twisted("0", "q", along_by_z="1", across_by_s=f"p - {SQUARE}")
-    flips = curve(equations, ("p", "q"), {"p": (-0.2, 0.3), "q": (-0.35, 0.3)}, "PD")
+    flips = curve(equations, ("p", "q"), {"p": (-0.2, 0.3), "q": (-0.35, 0.3)}, "PD", method)
     np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-8)
     assert_only(flips, {"R2": (0.0,)}, "q")
     tori = through(flips["R21"], "NS", {"p": (-0.2, 0.3), "q": (-0.35, 0.3)})  # l = +-sqrt(p), imaginary for p < 0
@@ -160,9 +172,10 @@ def folds_of(equations: dict[str, str]):
     return folds
 
 
-def test_two_curves_of_folds_meet_in_a_cusp():
+@METHODS
+def test_two_curves_of_folds_meet_in_a_cusp(method):
     """x' = p + q x - x^3: folds 27 p^2 = 4 q^3."""
-    orbit = orbit_on_circle({"x": "p + q*x - x^3"}, {"p": 0.6, "q": 0.8}, 1.16)
+    orbit = orbit_on_circle({"x": "p + q*x - x^3"}, {"p": 0.6, "q": 0.8}, 1.16, method)
     family = contin.continuation(orbit, "p", (-1, 1))
     folds = contin.continuation(family["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-0.5, 1.5)})
     np.testing.assert_allclose(27 * folds.columns["p"] ** 2, 4 * folds.columns["q"] ** 3, atol=1e-7)
@@ -170,9 +183,10 @@ def test_two_curves_of_folds_meet_in_a_cusp():
     assert folds["CPC1"].values["q"] == pytest.approx(0, abs=1e-7)
 
 
-def test_doubled_orbits_leave_a_period_doubling_along_any_parameter():
+@METHODS
+def test_doubled_orbits_leave_a_period_doubling_along_any_parameter(method):
     """s' = (p + q - s^2) s: doubled orbits with s^2 = p + q, followed from q = 0.1 with p fixed at -0.1."""
-    orbit = orbit_on_circle(twisted(f"p + q - {SQUARE}", "-1"), {"p": -0.3, "q": 0.1})
+    orbit = orbit_on_circle(twisted(f"p + q - {SQUARE}", "-1"), {"p": -0.3, "q": 0.1}, method=method)
     family = contin.continuation(orbit, "p", (-0.3, 0.3))
     doubled = contin.continuation(family["PD1"].switch("q"), "q", (0.0, 0.5))
     q = doubled.columns["q"]

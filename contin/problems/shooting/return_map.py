@@ -1,0 +1,144 @@
+"""Second and third derivatives of the return map of an orbit, by differences of its Jacobian: what criticality needs.
+
+The map takes the section of the first node to itself (a forced system: the states after a period), in coordinates y of
+unit vectors in the metric of the states' sizes. Its Jacobian is made of variations with their jumps at the crossings,
+so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from scipy.linalg import null_space
+
+from contin.abi import Array
+from contin.normalforms.jet import DerivativeJet
+from contin.problems.shooting.layout import Nodes
+from contin.simulate.flight import fly
+
+ACCURACY: Final = 1e-13  # of the trajectories
+STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
+TOGETHER: Final = 1e-7  # of the period: crossings this close are one
+RETURNS: Final = 8  # Newton steps for the time of return
+SAMPLES: Final = 256  # of a variation over a period
+
+
+class NoDerivatives(ValueError):
+    """The return map has no second derivatives here, or a trajectory beside the orbit does not return."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReturnMap:
+    """Of an orbit's own vector z; `sizes` of the states."""
+
+    problem: Any
+    z: Array
+    sizes: Array
+    _lines: dict[bytes, tuple[Array, ...]] = field(default_factory=dict)
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        return Nodes.of(self.z, self.problem.n)
+
+    @cached_property
+    def basis(self) -> Array:
+        """Columns: directions of the section, orthonormal in scaled states; all directions for a forced system."""
+        if not self.problem.autonomous:
+            return np.eye(self.problem.n)
+        return np.asarray(null_space((self.nodes.normal * self.sizes)[None]))
+
+    def _fly(self, u: Array, duration: float, **more: Any) -> Any:
+        problem, p = self.problem, self.problem.full_parameters(self.z)
+        atol = 1e-2 * ACCURACY * max(float(np.abs(self.nodes.u).max()), 1e-300)
+        flight = fly(problem.system, u, p, duration, rtol=ACCURACY, atol=atol, budget=problem.budget, **more)
+        if flight.outcome != "done" or flight.touched:
+            raise NoDerivatives("a trajectory beside the orbit does not return")
+        return flight
+
+    def _slope(self, u: Array) -> Array:
+        return np.asarray(self.problem.system.value(u, self.problem.full_parameters(self.z)))
+
+    def jacobian(self, y: Array) -> Array:
+        """dP at y, in the coordinates."""
+        problem, nodes, n = self.problem, self.nodes, self.problem.n
+        u, time = nodes.u[0] + self.sizes * (self.basis @ y), nodes.period
+        flight = self._fly(u, time, variations=np.eye(n))
+        if problem.autonomous:
+            for _ in range(RETURNS):
+                end = flight.end[:n]
+                f = self._slope(end)
+                step = (float(nodes.normal @ (end - problem.winding)) - nodes.offset) / float(nodes.normal @ f)
+                if abs(step) <= 1e-14 * nodes.period:
+                    break
+                time -= step
+                flight = self._fly(u, time, variations=np.eye(n))
+            f = self._slope(flight.end[:n])
+            through = np.eye(n) - np.outer(f, nodes.normal) / float(nodes.normal @ f)
+        else:
+            through = np.eye(n)
+        scaled = (through @ flight.variations) * self.sizes / self.sizes[:, None]
+        return np.asarray(self.basis.T @ scaled @ self.basis)
+
+    def _line(self, direction: Array) -> tuple[Array, ...]:
+        """First and second derivative of the Jacobian along a unit direction."""
+        key = direction.tobytes()
+        if key not in self._lines:
+            g = {k: self.jacobian(k * STEP * direction) for k in (-2, -1, 1, 2)}
+            first = (8.0 * (g[1] - g[-1]) - (g[2] - g[-2])) / (12.0 * STEP)
+            second = (16.0 * (g[1] + g[-1]) - (g[2] + g[-2]) - 30.0 * self._centre) / (12.0 * STEP**2)
+            self._lines[key] = first, second
+        return self._lines[key]
+
+    @cached_property
+    def _centre(self) -> Array:
+        return self.jacobian(np.zeros(self.basis.shape[1]))
+
+    def _derivative(self, directions: tuple[Array, ...]) -> Array:
+        """D^k P along real directions, k = 2 or 3; of three at least two are alike."""
+        if not all(np.any(d) for d in directions):
+            return np.zeros(len(directions[0]))
+        ordered = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in self._lines)
+        if len(directions) == 3:
+            keys = [d.tobytes() for d in directions]
+            twice = next(d for d in directions if keys.count(d.tobytes()) > 1)
+            rest = list(directions)
+            for _ in range(2):
+                rest.pop(next(i for i, d in enumerate(rest) if d.tobytes() == twice.tobytes()))
+            size = float(np.linalg.norm(twice))
+            return np.asarray(self._line(twice / size)[1] @ rest[0] * size**2)
+        size = float(np.linalg.norm(ordered[0]))
+        return np.asarray(self._line(ordered[0] / size)[0] @ ordered[1] * size)
+
+    def jet(self) -> DerivativeJet:
+        """The derivatives as a normal form wants them; raises `NoDerivatives`."""
+        times = self._fly(self.nodes.u[0], self.nodes.period).crossings[:, 0]
+        if np.any(np.diff(times) < TOGETHER * self.nodes.period):
+            raise NoDerivatives("surfaces are crossed together: the return map is only piecewise smooth")
+        return DerivativeJet(self._centre, self._derivative, kind="map")
+
+    def unit(self, q: Array) -> float:
+        """The square of what q (coordinates) must be multiplied with for its variation to have the mean square 1 over
+        the period in the model's units."""
+        n, period = self.problem.n, self.nodes.period
+        start = self.sizes[:, None] * (self.basis @ np.column_stack([q.real, q.imag]))
+        return self._mean(self._eigenvector(start[:, 0] + 1j * start[:, 1], n), period)
+
+    def _eigenvector(self, v: Any, n: int) -> Any:
+        """The eigenvector of the monodromy matrix whose projection onto the section is v."""
+        if not self.problem.autonomous:
+            return v
+        f = self._slope(self.nodes.u[0])
+        matrix = self._fly(self.nodes.u[0], self.nodes.period, variations=np.eye(n)).variations
+        image = matrix @ v
+        value = complex(np.vdot(v, image - f * (self.nodes.normal @ image) / (self.nodes.normal @ f)) / np.vdot(v, v))
+        share = (self.nodes.normal @ image) / (self.nodes.normal @ f)
+        return v + f * share / (value - 1.0)
+
+    def _mean(self, v: Any, period: float) -> float:
+        times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period
+        parts = np.column_stack([v.real, v.imag])
+        samples = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples
+        return 1.0 / float(np.mean(np.sum(samples[:, self.problem.n :] ** 2, axis=1)))

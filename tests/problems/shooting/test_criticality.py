@@ -1,0 +1,76 @@
+"""Criticality of period doublings and tori by shooting: closed forms, and agreement with collocation."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+import contin
+from contin import api
+from contin.model.model import Model
+from contin.problems.shooting.normal_form import torus
+from contin.problems.shooting.return_map import ReturnMap
+from tests.problems.loci.planes import amplitude
+from tests.problems.orbits.loci.test_codim_two import orbit_on_circle
+from tests.problems.shooting.test_loci import TWO_RELAYS
+
+
+@pytest.fixture(scope="module")
+def doubling():
+    """Of the Lur'e system, by both methods."""
+    line = api.continuation(api.equilibrium(contin.load("classics/lure"), None, {"alpha": 1.5}), "alpha", (0.4, 2.0))
+    found = {}
+    for method in ("shooting", "collocation"):
+        family = api.continuation(line["HB1"].switch(), "alpha", (0.6, 2.0), settings={"method": method})
+        found[method] = family["PD1"]
+    return found
+
+
+def test_coefficient_of_a_period_doubling_is_that_of_collocation(doubling):
+    shot, collocated = doubling["shooting"].normal_form, doubling["collocation"].normal_form
+    assert shot["criticality"] == collocated["criticality"] == "supercritical"
+    assert shot["c"] == pytest.approx(collocated["c"], rel=1e-6)
+
+
+def test_derivatives_of_the_return_map_are_symmetric(doubling):
+    point = doubling["shooting"]
+    sizes, (a, b) = point.problem.sizes(point.z, point.scale), np.eye(2)
+    one, other = (ReturnMap(point.problem, point.z, sizes).jet() for _ in range(2))  # each keeps what it computed
+    np.testing.assert_allclose(one.form(a, b), other.form(b, a), rtol=1e-6)
+    mixed = 0.5 * (one.form(a + b, a + b, a) - one.form(a, a, a) - one.form(b, b, a))  # C[a, b, a]
+    np.testing.assert_allclose(mixed, other.form(a, a, b), rtol=1e-4, atol=1e-5 * float(np.abs(mixed).max()))
+
+
+@pytest.mark.parametrize("real", [-0.3, 0.2])
+def test_coefficient_of_a_torus_bifurcation_is_that_of_the_amplitude_equation(real):
+    """v' = (p + i/3 + (real + i/20) |v|^2) v beside the unit circle; by both methods."""
+    x, y = amplitude("c", "d", f"p + {real}*(c^2 + d^2)", "(1/3 + 0.05*(c^2 + d^2))")
+    found = {}
+    for method in ("shooting", "collocation"):
+        orbit = orbit_on_circle({"c": x, "d": y}, {"p": -0.3}, method=method)
+        found[method] = api.continuation(orbit, "p", (-0.3, 0.2))["NS1"]
+    point = found["shooting"]
+    assert point.normal_form["criticality"] == ("supercritical" if real < 0 else "subcritical")
+    value, _ = torus(point.problem, point.z, point.problem.sizes(point.z, point.scale), point.vectors["theta"])
+    assert value == pytest.approx(found["collocation"].normal_form["d"][0], rel=1e-6)
+
+
+def test_a_return_map_that_is_only_piecewise_smooth_has_no_coefficient():
+    family = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
+    assert dict(family["NS1"].normal_form) == {}
+
+
+def test_period_doubling_of_a_forced_flow_with_crossings_has_the_sense_of_its_doubled_orbits():
+    model = Model(
+        "forced", states={"x": 0, "y": 0}, parameters={"w": 2.1, "d": 0.05, "k": 4, "F": 1},
+        equations={"x": "y", "y": "-2*d*y - x*(1 + k if x > 0 else 1) + F*cos(w*t)"}, forcing={"period": "2*pi/w"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model), "w", (2.1, 2.5))
+    point = family["PD1"]
+    doubled = api.continuation(point.switch("w"), "w", (2.1, 2.5), settings={"steps": 6})
+    unstable_above = family.columns["unstable"][np.argmax(family.columns["w"])] > 0
+    above = doubled.columns["w"][3] > point.values["w"]
+    supercritical = bool(above == unstable_above)
+    assert point.normal_form["criticality"] == ("supercritical" if supercritical else "subcritical")
+    assert bool(doubled.columns["stable"][3]) == supercritical
+    assert doubled.columns["period"][3] == pytest.approx(4 * pi / doubled.columns["w"][3])
