@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import call4, kernel
+from contin.kernels.compile import allocating, call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
 from contin.kernels.steering import (
@@ -173,7 +173,7 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
     return map_tests(re, im, tests) if is_map else flow_tests(re, im, tests)
 
 
-@kernel
+@allocating
 def probe(
     address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re,
     im, sizes,
@@ -205,7 +205,7 @@ def probe(
     return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im)
 
 
-@kernel
+@allocating
 def march(
     address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
     loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,

@@ -13,7 +13,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from contin.kernels.compile import call3, call4, kernel, vector_kernel
+from contin.kernels.compile import allocating, call3, call4, kernel, vector_kernel
 
 LANES = 4  # up to this many states all intervals are eliminated at once, beyond it one after another
 
@@ -117,7 +117,7 @@ def _set_rows(weights, slopes, values, sizes, u, phase):
                     phase[j, k, i] += x * u[q, k, i]
 
 
-@kernel
+@allocating
 def evaluate(e, w, z, with_jacobian):
     """f (and its Jacobian) at all Gauss points; False where something is not finite."""
     w_u = w.u
@@ -197,7 +197,7 @@ def _interpolate(values, u, at):
                     at[c, k, i] += x * u[j, k, i]
 
 
-@kernel
+@allocating
 def forcing_period(e, w, z):
     """(period, its derivative by the varying parameter) of a forced system's orbit."""
     w_p = w.p

@@ -7,7 +7,7 @@ time: the update of the rest reads and writes every row once for four pivots, tw
 
 import numpy as np
 
-from contin.kernels.compile import kernel, vector_kernel
+from contin.kernels.compile import kernel, part, vector_kernel
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
@@ -218,7 +218,7 @@ def next_level(depth, nodes, here, level, first, count):
         here[pairs + 1] = here[count]
 
 
-@kernel
+@part
 def eliminate_intervals(s, n, m):
     """The inner nodes of every interval; returns the sign of the pivots, 0 where one vanishes."""
     sign = 1
@@ -230,7 +230,7 @@ def eliminate_intervals(s, n, m):
     return sign
 
 
-@kernel
+@part
 def condense_dense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
     local, levels, blocks, here = s.local, s.levels, s.blocks, s.here

@@ -75,6 +75,8 @@ Scratch = namedtuple(
         "right",  # (2,)
         "border",  # (2, 2)
         "state",  # (n,)
+        "every",  # (size,) ones: all of z counts where a loop closes
+        "none",  # (0,) ... and none of it is an angle
     ],
 )
 
@@ -85,7 +87,7 @@ def new_scratch(n, nontrivial, intervals, size):
         np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(TESTS), np.zeros(4),
         np.zeros(intervals), np.zeros((intervals, n, n)), np.zeros((intervals, n)),
         np.full((nontrivial, nontrivial), np.nan), np.zeros(nontrivial), np.zeros(nontrivial), np.zeros(n),
-        np.zeros(2), np.zeros((2, 2)), np.zeros(n),
+        np.zeros(2), np.zeros((2, 2)), np.zeros(n), np.ones(size), np.zeros(0),
     )  # fmt: skip
 
 
@@ -153,15 +155,15 @@ def renew(e, w, s, x, tangent, scale):
 
 
 @part
-def settle(e, w, s, x, here, tangents, scale, sizes, tolerance):
-    """Correct row 0 of `here` where it is not on the family to `tolerance`: after a change of mesh it is not.
+def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
+    """Row 0 of `here` becomes the corrected point x.z where it was not on the family to `tolerance`: after a change of
+    mesh it is not.
 
-    Returns the sign of the determinant, with `s` the factors there; 0, and x.z as it was, where it stays as it is
-    although it is not on the family, or where it has moved too far for the factors.
+    sign : what `correct` has said. Returns it; 0 where the factors in `s` are not those of that point. x.z is put back
+    where the point stays as it is although it is not on the family.
     """
     z, size = x.z, scale.size
     nodes = size - 2 - x.density.size
-    sign = correct(e, w, s, x, here[0], tangents[0], scale, 0.0, tolerance)
     moved = distance(z, here[0], scale)
     kept = sign == 0 or sign == 2 or not moved < MOVED
     for j in range(size):
@@ -169,10 +171,8 @@ def settle(e, w, s, x, here, tangents, scale, sizes, tolerance):
             z[j] = here[0, j]
         else:
             here[0, j] = z[j]
-    if kept or x.sizes[2] > STALE * min(1.0, amplitude(z, e.n, nodes // e.n, sizes)):
-        sign = 0
     set_phase(e, w, z, sizes)
-    return sign
+    return 0 if kept or x.sizes[2] > STALE * min(1.0, amplitude(z, e.n, nodes // e.n, sizes)) else sign
 
 
 @part
@@ -307,9 +307,8 @@ def follow(
         z[j] = out_z[start, j]
     if mode != STABILITY:
         set_phase(e, w, z, sizes)
-    if start == 1:
-        sign = correct(e, w, s, x, out_z[0], out_t[0], scale, h, tolerance)
-        if sign == 0 or sign == 2:
+        sign = correct(e, w, s, x, out_z[0], out_t[0], scale, h if start == 1 else 0.0, tolerance)
+        if start == 1 and (sign == 0 or sign == 2):
             return -1 if sign == 0 else -2
     if mode == CORRECT:
         for j in range(size):
@@ -331,7 +330,7 @@ def follow(
         return 1 if math.isfinite(out_re[0, 0]) else 0
     evaluations = 0.0
     if mode == MARCH:
-        sign = settle(e, w, s, x, out_z, out_t, scale, sizes, tolerance)
+        sign = settled(e, w, s, x, out_z, sign, scale, sizes, tolerance)
         evaluations = sizes_of[1]
     if sign == 0 or (mode == PROBE and sizes_of[2] > EXACT):
         sign = renew(e, w, s, x, out_t[0], scale)
@@ -357,7 +356,6 @@ def follow(
     out_unstable[0] = unstable
     out_error[0] = mesh_error(z, n, m, intervals, top, error_constant, sizes, density)
     swing = amplitude(z, n, count, sizes)
-    every, no_angles = np.ones(size), np.zeros(0)
     guard_blocks = 0
     for k in range(limit):
         row = k + 1
@@ -430,7 +428,7 @@ def follow(
             if dipped >= 0:
                 info[4] = dipped
                 return DIP
-        if loop_z.size == size and passes_start(z, out_z[k], loop_z, loop_tangent, every, no_angles, scale, h_used):
+        if loop_z.size == size and passes_start(z, out_z[k], loop_z, loop_tangent, x.every, x.none, scale, h_used):
             return LOOP
         before = swing
         swing = amplitude(z, n, count, sizes)

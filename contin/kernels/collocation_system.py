@@ -26,7 +26,7 @@ from contin.kernels.collocation_dense import (
     substitute_back_dense,
 )
 from contin.kernels.collocation_elimination import eliminate, eliminate_right, substitute_back
-from contin.kernels.compile import kernel, vector_kernel
+from contin.kernels.compile import kernel, part, vector_kernel
 from contin.kernels.dense import lu_factor, lu_solve
 
 Factors = namedtuple(
@@ -126,7 +126,7 @@ def factorise(s, n, m, border, sign_of_end):
     return sign * part
 
 
-@kernel
+@part
 def condense_intervals(s, n, m):
     """The first stage alone, for the multipliers. Returns the sign of the pivots, 0 where one vanishes."""
     if n > LANES:
@@ -134,7 +134,7 @@ def condense_intervals(s, n, m):
     return eliminate(s.local, (m - 1) * n, m * n, 0, s.local.shape[2], s.local_pivots, s.work)
 
 
-@kernel
+@part
 def condense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
     s_local = s.local

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from contin.kernels.compile import kernel
+from contin.kernels.compile import allocating
 
 
-@kernel
+@allocating
 def colour_columns(pointers, rows, row_pointers, row_columns, colours):
     """Greedy colouring (Curtis, Powell and Reid 1974) in the given order; returns the number of colours.
 

@@ -11,7 +11,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -77,14 +77,38 @@ def kernels_are_cached() -> bool:
     return any(Path(kernel_cache_folder()).rglob("*.nbc"))
 
 
-def kernel(function: Callable[..., Any]) -> Any:
-    """Compile on first call, without the interpreter lock, cached on disk. Every kernel has exactly one signature."""
+FAST = {"contract", "reassoc", "nsz"}
+
+
+def _compiled(function: Callable[..., Any], **options: Any) -> Any:
+    """A dispatcher with its cache in our folder and, whatever constants a caller writes, one signature."""
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = kernel_cache_folder()
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        dispatcher = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     finally:
         numba.config.CACHE_DIR = before
+    template_of = dispatcher.get_call_template
+
+    def get_call_template(args: Sequence[types.Type], kws: Mapping[str, types.Type]) -> Any:
+        return template_of([types.unliteral(a) for a in args], {name: types.unliteral(a) for name, a in kws.items()})
+
+    dispatcher.get_call_template = get_call_template  # numba compiles a function anew for every constant argument
+    return dispatcher
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile on first call, without the interpreter lock, cached on disk. Every kernel has exactly one signature.
+
+    Its memory comes from the caller: a kernel makes no arrays. Counting references to them makes machine code, and the
+    time to compile it, several times larger; `allocating` is for those that need it.
+    """
+    return _compiled(function, _nrt=False)
+
+
+def allocating(function: Callable[..., Any]) -> Any:
+    """A kernel that makes arrays of its own."""
+    return _compiled(function, _nrt=True)  # said outright: numba would take it over from the first caller
 
 
 def vector_kernel(function: Callable[..., Any]) -> Any:
@@ -93,13 +117,12 @@ def vector_kernel(function: Callable[..., Any]) -> Any:
     Only for plain linear algebra. Loops over unsigned ranges, `range(np.uint64(a), np.uint64(b))`: for a signed index
     numba tests whether it counts from the end, and with that test no loop is vectorised.
     """
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = kernel_cache_folder()
-    try:
-        fast = {"contract", "reassoc", "nsz"}
-        return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=fast)(function)
-    finally:
-        numba.config.CACHE_DIR = before
+    return _compiled(function, fastmath=FAST, _nrt=False)
+
+
+def allocating_vector_kernel(function: Callable[..., Any]) -> Any:
+    """... that makes arrays of its own."""
+    return _compiled(function, fastmath=FAST, _nrt=True)
 
 
 def part(function: Callable[..., Any]) -> Any:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import call4, kernel
+from contin.kernels.compile import allocating, call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 
 ITERATIONS = 80
@@ -79,7 +79,7 @@ def deflated_newton(address, is_map, u, p, centre, scale, periods, known, count,
     return False
 
 
-@kernel
+@allocating
 def search(address, is_map, starts, p, centre, scale, periods, known, count, out, status):
     """`deflated_newton` from every row of starts (N, n), deflating the first `count` rows of known; see out, status."""
     n = starts.shape[1]

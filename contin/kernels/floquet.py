@@ -20,13 +20,13 @@ import numpy as np
 
 from contin.kernels.collocation import LANES
 from contin.kernels.collocation_dense import eliminate_dense
-from contin.kernels.compile import kernel, vector_kernel
+from contin.kernels.compile import allocating, allocating_vector_kernel, vector_kernel
 from contin.kernels.eigen import eigenvalues
 
 KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
 
-@vector_kernel
+@allocating_vector_kernel
 def transitions(local, n, m, out):
     """M_i (N, n, n) = -right^-1 left from the condensed blocks [left | right] of `Factors`.
 
@@ -104,7 +104,7 @@ def _substitute(a):
             a[0, k, c] *= inverse
 
 
-@kernel
+@allocating
 def deflate(m_all, directions):
     """Replace every M_i by H_(i+1) M_i H_i, H_i f_i = -+|f_i| e_1 (in place); returns the trivial multiplier.
 
@@ -147,7 +147,7 @@ def deflate(m_all, directions):
     return trivial
 
 
-@vector_kernel
+@allocating_vector_kernel
 def sweep(m_all, skip, q, r_product):
     """One turn: q (d, d) orthonormal becomes Q_N, r_product the triangular factor.
 
@@ -251,7 +251,7 @@ def _orthonormalise(q, r, s):
     return least
 
 
-@kernel
+@allocating
 def multipliers(m_all, skip, q, re, im):
     """Multipliers of the cycle into re and im (d,), d = n - skip; q (d, d) is the basis of a neighbour, or NaN.
 
@@ -282,7 +282,7 @@ def multipliers(m_all, skip, q, re, im):
     return eigenvalues(product, re, im, re, im) == 0
 
 
-@vector_kernel
+@allocating_vector_kernel
 def _closed(r, begin, q, product):
     """product = r (begin^T q), r upper triangular."""
     d = q.shape[0]

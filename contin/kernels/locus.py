@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from contin.kernels.algebraic import correct, linearise
-from contin.kernels.compile import call5, kernel
+from contin.kernels.compile import allocating, call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
 from contin.kernels.lyapunov import lyapunov_terms
@@ -43,7 +43,7 @@ FOLD, HOPF, BRANCH = range(3)
 TESTS = 6
 
 
-@kernel
+@allocating
 def null_vectors(a, right, left):
     """Unit null vectors of a nearly singular matrix (destroyed) by elimination with complete pivoting.
 
@@ -159,7 +159,7 @@ def rest_product(re, im, count):
     return sign * smallest / largest if largest > 0.0 and count > 0 else 1.0
 
 
-@kernel
+@allocating
 def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re, im, near_re, near_im):
     """Test functions, eigenvalues of f_u = `matrix` (n, n, scaled); returns the number of unstable ones, the critical
     ones not counted. `original` (m,) receives all parameters of the model, of which `slots` are (first, second)."""
@@ -252,7 +252,7 @@ def tangent_of(matrix, pivots, out):
         out[j] /= norm
 
 
-@kernel
+@allocating
 def probe(
     address, kind, form2, form3, n, original, slots, z0, tangent, h, guess, p, active, scale, tolerance, trust, z,
     tangent_out, tests, re, im,
@@ -281,7 +281,7 @@ def probe(
     return observe(kind, form2, form3, z, n, scale, block[:n, :n].copy(), original, slots, tests, re, im, re, im)
 
 
-@kernel
+@allocating
 def march(
     address, kind, form2, form3, n, original, slots, p, active, scale, walls, controls, limit, previous_tangent,
     previous_tests, loop_z, loop_tangent, seen, periods, growing, out_z, out_t, out_tests, out_unstable, out_re, out_im,

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import call5, call6, kernel
+from contin.kernels.compile import allocating, call5, call6, kernel
 
 
 @kernel
@@ -64,7 +64,7 @@ def dot(p_re, p_im, x_re, x_im):
     return total
 
 
-@kernel
+@allocating
 def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
     """terms[0] = Re G21 and terms[1] = the sum of the moduli of its three terms, in scaled states with |q| = 1.
 

@@ -6,14 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from numba import types
-
 from contin import kernels
-
-
-def count_signatures(kernel: Any) -> int:
-    """Signatures of a kernel; one for a constant argument in the source counts as that for its type."""
-    return len({tuple(types.unliteral(argument) for argument in signature) for signature in kernel.signatures})
 
 
 def all_kernels() -> Iterator[tuple[str, Any]]:

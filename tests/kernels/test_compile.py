@@ -17,7 +17,7 @@ SOURCES = Path(kernels.__file__).parent
 
 EVERY_KIND = """
 import contin
-from tests.kernels.signatures import all_kernels, count_signatures
+from tests.kernels.signatures import all_kernels
 from tests.problems.cases import oscillator, zeros
 from tests.problems.follow import follow
 
@@ -27,7 +27,7 @@ cycle = contin.Model("m", kind="map", states={"x": 0.5}, parameters={"p": 2.0}, 
 contin.continuation(contin.equilibrium(cycle), "p", (1.5, 3.5))
 hopf = follow(oscillator("x", "y", "p"), zeros("x y"), {"p": -0.5}, (-0.5, 0.2))
 contin.continuation(hopf["HB1"].switch(), "p", (-0.5, 0.2))
-print({name: count_signatures(kernel) for name, kernel in all_kernels()})
+print({name: len(kernel.signatures) for name, kernel in all_kernels()})
 """
 
 

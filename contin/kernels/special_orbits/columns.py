@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from contin.kernels.compile import call4, call5, kernel, vector_kernel
+from contin.kernels.compile import allocating, call4, call5, kernel, vector_kernel
 
 
-@kernel
+@allocating
 def second_column(e, c, w, z, fq):
     """fq at the Gauss points. Needs `evaluate`."""
     n, m = e.n, e.m

@@ -3,7 +3,7 @@
 from contin.kernels.collocation import LANES, evaluate, fill, residual
 from contin.kernels.collocation_dense import condense_dense
 from contin.kernels.collocation_system import condense, reduce_right
-from contin.kernels.compile import call4, part
+from contin.kernels.compile import call4, kernel, part
 from contin.kernels.dense import lu_solve
 from contin.kernels.special_orbits.columns import (
     right_side,
@@ -47,7 +47,7 @@ def linearise(e, c, w, s, f, o, q, extra):
     return 0
 
 
-@part
+@kernel
 def period_row(e, c, w, f, o):
     """o.corner: coefficients of T and s in the forcing period's row (autonomous: 0); returns minus that of r."""
     corner, by_all = o.corner, o.by_all
@@ -64,7 +64,7 @@ def period_row(e, c, w, f, o):
     return by_r
 
 
-@part
+@kernel
 def solutions(e, c, w, s, f, o, extra, by_r):
     """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the rows of the frame 0 but 1 for the null vectors."""
     n, m, x, jump = e.n, e.m, o.x, o.jump
@@ -86,7 +86,7 @@ def solutions(e, c, w, s, f, o, extra, by_r):
         finish(s, n, m, f, o, border, j < 2, j)
 
 
-@part
+@kernel
 def reduce_slopes(e, c, w, s, f, o):
     """o.reduced: -D^2F[v, y] for all v and y, condensed. NS: the last column belongs to k."""
     n, m, y, v = e.n, e.m, o.y, o.v
@@ -122,7 +122,7 @@ def reduce_slopes(e, c, w, s, f, o):
                 o.reduced[1, 3, r] -= 2.0 * s.end[r, n + j] * v[1, j]
 
 
-@part
+@kernel
 def slopes(e, c, s, o):
     """o.dG from o.reduced."""
     n, x, dG = e.n, o.x, o.dG

@@ -1,12 +1,12 @@
 """The last, dense system of the bordered equations, its solutions, and the null functions v of PD and NS."""
 
 from contin.kernels.collocation_system import clear_right, expand
-from contin.kernels.compile import kernel, part
+from contin.kernels.compile import kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.memory import BPC, PD
 
 
-@part
+@kernel
 def final_factors(e, c, w, s, f, o):
     """LU factors of the last system; False where it is singular. Fills o.corner."""
     n = e.n
@@ -57,7 +57,7 @@ def finish(s, n, m, f, o, border, reduced, row):
     o.y[row, o.y.shape[1] - 1] = unfolding
 
 
-@part
+@kernel
 def null_functions(e, c, s, f, o, k):
     """The null function(s) v of PD and NS and their G, with the factors of the system for v(0); False: singular."""
     n, m = e.n, e.m
