@@ -92,6 +92,7 @@ def periodic_orbit(
     parameters: Mapping[str, Any] | None = None,
     *,
     period: float | None = None,
+    times: Any = None,
     transient: float = 0.0,
     intervals: int | None = None,
     points: int = 4,
@@ -103,24 +104,29 @@ def periodic_orbit(
 
     start : a named start or mapping of states, from which the trajectory is integrated until it returns (after
     `transient`);
-        or an array (K, n) of states over one period, with `period`, at equal times (the last row is the first again).
+        or an array (K, n) of states over one period, the last row the first again, at `times` (K,) or, with `period`,
+        at equal times.
     intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
         shooting: intervals is the number of segments.
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    from contin.problems.orbits.simulation import find_return, orbit_by_simulation, orbit_from_array
+    from contin.problems.orbits.samples import orbit_from_samples
+    from contin.problems.orbits.simulation import find_return, orbit_by_simulation
 
     if isinstance(start, np.ndarray):
-        if period is None:
+        if period is None and times is None:
             raise InputError(
                 "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
             )
+        t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
+        if t.shape != (len(start),):
+            raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
         _, p = model.start_point(None, dict(parameters or {}))
         periods = np.asarray(model.periods(), dtype=float)
         if shooting_chosen(compiled(model), method):
-            return orbit_from_return(compiled(model), start[0], p, periods, period, 1, intervals)
-        return orbit_from_array(compiled(model), np.linspace(0.0, period, len(start)), start, p, periods, points)
+            return orbit_from_return(compiled(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
+        return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)
     if shooting_chosen(compiled(model), method):

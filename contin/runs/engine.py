@@ -83,6 +83,8 @@ class ContinEngine:
         api = _verbs()
         if run.as_ == "orbit":
             mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
+            if run.samples is not None:
+                return api.periodic_orbit(model, run.samples.states, parameters, times=run.samples.times, **mesh)
             return api.periodic_orbit(model, run.start, parameters, **mesh)
         if run.as_ == "connection":
             return api.connecting_orbit(model, run.start, run.to, parameters)

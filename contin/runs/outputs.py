@@ -46,7 +46,7 @@ def output_path(
 ) -> Path | None:
     """One file to write, added to those `taken`; None, with a note at `place`, where it may not be written."""
     folder = run_file.parent.resolve()
-    mistake = _mistake(text, endings[kind], folder, run_file)
+    mistake = path_mistake(text, endings[kind], folder, run_file)
     path = folder / PurePosixPath(text)
     if not mistake and path in taken:
         mistake = f"{text!r} is already written by another output; choose another name"
@@ -57,7 +57,8 @@ def output_path(
     return path
 
 
-def _mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Path) -> str | None:
+def path_mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Path) -> str | None:
+    """What is wrong with a file's name that must stay in or below `folder`; None where nothing is."""
     if any(ord(character) < 32 for character in text):
         return "a file name may not contain control characters"
     parts = (PurePosixPath(text), PureWindowsPath(text))  # the same files are refused on every system

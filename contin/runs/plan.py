@@ -11,6 +11,7 @@ from contin.errors import ContinError, ExpressionError, InputError, NotFiniteErr
 from contin.model.advice import closest
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.runs.outputs import output_paths
+from contin.runs.samples import Samples, read_samples
 from contin.runs.schema import ContinuationEntry, DiagramEntry, PhaseEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
 
@@ -38,6 +39,7 @@ class RunPlan:
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     to: StartPoint = None  # of a connecting orbit: the saddle that it leads to
+    samples: Samples | None = None  # of an orbit to begin with
 
     @property
     def follows_orbits(self) -> bool:
@@ -126,7 +128,7 @@ def make_plan_for(
     planner.check_parameters(entry.parameters, overrides or {})
     diagram = None if entry.diagram is None else planner.diagram(entry.diagram)
     phase = None if entry.phase is None else planner.phase(entry.phase)
-    runs = planner.runs(entry.continuations)
+    runs = planner.runs(entry.continuations, file)
     problems.raise_if_any()
     axes = entry.outputs
     return Plan(model, planner.overrides, runs, diagram, phase, outputs, axes.x, axes.y, entry.title or model.title)
@@ -213,7 +215,7 @@ class _Planner:
             return None
         return PhasePlan((first, second), bounds, starts or [None], entry.settings.chosen(), entry.orbits)
 
-    def runs(self, entries: Sequence[ContinuationEntry]) -> list[RunPlan]:
+    def runs(self, entries: Sequence[ContinuationEntry], file: FilePath) -> list[RunPlan]:
         names: list[str] = []
         runs = []
         for position, entry in enumerate(entries):
@@ -222,12 +224,12 @@ class _Planner:
             if name in names:
                 self.problems.add((*path, "name"), f"{name!r} is already the name of an earlier run; choose another")
             names.append(name)
-            run = self.run(name, entry, path)
+            run = self.run(name, entry, path, file)
             if run is not None:
                 runs.append(run)
         return runs
 
-    def run(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan | None:
+    def run(self, name: str, entry: ContinuationEntry, path: Path, file: FilePath) -> RunPlan | None:
         parameters = tuple(entry.parameter)
         known = [self.known(p, (*path, "parameter")) for p in parameters]
         start = None if entry.start is None else self.start(entry.start, (*path, "start"))
@@ -244,8 +246,13 @@ class _Planner:
         if entry.from_ is not None:
             branch, _, label = entry.from_.rpartition(".")
             reference = (branch, label)
-        settings = entry.settings.chosen()
-        return RunPlan(name, parameters, bounds, start, reference, entry.as_, entry.direction, values, settings, to)
+        settings, as_, samples = entry.settings.chosen(), entry.as_, None
+        if entry.samples is not None:
+            as_ = "orbit"
+            samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
+        return RunPlan(
+            name, parameters, bounds, start, reference, as_, entry.direction, values, settings, to, samples
+        )  # fmt: skip
 
     # Parts of an entry ------------------------------------------------------------------------------------------------
 

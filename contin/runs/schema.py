@@ -145,12 +145,16 @@ class SettingsEntry(Section):
         return self.model_dump(exclude_none=True)
 
 
+ORIGINS: Final = {"start": "start", "from": "from_", "samples": "samples"}  # where a run may begin, and its field
+
+
 class ContinuationEntry(Section):
     """One run: from a start of the model, or from a point of an earlier branch."""
 
     name: RunName | None = None
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
+    samples: File | None = None  # a CSV file with one period of an orbit
     as_: Literal["equilibrium", "orbit", "locus", "connection"] | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     parameter: Annotated[Texts, Field(max_length=2)]
@@ -161,8 +165,11 @@ class ContinuationEntry(Section):
 
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
-        if self.start is not None and self.from_ is not None:
-            raise _wrong("has both `start` and `from`; keep one of them")
+        origins = [name for name in ("start", "from", "samples") if getattr(self, ORIGINS[name]) is not None]
+        if len(origins) > 1:
+            raise _wrong(f"has both `{origins[0]}` and `{origins[1]}`; keep one of them")
+        if self.samples is not None and self.as_ not in (None, "orbit"):
+            raise _wrong("has `samples`, one period of an orbit; write `as: orbit`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
             raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`")
         if self.as_ == "connection" and (self.start is None or len(self.parameter) < 2):

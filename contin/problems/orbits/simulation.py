@@ -224,23 +224,3 @@ def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: i
     times[-1] = min(times[-1], period)
     path = integrate(system, u, p, period * (1.0 + 1e-12), times=times)
     return replace(empty, u=path.u)
-
-
-def orbit_from_array(system: Any, t: Array, u: Array, p: Array, periods: Array, points: int = 4) -> PeriodicOrbit:
-    """An orbit from samples u (K, n) at times t (K,) over one period, the last the first again; polished by Newton."""
-    t, u = np.asarray(t, dtype=float), np.asarray(u, dtype=float)
-    period = float(t[-1] - t[0])
-    h = np.full(60, 1.0 / 60)
-    empty = Profile(points, np.empty((60 * points + 1, u.shape[1])), period, h, float(p[0]))
-    values = np.stack([np.interp(empty.times * period + t[0], t, column) for column in u.T], axis=1)
-    change = values[-1] - values[0]
-    winding = np.where(periods > 0.0, periods * np.round(change / np.where(periods > 0.0, periods, 1.0)), 0.0)
-    problem = OrbitProblem(system, p, 0, winding, points)
-    z = replace(empty, u=values).vector()
-    scale = problem.initial_scale(z, (z[-1] - 0.5, z[-1] + 0.5))
-    solved = problem.at_parameter(z, float(p[0]), scale)
-    if solved is None:
-        raise NoSolutionError(
-            "the array is not near a periodic orbit at these parameters: Newton does not converge from it"
-        )
-    return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), winding)
