@@ -5,7 +5,7 @@ Step control as in `contin.kernels.runge_kutta`. Memory does not grow with the t
 
 import math
 
-from contin.kernels.compile import kernel
+from contin.kernels.compile import allocating, kernel
 from contin.kernels.dop853 import STAGES
 from contin.kernels.piecewise.flow import rates, settle, slope_at
 from contin.kernels.piecewise.landing import cross, earliest, land
@@ -41,7 +41,7 @@ def longest(m, n):
     return RESOLVED * math.sqrt(top / bottom) if bottom > 0.0 and top > 0.0 else math.inf
 
 
-@kernel
+@allocating
 def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
     """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED.
 

@@ -5,7 +5,7 @@ saltation matrix (di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth D
 the sensitivity h_q where v is one to a parameter q. Surfaces met together are crossed one after the other.
 """
 
-from contin.kernels.compile import call3, kernel, part
+from contin.kernels.compile import allocating, call3, kernel, part
 from contin.kernels.dop853 import STAGES
 from contin.kernels.piecewise.flow import crossing_speed, rates, set_mode, slope_at
 from contin.kernels.piecewise.step import attempt, first_zero, prepare_dense, short_step
@@ -118,7 +118,7 @@ def earliest_negative(flow, m, length, j):
     return best, place
 
 
-@kernel
+@allocating
 def cross(flow, m, h, met, touched):
     """New modes at m.trial, which lies on surface `met`, and the saltation of its variations; repairs m.g1.
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import kernel
+from contin.kernels.compile import allocating, kernel
 from contin.kernels.dop853 import E3, E5, STAGES, A, B, C, D
 from contin.kernels.piecewise.flow import slope, slope_at
 
@@ -47,7 +47,7 @@ def attempt(flow, m, t, h, rtol, atol):
     return h * error5 / bottom if bottom > 0.0 else error5
 
 
-@kernel
+@allocating
 def prepare_dense(flow, m, t, h):
     """Dense output of the step just attempted; the slope at its end stands in row STAGES."""
     size = m.begin.size
