@@ -25,12 +25,12 @@ COLOURS: Final = {
 }  # fmt: skip
 DASHES: Final = {"BP": (0, (7, 1.5)), "LPC": (0, (4, 1.3)), "BPC": (0, (7, 1.5, 1.5, 1.5)), "PD": (0, (2.2, 1.0)),
           "NS": (0, (3.5, 1.2, 1.0, 1.2))}  # fmt: skip
-SHADES: Final = {  # for one, two, three or more stable states: equilibria (blue), orbits (sand), both (green), others
-    (True, False): ("#e6eef6", "#c9dcee", "#a6c5e3"),
-    (False, True): ("#fcf0dc", "#f8deb4", "#f2c88a"),
-    (True, True): ("#e9f3e4", "#d3e8ca", "#b5d8a8"),
+SHADES: Final = {  # from few to many stable states: equilibria (blue), orbits (sand), both (green)
+    (True, False): ("#e9f0f8", "#9fc1e2"),
+    (False, True): ("#fdf3e3", "#efbf78"),
+    (True, True): ("#eaf5e6", "#9fcb90"),
 }
-APERIODIC, EMPTY = ("#f1e6f4", "#e2cbe9", "#cfaadb"), "#fdfdfd"
+APERIODIC, EMPTY = ("#f4ebf6", "#c795d4"), "#fdfdfd"  # other attractors among them (violet), and none
 NAMED: Final = 1e-3  # a region with less of the box is not named
 LETTER, CODE = 9.0, 7.5  # points: sizes of the names of regions and of special points
 KEYS: Final = 22  # lines that explain letters, at most
@@ -74,13 +74,21 @@ def draw(
     return figure
 
 
-def _shade_of(region: Mapping[str, Any]) -> str:
-    rests, orbits, others = (region.get(key, 0) for key in ("stable", "stable_orbits", "aperiodic"))
-    number = rests + orbits + others
-    if not number:
+def _stable(region: Mapping[str, Any]) -> int:
+    return int(region["stable"] + region.get("stable_orbits", 0) + region.get("aperiodic", 0))
+
+
+def _shade_of(region: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
+    """The colour says which kinds of states are stable; the darker, the more of them there are in this diagram."""
+    from matplotlib.colors import to_rgb
+
+    if not _stable(region):
         return EMPTY
-    shades = APERIODIC if others else SHADES[rests > 0, orbits > 0]
-    return shades[min(number, len(shades)) - 1]
+    kinds = region["stable"] > 0, region.get("stable_orbits", 0) > 0
+    pale, deep = (np.array(to_rgb(c)) for c in (APERIODIC if region.get("aperiodic", 0) else SHADES[kinds]))
+    numbers = sorted({_stable(r) for r in data["regions"] if _stable(r)})
+    part = numbers.index(_stable(region)) / max(len(numbers) - 1, 1)
+    return tuple((1.0 - part) * pale + part * deep)
 
 
 def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
@@ -94,7 +102,7 @@ def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
     kinds = {r["name"]: r for r in sorted(data["regions"], key=lambda r: r["area"]) if r["area"] >= NAMED}
     kinds = dict(sorted(kinds.items(), key=lambda item: (len(item[0]), item[0])))
     keys = [
-        Patch(facecolor=_shade_of(r), edgecolor="#666666", lw=0.5, label=_explained(name, r["words"]))
+        Patch(facecolor=_shade_of(r, data), edgecolor="#666666", lw=0.5, label=_explained(name, r["words"]))
         for name, r in list(kinds.items())[:KEYS]
     ]
     if len(kinds) > KEYS:
@@ -115,8 +123,8 @@ def _shade(axes: Any, data: Mapping[str, Any]) -> None:
     for region in data["regions"]:
         rings = [np.array([*ring, ring[0]]) for ring in (region["outline"], *region["holes"])]
         codes = np.concatenate([[Path.MOVETO, *([Path.LINETO] * (len(r) - 2)), Path.CLOSEPOLY] for r in rings])
-        patch = PathPatch(Path(np.concatenate(rings), codes), facecolor=_shade_of(region), edgecolor="none", zorder=0)
-        axes.add_patch(patch)
+        shape = Path(np.concatenate(rings), codes)
+        axes.add_patch(PathPatch(shape, facecolor=_shade_of(region, data), edgecolor="none", zorder=0))
 
 
 def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> None:

@@ -319,12 +319,60 @@ def regions() -> list[str]:
     return [f"{r['name']}: {r['words']}, {100 * r['area']:.1f} % of the box" for r in data if r["area"] > 1e-3]
 
 
+def draw_regions():
+    """The picture that the run of `pair-regions` made."""
+    from contin.plot.phase import draw
+
+    document = json.loads(Path("pair-regions.json").read_text(encoding="utf-8"))
+    return draw(document["phase"], document["branches"])
+
+
+def beats_in(region: dict) -> str:
+    """The stable beats of a region: turning ones nearly stop one metronome, small ones come in mirror pairs."""
+    found = []
+    for state in region["states"]:
+        if state["kind"] == "orbit" and state["stable"]:
+            lowest = state["values"]["r1.min"]
+            found.append("turning" if lowest < 0.5 else "small" if state["copies"] == 2 else "large")
+    return ", ".join(sorted(found)) or "none"
+
+
+def regions_table() -> MarkdownTable:
+    """Stable states of every region at its point; rest and anti-phase synchrony are stable in all of them."""
+    rows = []
+    for region in json.loads(Path("pair-regions.json").read_text(encoding="utf-8"))["phase"]["regions"]:
+        at = region["point"]
+        where = f"{at['mu']:.2f}, {at['beta']:.3f}"
+        rows.append((region["name"], where, region["stable"], beats_in(region), f"{100 * region['area']:.1f} %"))
+    return MarkdownTable("region | mu, beta | stable equilibria | stable beats | part of the box", rows)
+
+
+def crossing(locus: dict, beta: float) -> float:
+    """mu of a curve at this beta, by a polynomial through its five nearest rows."""
+    mu, betas = (np.array(locus["columns"][name]) for name in ("mu", "beta"))
+    near = np.argsort(np.abs(betas - beta))[:5]
+    return float(np.polynomial.Polynomial.fit(betas[near] - beta, mu[near], 4)(0.0))
+
+
+def check_regions(diagram: dict) -> None:
+    """Curves through what the families at beta = 0.8 end in; and which beats live beside them."""
+    loci = results("pair-regions.json").values()
+    glued, pitchforks = (next(b for b in loci if b["locus"] == kind) for kind in ("HOM", "BP"))
+    assert abs(crossing(glued, 0.8) - points(diagram["large beats"], "HOM", "mu")[0]) < 2e-5
+    assert abs(crossing(pitchforks, 0.8) - mu_c(0.8)) < 1e-6
+    folds = [crossing(b, 0.8) for b in loci if b["locus"] == "LPC" and max(b["columns"]["beta"]) > 0.8]
+    assert min(abs(mu - points(diagram["large beats"], "LPC", "mu")[0]) for mu in folds) < 2e-5
+    regions_ = json.loads(Path("pair-regions.json").read_text(encoding="utf-8"))["phase"]["regions"]
+    assert {beats_in(r) for r in regions_} == {"none", "turning", "large, turning", "small, turning"}
+
+
 def check() -> None:
     """Closed forms, and the same number by two ways."""
     diagram = results("pair-diagram.json")
     assert abs(points(diagram["in-phase"], "BP", "mu")[0] - mu_c(0.8)) < 1e-9
     small, large = (points(diagram[f"{k} beats"], "HOM", "mu")[0] for k in ("small", "large"))
     assert abs(small - large) < 1e-5  # both families end in one homoclinic butterfly
+    check_regions(diagram)
     pendulum = results("pair-pendulum.json")["mu_c"]["columns"]
     expected = mu_c(0.8) - 0.75 * np.array(pendulum["sigma"]) * r_star(0.8) ** 2
     np.testing.assert_allclose(pendulum["mu"], expected, atol=1e-6)

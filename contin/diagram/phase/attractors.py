@@ -17,7 +17,8 @@ from contin.diagram.phase.states import State, images_of
 from contin.errors import ContinError, NoSolutionError
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
-LONGEST: Final = 4000.0  # time scales until a trajectory is given up
+LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
+LASTING: Final = 20_000.0  # ... and in which one that did not must go on, to be an attractor and no long transient
 TRANSIENT, STEPS = 300.0, 6_000  # time scales of the first look, which must not take more steps (or escapes)
 ARRIVED: Final = 1e-3  # distance (relative) from a stable equilibrium at which a trajectory has reached it
 TRIED, SCATTERED = 6, 12  # trajectories at one point of the box, from beside unstable equilibria and from anywhere
@@ -135,18 +136,27 @@ class _Trajectories:
         else:
             self.seeds.append(Seed(self.problem, z))
 
+    def _wander(self, u: Array, scale: float) -> None:
+        """A trajectory that has not settled for long: an attractor if it does not in the time that follows either."""
+        from contin.simulate.trajectory import integrate
+
+        system, time = self.problem.system, TRANSIENT * scale
+        u = integrate(system, u, self.p, LASTING * scale).end
+        if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
+            return
+        path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000)).u
+        extent = np.ptp(path, axis=0)
+        if float(extent.max()) > RESTING * max(self._size(), float(np.abs(u).max())):
+            self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
+
     def _orbit(self, u: Array, scale: float) -> None:
         from contin.problems.orbits.simulation import orbit_by_simulation
-        from contin.simulate.trajectory import integrate
 
         try:
             orbit = orbit_by_simulation(self.problem.system, u, self.p, self.periods, longest=LONGEST)
         except NoSolutionError as error:
             if "comes to rest" not in str(error):
-                time = TRANSIENT * scale
-                path = integrate(self.problem.system, u, self.p, time, times=np.linspace(0.0, time, 2000)).u
-                room = ROOM * np.ptp(path, axis=0)
-                self.wild.append((path.min(axis=0) - room, path.max(axis=0) + room))
+                self._wander(u, scale)
             return
         seed = orbit.seed(self.problem.parameters[0])
         if known_orbit(seed.problem, seed.z, self.orbits) is None:

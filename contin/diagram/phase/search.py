@@ -6,7 +6,6 @@ from curve to curve through points of codimension two.
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -45,7 +44,7 @@ MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones
 COARSE, FEW, LEAST = 0.1, 60, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
 BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
-LONGEST, TOTAL = 30.0, 150.0  # seconds for one curve of orbits, and for all of them
+TOTAL: Final = 4000  # points of curves of orbits
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
 FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
@@ -71,7 +70,7 @@ class LociSearch:
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
     searched: int = 0  # of these
     absorbed: dict[int, Branch] = field(default_factory=dict)  # by id: branches whose points were looked at
-    spent: float = 0.0  # seconds, on curves of orbits
+    spent: int = 0  # points of curves of orbits
 
     def run(self) -> None:
         """Explore lines in both directions, then follow every curve and what crosses it.
@@ -222,18 +221,13 @@ class LociSearch:
         return found
 
     def _traced(self, seed: Seed, orbital: bool) -> Branch:
-        """The curve through a seed, named; curves of orbits within their time."""
+        """The curve through a seed, named."""
         number = 1 + sum(b.locus == seed.problem.locus for b in self.loci)
         name = f"phase/{seed.problem.locus}-{number}"
-        settings = self._settings_of(seed)
         if self.ahead is not None:
             self.ahead(seed)
-        elif orbital and self.spent == 0.0:  # what is compiled on a machine's first run is not the curve's time
-            trace(seed, self.box[0], settings=replace(settings, steps=1))
-        began = time.perf_counter()
-        deadline = began + LONGEST if orbital else None
-        branch = trace(seed, self.box[0], name=name, settings=settings, watch=self.watch, deadline=deadline)
-        self.spent += time.perf_counter() - began if orbital else 0.0
+        branch = trace(seed, self.box[0], name=name, settings=self._settings_of(seed), watch=self.watch)
+        self.spent += len(branch) if orbital else 0
         return branch
 
     def _wanted(self, seed: Seed, orbital: bool) -> bool:
@@ -246,7 +240,7 @@ class LociSearch:
         if not self.orbits or is_known_curve(self.loci, seed, self.box):
             return False
         if self.spent > TOTAL:
-            self.note(f"curves of orbits were followed for {TOTAL:g} s; there are more")
+            self.note(f"curves of orbits were followed for {self.spent} points; there are more")
         elif sum(is_orbital(b) for b in self.loci) >= MOST_ORBITAL:
             self.note(f"{MOST_ORBITAL} curves of orbits were followed; there are more")
         else:
