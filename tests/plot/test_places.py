@@ -1,0 +1,30 @@
+"""The place of a region's name is inside it, away from its border and holes."""
+
+import numpy as np
+import pytest
+
+from contin.plot.places import GRID, deepest
+
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+def test_the_middle_of_a_square_is_farthest_from_its_sides():
+    centre, depth = deepest([SQUARE])
+    np.testing.assert_allclose(centre, 0.5, atol=1 / GRID)
+    assert depth == pytest.approx(0.5, abs=1 / GRID)
+
+
+def test_a_hole_is_avoided():
+    """A square hole beside the left side: the largest disc is in a corner at the right, touching two sides and it."""
+    hole = np.array([[0.0, 0.2], [0.6, 0.2], [0.6, 0.8], [0.0, 0.8]])
+    centre, depth = deepest([SQUARE, hole])
+    # centre (1 - r, r) and a corner (0.6, 0.2) of the hole at distance r
+    r = np.roots([1.0, -1.2, 0.2]).min()
+    assert depth == pytest.approx(max(r, 0.2), abs=1 / GRID)
+    assert centre[0] > 0.6
+
+
+def test_rings_without_an_inside_have_no_place():
+    centre, depth = deepest([np.array([[0.0, 0.0], [1.0, 1.0]])])
+    assert np.isnan(centre).all()
+    assert depth == 0.0
