@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.plot.vocabulary import locus_words, style_of
+
+ROUNDING: Final = 1e-14  # of the values that a number stands beside
 
 if TYPE_CHECKING:
     from contin.diagram.phase.diagram import PhaseDiagram
@@ -23,7 +25,10 @@ def report(diagram: PhaseDiagram) -> str:
         ends = "; ".join(dict.fromkeys(end.text for end in branch.ends))
         lines += ["", f"{branch.name}: {locus_words(branch.locus)}, {len(branch)} points; {ends}"]
         for p in branch.points:
-            where = ", ".join(f"{name} = {p.values[name]:.10g}" for name in diagram.parameters)
+            where = ", ".join(
+                f"{name} = {_shown(p.values[name], high - low):.10g}"
+                for name, (low, high) in zip(diagram.parameters, diagram.box, strict=True)
+            )
             lines.append(f"  {p.label}  {style_of(p.type).words} at {where}")
     lines.append("")
     lines += region_lines(as_data(diagram))
@@ -53,12 +58,18 @@ def region_lines(data: Mapping[str, Any]) -> list[str]:
 
 def _state_words(state: Mapping[str, Any]) -> str:
     """The values of an equilibrium; of an orbit the period and the ranges of its states and observables."""
-    values = state["values"]
+    size = max((abs(value) for value in state["values"].values()), default=0.0)
+    values = {name: _shown(value, size) for name, value in state["values"].items()}
     if state.get("kind") != "orbit":
         return ", ".join(f"{key} = {value:.4g}" for key, value in values.items())
     names = [key.removesuffix(".min") for key in values if key.endswith(".min")]
     ranges = [f"{name} {values[f'{name}.min']:.4g} to {values[f'{name}.max']:.4g}" for name in names]
     return f"orbit of period {values['period']:.6g}, " + ", ".join(ranges)
+
+
+def _shown(value: float, size: float) -> float:
+    """The value, or zero where it is that but for rounding."""
+    return 0.0 if abs(value) < ROUNDING * size else value
 
 
 def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
