@@ -65,6 +65,11 @@ def read_entries(data: Any, source: Source, shape: type[_Shape], *, version_requ
     return entry
 
 
+_LIMITS = {
+    "greater_than_equal": "not below", "less_than_equal": "not above", "greater_than": "above", "less_than": "below",
+}  # fmt: skip
+
+
 def _note(item: Any, problems: Problems, shape: type[BaseModel]) -> None:
     path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
     if kind == "extra_forbidden":
@@ -87,6 +92,9 @@ def _note(item: Any, problems: Problems, shape: type[BaseModel]) -> None:
         )
     elif kind == "too_short":
         problems.add(path, "is empty; at least one entry is needed")
+    elif kind in _LIMITS:
+        limit = item["msg"].rsplit(" ", 1)[1]
+        problems.add(path, f"expected a number {_LIMITS[kind]} {limit}, got {shown(value)}")
     else:
         problems.add(path, item["msg"])
 

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 
 def sample_orbit(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
     """The orbit at a labelled point: time and every state over one period; None where the point is no orbit."""
-    if branch.kind != "orbit":
+    from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+
+    if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
         return None
     profile = branch.problem.profile(point.z)
     states = dict(zip(branch.problem.system.state_names, profile.u.T, strict=True))

@@ -133,10 +133,10 @@ class SettingsEntry(Section):
     min_step: Positive | None = None
     max_step: Positive | None = None
     steps: Count | None = None
-    max_angle: Positive | None = None
+    max_angle: Annotated[Positive, Field(lt=90)] | None = None
     tolerance: Positive | None = None
-    intervals: Count | None = None
-    points: Count | None = None
+    intervals: Annotated[Count, Field(ge=3)] | None = None
+    points: Annotated[Count, Field(ge=2, le=7)] | None = None
     method: Literal["collocation", "shooting"] | None = None
     stop_at: Texts | None = None
 

@@ -28,6 +28,7 @@ STALLED = 1e-7
 PERTURBATION = 1e-10
 SAMPLES = 2
 SAME_PERIOD = 1e-3  # relative difference of periods up to which points on two meshes are the same
+SAFETY = 2.0  # the finer mesh has an error of its own
 UNRESOLVED = 0.2  # distance from 1 of the multiplier on a finer mesh at which a fold by multipliers is none
 UNFOLDED = 1e-6  # unfolding parameter (scaled) that a branch point leaves
 
@@ -113,7 +114,7 @@ def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float
     refined = _newton(problem, type_, finer.vector(), finer_scale, found.theta, samples=0)
     if refined is None:
         return replace(found, error=found.error + float(scale[-1]) * problem.tolerance, confirmed=False)
-    discretisation = abs(refined.z[-1] - found.z[-1])
+    discretisation = SAFETY * abs(refined.z[-1] - found.z[-1])
     period = problem.profile(refined.z).period
     confirmed = abs(period - profile.period) < SAME_PERIOD * profile.period
     return replace(found, error=found.error + discretisation, confirmed=confirmed)

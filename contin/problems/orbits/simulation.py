@@ -21,6 +21,7 @@ CROSSINGS = 60  # returns compared at once
 CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
 NEAR = 3e-2  # ... and one this close is tried when time is up
 SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
+CLOSED = 1e-9  # ... and one as close as this closes up to rounding, whatever Newton says
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
 LONGEST_MULTIPLE = 16  # forcing periods
 CHANCE = 4  # loops from which an unstable orbit is one that a chaotic trajectory came close to by chance
@@ -206,14 +207,26 @@ def _polished(
     scale = problem.initial_scale(z, (z[-1] - 0.5, z[-1] + 0.5))
     solved = problem.at_parameter(z, float(p[0]), scale)
     if solved is None or float(np.linalg.norm((solved - z) / scale)) > 1.0:
-        raise NoSolutionError(
-            f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Newton finds none "
-            f"next to its closest return, at {period:.6g} ({near.loops} loops, to {near.distance:.1e} of its extent). "
-            f"{ADVICE}."
-        )
+        raise NoSolutionError(_not_found(near))
     if problem.autonomous and problem.is_constant(solved, 1e3 * scale):
         raise NoSolutionError("the closed orbit is an equilibrium: start further away from it")
     return PeriodicOrbit(system, problem.profile(solved), np.array(p, dtype=float), problem.winding, multiple)
+
+
+def _not_found(near: Return) -> str:
+    """Why Newton may find no orbit next to a trajectory that nearly closes."""
+    if near.distance < CLOSED:
+        return (
+            f"the trajectory closes, with period {near.period:.6g}, but Newton finds no isolated orbit: it seems to be "
+            "one of a continuum of periodic orbits, as conservative systems have them. Give the equations a parameter "
+            "that makes them dissipative (0 where they are not): the orbits are then a family in that parameter, born "
+            "at the Hopf point of its branch of equilibria."
+        )
+    return (
+        f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Newton finds none next "
+        f"to its closest return, at {near.period:.6g} ({near.loops} loops, to {near.distance:.1e} of its extent). "
+        f"{ADVICE}."
+    )
 
 
 def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: int) -> Profile:

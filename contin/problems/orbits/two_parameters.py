@@ -94,6 +94,11 @@ class OrbitCurveProblem(TwoParameterProblem):
 class OfPeriodicOrbits(OrbitCurveProblem):
     """`curve` is a `CurveOfPeriodicOrbits`."""
 
+    def profile(self, z: Array) -> Profile:
+        """The orbit of a point."""
+        found: Profile = self.curve.profile(z)
+        return found
+
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return np.asarray(self.curve.at(z).multipliers(self.curve.orbit(z)))
 

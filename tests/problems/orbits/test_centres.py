@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from contin import api
+from contin.errors import NoSolutionError
 from contin.model.model import Model
 
 
@@ -53,3 +54,12 @@ def test_may_leonard_orbits_fill_the_plane_between_the_hopf_point_and_the_hetero
     for saddle in end.data["saddles"]:  # at (1, 0, 0): -1, 1 - b, 1 - a
         np.testing.assert_allclose(np.sort(np.real(saddle["eigenvalues"])), [-1.0, a - 1.0, 1.0 - a], atol=1e-6)
         assert saddle["saddle_quantity"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_simulation_of_a_conservative_system_says_that_its_orbits_are_a_continuum():
+    """Lotka and Volterra: x - log x + y - log y is conserved."""
+    model = Model(
+        "prey", states={"x": 1.5, "y": 1.0}, parameters={"a": 1.0}, equations={"x": "a*x - x*y", "y": "x*y - y"}
+    )
+    with pytest.raises(NoSolutionError, match=r"closes, with period 6\.38.*continuum.*dissipative"):
+        api.periodic_orbit(model)

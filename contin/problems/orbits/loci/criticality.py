@@ -1,7 +1,7 @@
 """The coefficient that decides between super- and subcritical, along curves of PD and NS: it vanishes at GPD and CH.
 
 c of PD or Re d of NS (`contin.problems.orbits.normal_form`) costs as much as some twenty steps. So it is computed at
-the first and the last row of a chunk, and before a step with a strong resonance; where its sign changes, bisection
+the first and the last row of a chunk, and before a step in which it has a pole; where its sign changes, bisection
 finds the two rows between which it does, and the chunk ends there. Rows in between have no value (NaN), which is no
 change of sign.
 """
@@ -18,6 +18,7 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
+POLES: Final = {"PD": (3, 4), "NS": (4, 5, 6)}  # tests of R2, LPPD; LPNS, R1, R2: the coefficient is infinite there
 ZERO: Final = 1e-5  # part of the values beside it that a zero must be below: at strong resonances there are poles
 UNDECIDED: Final = 1e-7  # of the terms that it is made of: a coefficient this small has no sign
 SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
@@ -59,12 +60,12 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     if values[0] is None:
         values[0] = coefficient(curve, rows[0].z, scale, True)
     looked_at = [0, last]
-    if last > 1 and np.any(rows[-2].tests[2:] * rows[-1].tests[2:] < 0.0):  # a resonance, which may be a pole
-        values[last - 1] = coefficient(curve, rows[-2].z, scale, True)
-        looked_at = [0, last - 1, last]
+    if _passes_pole(curve, rows[-2], rows[-1]):
+        values[last - 1] = coefficient(curve, rows[-2].z, scale, True) if last > 1 else values[0]
+        looked_at = [0, last - 1]
     changes = [(a, b) for a, b in pairwise(looked_at) if values[a] * values[b] < 0.0]
     found = bool(changes)
-    low, high = changes[0] if found else (0, last)
+    low, high = changes[0] if found else (last, last)
     while found and high - low > 1:
         middle = (low + high) // 2
         values[middle] = coefficient(curve, rows[middle].z, scale)
@@ -85,6 +86,10 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
         unstable=chunk.unstable[:m], eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.EVENT,
         next_step=float(chunk.lengths[m - 1]),
     )  # fmt: skip
+
+
+def _passes_pole(curve: Any, a: Sample, b: Sample) -> bool:
+    return bool(np.any(np.array([a.tests[k] * b.tests[k] for k in POLES[curve.type]]) < 0.0))
 
 
 def is_zero(curve: Any, value: float) -> bool:

@@ -25,6 +25,7 @@ NAMES: Final = {
 PAIRS: Final = {"LPC": "LPNS", "BPC": "LPNS", "PD": "PDNS", "NS": "NSNS"}  # a pair of the other multipliers
 STEPS: Final = 40
 ACCURATE: Final = 1e-11  # scaled arclength
+SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 NEUTRAL: Final = ""
 DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
@@ -56,16 +57,23 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     found = _zero(problem, near, frame, index)
     if found is None:
         return f"{type_} not verified: its test function has no zero nearby"
-    if type_ == "CPC" and problem.has_shrunk(found.z, frame.scale):
-        return NEUTRAL  # the curve turns round at its generalised Hopf point
+    if type_ == "CPC" and (problem.has_shrunk(found.z, frame.scale) or problem.has_met_half(found.z, frame.scale)):
+        return NEUTRAL  # the curve turns round at its generalised Hopf point or period doubling
     if type_ == PAIRS[problem.locus] and not _complex_pair(problem, found):
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
         return NEUTRAL
     if type_ in ("GPD", "CH") and not criticality.is_zero(problem.curve, float(found.tests[index])):
         return NEUTRAL  # a pole, at a strong resonance
-    error = 10.0 * ACCURATE * float(frame.scale[-1])
+    error = 10.0 * ACCURATE * float(frame.scale[-1]) + SAFETY * _discretisation(problem, found, frame, index)
     return Verified(type_, found.z, abs(float(found.tests[index])), error, found.eigenvalues, found.unstable)
+
+
+def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> float:
+    """How far the point moves, in either parameter, on a mesh of half the lengths; 0 where it is not found there."""
+    refined = problem.refined(found, frame)
+    again = None if refined is None else _zero(refined[0], refined[1], refined[2], index)
+    return 0.0 if again is None else float(np.abs(again.z[[-1, -2]] - found.z[[-1, -2]]).max())
 
 
 def _zero(problem: Any, near: Sample, frame: Frame, index: int) -> Sample | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.renewal import renew
+from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 
 PROBE_TOLERANCE = 1e-10
@@ -96,7 +97,13 @@ class OrbitLocusProblem(OfSpecialOrbits):
         if self.has_shrunk(origin.z, frame.scale):
             end = End("hopf", f"the orbit shrank to a Hopf point at {self.place(origin.z)}")
             return Renewal(frame.scale, origin, before, loop, end)
+        if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):
+            text = "came together with orbits of half the period, at their degenerate period doubling near "
+            return Renewal(frame.scale, origin, before, loop, End("joined", text + self.place(origin.z)))
         return renew(self, origin, before, frame, settings)
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        return on_finer_mesh(self, sample, frame)
 
     # -- leaving the curve --------------------------------------------------------------------------------------------
 

@@ -36,19 +36,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
     if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
         return Renewal(scale, origin, before, None)
     renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), 1.0)
-    move = Move(orbits, metric, curve.orbit(renewed), h)
-
-    def moved(sample: Sample) -> Sample:
-        inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
-        share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
-        if share == 0.0:  # only the second parameter moves: there is no direction to take along
-            inner.tangent[-1] = 1.0
-        there = move(inner)
-        rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
-        t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
-        z = curve.join(there.z, float(sample.z[-2]), curve.further(sample.z))
-        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
-
+    moved = CurveMove(curve, orbits, scale, renewed, h)
     here = moved(origin)
     curve.settle(here.z, renewed)
     corrected = problem.probe(here, 0.0, here.z, Frame(renewed), settings)
@@ -56,6 +44,36 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
         sign = np.sign(float(corrected.tangent @ here.tangent)) or 1.0
         here = replace(here, z=corrected.z, tangent=sign * corrected.tangent)
     return Renewal(renewed, here, None if before is None else moved(before), None)
+
+
+class CurveMove:
+    """Takes samples of a curve to another mesh h and another metric, by interpolation."""
+
+    def __init__(self, curve: Any, orbits: Any, scale: Array, renewed: Array, h: Array) -> None:
+        self.curve = curve
+        self.move = Move(orbits, curve.orbit(scale), curve.orbit(renewed), h)
+
+    def __call__(self, sample: Sample) -> Sample:
+        curve = self.curve
+        inner = replace(sample, z=curve.orbit(sample.z), tangent=curve.orbit(sample.tangent))
+        share = float(np.linalg.norm(inner.tangent))  # the orbit's part of the unit tangent
+        if share == 0.0:  # only the second parameter moves: there is no direction to take along
+            inner.tangent[-1] = 1.0
+        there = self.move(inner)
+        rest = [float(sample.tangent[-3])] if curve.extra else [0.0]
+        t = curve.join(share * there.tangent, float(sample.tangent[-2]), *rest)
+        z = curve.join(there.z, float(sample.z[-2]), curve.further(sample.z))
+        return replace(sample, z=z, tangent=t / np.linalg.norm(t))
+
+
+def on_finer_mesh(problem: Any, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
+    """The curve's problem, a sample of it and the metric, on a mesh of half the lengths; its own stays as it is."""
+    curve, scale = replace(problem.curve, _works={}, critical=dict(problem.curve.critical)), frame.scale
+    orbits, profile = curve.at(sample.z), curve.profile(sample.z)
+    sizes, period = orbits.sizes(curve.orbit(sample.z), curve.orbit(scale)), float(scale[profile.u.size])
+    h = np.repeat(profile.h / 2.0, 2)
+    finer = curve.join(make_scale(h, profile.m, sizes, period, float(scale[-1])), float(scale[-2]), 1.0)
+    return replace(problem, curve=curve), CurveMove(curve, orbits, scale, finer, h)(sample), Frame(finer)
 
 
 def _distance(a: Array, b: Array, scale: Array) -> float:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,8 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import events
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
-SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point
+SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
+HALVES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,26 @@ class OfSpecialOrbits(OfPeriodicOrbits):
         sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
         small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
         return small and self.curve.orbits.autonomous and not self.curve.orbits.winding.any()
+
+    def has_met_half(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is one of half its period, but for a difference that does not matter."""
+        return not self.curve.orbits.multiple % 2 and float(np.max(np.abs(self._halves_apart(z, scale)))) < SMALL
+
+    def passes_half(self, before: Array, here: Array, scale: Array) -> bool:
+        """True where the curve has passed orbits of half the period between two rows: the halves change places."""
+        if self.curve.orbits.multiple % 2:
+            return False
+        return float(np.sum(self._halves_apart(before, scale) * self._halves_apart(here, scale))) < 0.0
+
+    def _halves_apart(self, z: Array, scale: Array) -> Array:
+        """u(x + 1/2) - u(x), relative to the states' sizes, at `HALVES` times in half a period."""
+        orbits, u, times = self.curve.orbits, self.curve.profile(z), np.linspace(0.0, 0.5, HALVES)
+        sizes = orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        return np.asarray((u.at(times + 0.5) - u.at(times) - 0.5 * orbits.winding) / sizes)
+
+    @abstractmethod
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        """This curve with half the discretisation's lengths, a sample of it and the metric; None without a mesh."""
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +98,9 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
     def precise(self, accuracy: float) -> ShotLocusProblem:
         """The same curve with trajectories of another accuracy."""
         return replace(self, curve=self.curve.precise(accuracy))
+
+    def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
+        return None
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

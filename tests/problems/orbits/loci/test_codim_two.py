@@ -77,6 +77,19 @@ def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes(meth
     assert [end.reason for end in flips.ends] == ["bound", "bound"]
 
 
+def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
+    """s' = p s + q s^3 - s^5: doubled orbits with p + q s^2 = s^4 fold at p = -q^2/4, s^2 = q/2, which is 0 at GPD."""
+    equations = twisted(f"p + q*{SQUARE} - ({SQUARE})^2", "-1")
+    orbit = orbit_on_circle(equations, {"p": -0.3, "q": 0.5})
+    family = contin.continuation(orbit, "p", (-0.3, 0.4))
+    doubled = contin.continuation(family["PD1"].switch(), "p", (-0.3, 0.4))
+    folds = contin.continuation(doubled["LPC1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-1, 0.7)})
+    np.testing.assert_allclose(folds.columns["p"], -(folds.columns["q"] ** 2) / 4, atol=1e-8)
+    assert [p.type for p in folds.points] == []
+    assert sorted(end.reason for end in folds.ends) == ["bound", "joined"]
+    assert np.abs(folds.columns["q"]).min() < 0.1
+
+
 @METHODS
 def test_torus_bifurcation_is_degenerate_where_its_cubic_coefficient_vanishes(method):
     """v' = (p + i t + q |v|^2 - |v|^4) v: NS at p = 0 with Re d = q."""
