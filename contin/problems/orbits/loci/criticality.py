@@ -9,7 +9,6 @@ change of sign.
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -59,13 +58,11 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     values = {last: coefficient(curve, rows[-1].z, scale, True), 0: _known(curve, rows[0])}
     if values[0] is None:
         values[0] = coefficient(curve, rows[0].z, scale, True)
-    looked_at = [0, last]
-    if _passes_pole(curve, rows[-2], rows[-1]):
-        values[last - 1] = coefficient(curve, rows[-2].z, scale, True) if last > 1 else values[0]
-        looked_at = [0, last - 1]
-    changes = [(a, b) for a, b in pairwise(looked_at) if values[a] * values[b] < 0.0]
-    found = bool(changes)
-    low, high = changes[0] if found else (last, last)
+    end = last - 1 if _passes_pole(curve, rows[-2], rows[-1]) else last
+    if end not in values:
+        values[end] = coefficient(curve, rows[end].z, scale, True)
+    found = values[0] * values[end] < 0.0
+    low, high = (0, end) if found else (last, last)
     while found and high - low > 1:
         middle = (low + high) // 2
         values[middle] = coefficient(curve, rows[middle].z, scale)
