@@ -111,6 +111,9 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
             if beyond.tangent[-1] * last.tangent[-1] > 0.0:
                 return beyond, None
             stable = min(last.unstable, beyond.unstable)
+            there = signature(problem, beyond.z)
+            if there is not None and len(there) < len(here):  # known more closely from the arm that does not cross
+                corner, width = grazing(problem, beyond, there, here, frame) or (corner, width)
             return beyond, _fold(problem, corner, last, stable, width, frame)
     return None
 
@@ -148,6 +151,7 @@ def _locate(
 
 def _fold(problem: Any, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
     segments = problem.segments(z)
-    residual = np.inf if segments is None else float(np.linalg.norm(segments.scaled(frame.scale)[0]))
+    # where solutions slide beyond the surface the orbit is extrapolated, and its trajectory may not come to its end
+    residual = width if segments is None else float(np.linalg.norm(segments.scaled(frame.scale)[0]))
     error = (width + residual) * float(frame.scale[-1])
     return Verified("LPC", z, residual, error, side.eigenvalues, unstable, {"kind": "nonsmooth"})

@@ -60,10 +60,14 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return ""
         return "a pair of multipliers touches the unit circle without a change of the unstable count"
+    from contin.problems.shooting.renewal import is_tangent
+
     find = locate_branch_point if type_ == "BPC" else locate
     found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
     if isinstance(found, str):
         return f"{type_} not verified: {found}"
+    if type_ == "LPC" and is_tangent(problem, found.z, frame.scale):
+        return ""
     if not found.residual <= RESIDUAL_LIMIT:
         return f"{type_} not verified: no orbit there (residual {found.residual:.1e})"
     rough = find(problem.precise(COARSE), type_, found.z, near.tangent, frame.scale)

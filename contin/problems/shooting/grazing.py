@@ -20,6 +20,7 @@ FINER: Final = 33
 AWAY: Final = (1e-3, 1e-4, 1e-5)  # (arclength) from the corner, where the secant iteration begins
 SHORT_OF: Final = 1e-3  # part of a secant step that is left out: beyond the zero lies the other arm
 BUDGET: Final = 12
+NEARLY: Final = 1e-6  # clearance, relative to that at the beginning, from which the zero may be extrapolated to
 REACHED: Final = 1e-12  # clearance, relative to that at the beginning
 FAR: Final = 0.05  # (arclength) the corner is not that far from the samples beside it
 
@@ -48,10 +49,13 @@ def _secant(
     from contin.problems.shooting.corners import signature
 
     s0, e0, z0 = 0.0, clearance(problem, base.z, missing), base.z
-    s1, beginning = 0.5 * length, e0
+    s1, beginning, along = 0.5 * length, e0, sense * _raw(base, frame)  # along: the last secant, which predicts
+    slope = np.nan
     for _ in range(BUDGET):
-        found = problem.probe(base, sense * s1, base.z + sense * s1 * _raw(base, frame), frame, Settings())
+        found = problem.probe(base, sense * s1, z0 + (s1 - s0) * along, frame, Settings())
         if found is None or signature(problem, found.z) != arm:
+            if e0 <= NEARLY * beginning:  # Newton's steps cross the surface, and the solution slides along it
+                return z0 - e0 / slope * along, -e0 / slope
             s1 = 0.5 * (s0 + s1)
             continue
         e1 = clearance(problem, found.z, missing)
@@ -63,6 +67,7 @@ def _secant(
             return found.z + (found.z - z0) * (rest / (s1 - s0)), rest + 10.0 * problem.accuracy
         if s1 + rest > FAR:
             return None
+        along = (found.z - z0) / (s1 - s0)
         s0, e0, z0, s1 = s1, e1, found.z, s1 + rest * (1.0 - SHORT_OF)
     return None
 

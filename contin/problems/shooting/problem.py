@@ -26,6 +26,7 @@ ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 BUDGET = 200_000  # steps of one segment
 SAME_PERIOD = 1e-6  # relative
+ROUNDING = 1e-9  # of the largest state: a state this small is zero on the orbit
 PROBE_TOLERANCE = 1e-10
 
 
@@ -89,12 +90,12 @@ class ShootingProblem(FamilyOfOrbits):
         return make_scale(sizes, nodes.count, PERIOD_SCALE * nodes.period, self.width(z, bounds))
 
     def state_sizes(self, profile: Profile) -> Array:
-        """Typical size of every state on an orbit: its largest modulus, an angle's amplitude."""
+        """Typical size of every state on an orbit: its largest modulus, an angle's amplitude; 1 where it is at rest."""
         largest = np.abs(profile.u).max(axis=0)
         periods = np.asarray(self.system.model.periods(self.constants()), dtype=float)
         largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
-        floor = 1e-6 * max(float(largest.max()), 1e-300)
-        return np.where(largest > floor, largest, np.where(largest > 0.0, floor, 1.0))
+        most = max(float(largest.max()), 1e-300)
+        return np.where(largest > ROUNDING * most, np.maximum(largest, 1e-6 * most), 1.0)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Any:
         """The bordered equations, None where a trajectory does not come to its end."""
@@ -142,7 +143,10 @@ class ShootingProblem(FamilyOfOrbits):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        return generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        from contin.problems.shooting.renewal import cut_where_oblique
+
+        chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_where_oblique(self, chunk, frame.scale)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tight = replace(settings, tolerance=min(settings.tolerance, PROBE_TOLERANCE))

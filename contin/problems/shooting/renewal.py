@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Renewal, Sample
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.problems.orbits import ends
 from contin.problems.shooting.layout import Nodes, make_scale
@@ -17,7 +17,8 @@ from contin.problems.shooting.phase import onto_section, quietest, rebased, room
 from contin.problems.shooting.rest import at_rest
 
 CLOSE_TO_CORNER = 0.3  # of the best distance: nearer than this to a crossing, the phase is moved
-LOST_SECTION = 0.3  # cosine between flow and normal below which the section is renewed
+LOST_SECTION = 0.7  # cosine between flow and normal below which the section is renewed
+TANGENT = 0.05  # ... below which the section is tangent to the flow
 
 
 def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame) -> Renewal:
@@ -54,10 +55,40 @@ def renew(problem: Any, origin: Sample, before: Sample | None, loop: Sample | No
 
 def misplaced(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> bool:
     """True where the first node is too close to a crossing, or its section too oblique to the flow."""
+    oblique = obliqueness(problem, z, nodes, sizes) < LOST_SECTION
+    return oblique or (problem.system.n_switches > 0 and room(problem, z) < CLOSE_TO_CORNER)
+
+
+def obliqueness(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> float:
+    """Cosine between the flow and the section's normal at the first node, in scaled states."""
     velocity = problem.system.value(nodes.u[0], problem.full_parameters(z))
     speed = float(np.linalg.norm(velocity / sizes))
-    cosine = float(nodes.normal @ velocity) / (speed * float(np.linalg.norm(nodes.normal * sizes)) or 1.0)
-    return cosine < LOST_SECTION or (problem.system.n_switches > 0 and room(problem, z) < CLOSE_TO_CORNER)
+    return float(nodes.normal @ velocity) / (speed * float(np.linalg.norm(nodes.normal * sizes)) or 1.0)
+
+
+def is_tangent(problem: Any, z: Array, scale: Array) -> bool:
+    """True where the curve turns round in these unknowns, but the family of orbits does not."""
+    return bool(
+        problem.autonomous
+        and abs(obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale))) < TANGENT
+    )
+
+
+def cut_where_oblique(problem: Any, chunk: Chunk, scale: Array) -> Chunk:
+    """The chunk up to the first row whose section is too oblique: where it is tangent to the flow the curve turns round
+    in these unknowns, and the family does not."""
+    if not problem.autonomous:
+        return chunk
+    for row in range(1, len(chunk) - 1):
+        z = chunk.z[row]
+        if obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale)) < LOST_SECTION:
+            m = row + 1
+            return replace(
+                chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
+                eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT,
+                next_step=float(chunk.lengths[row]),
+            )  # fmt: skip
+    return chunk
 
 
 def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:

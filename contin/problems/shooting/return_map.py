@@ -117,7 +117,8 @@ class ReturnMap:
         times = self._fly(self.nodes.u[0], self.nodes.period).crossings[:, 0]
         if np.any(np.diff(times) < TOGETHER * self.nodes.period):
             raise NoDerivatives("surfaces are crossed together: the return map is only piecewise smooth")
-        return DerivativeJet(self._centre, self._derivative, kind="map")
+        sizes = np.ones(self.basis.shape[1])  # of coordinates that are scaled; balancing would amplify rounding
+        return DerivativeJet(self._centre, self._derivative, kind="map", scale=sizes)
 
     def unit(self, q: Array) -> float:
         """The square of what q (coordinates) must be multiplied with for its variation to have the mean square 1 over

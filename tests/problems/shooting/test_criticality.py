@@ -8,10 +8,10 @@ import pytest
 import contin
 from contin import api
 from contin.model.model import Model
-from contin.problems.shooting.normal_form import torus
+from contin.problems.shooting.normal_form import period_doubling, torus
 from contin.problems.shooting.return_map import ReturnMap
 from tests.problems.loci.planes import amplitude
-from tests.problems.orbits.loci.test_codim_two import orbit_on_circle
+from tests.problems.orbits.loci.test_codim_two import SQUARE, orbit_on_circle, twisted
 from tests.problems.shooting.test_loci import TWO_RELAYS
 
 
@@ -74,3 +74,13 @@ def test_period_doubling_of_a_forced_flow_with_crossings_has_the_sense_of_its_do
     assert point.normal_form["criticality"] == ("supercritical" if supercritical else "subcritical")
     assert bool(doubled.columns["stable"][3]) == supercritical
     assert doubled.columns["period"][3] == pytest.approx(4 * pi / doubled.columns["w"][3])
+
+
+@pytest.mark.parametrize("q", [-0.3, 0.1])
+def test_coefficient_beside_a_second_multiplier_near_minus_one(q):
+    """s' = z, z' = q z - s^3 in a turning plane: z = s^3/q + ... on the centre manifold, so that c = 1/q."""
+    equations = twisted("0", f"{q}", along_by_z="1", across_by_s=f"p - {SQUARE}")
+    orbit = orbit_on_circle(equations, {"p": 0.0}, method="shooting")
+    problem, z = orbit.problem("p"), orbit.seed("p").z
+    value, _ = period_doubling(problem, z, np.ones(4))
+    assert value == pytest.approx(1.0 / q, rel=1e-5)

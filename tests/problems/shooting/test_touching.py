@@ -15,8 +15,11 @@ def test_circles_that_touch_a_line_lie_where_their_radius_says():
         definitions={"r": "x^2 + y^2", "k": "10 if x > 0.2 else 1"},
         equations={"x": "b1*x - w*y + b2*x*r - x*r^2*k", "y": "w*x + b1*y + b2*y*r - y*r^2*k"},
     )  # fmt: skip
-    family = api.continuation(api.periodic_orbit(model), "b1", (-0.4, 0.05))
-    point = next(p for p in family.points if p.normal_form.get("kind") == "nonsmooth")
+    family = api.continuation(api.periodic_orbit(model), "b1", (-0.4, 0.3))
+    (point,) = family.points  # the only one down to the Hopf point, where the section of small circles is lost
+    assert point.normal_form["kind"] == "nonsmooth"
+    assert point.values["b1"] == pytest.approx(-0.0104, abs=1e-11)
+    assert {end.reason for end in family.ends} == {"bound", "hopf"}
     touching = api.continuation(point.locus(), ("b1", "b2"), {"b1": (-0.4, 0.3), "b2": (0.01, 1.2)})
     np.testing.assert_allclose(touching.columns["b1"], 0.0016 - 0.04 * touching.columns["b2"], atol=1e-11)
     assert [end.reason for end in touching.ends] == ["bound", "bound"]
