@@ -1,11 +1,15 @@
 """Families that end on a fold of equilibria: a saddle-node on an invariant circle.
 
-Near the fold p* the orbit passes a bottleneck, where it spends the time C |p - p*|^(-1/2), so that
-p* = p + (T / 2) dp/dT up to the part of the period that is spent elsewhere. The fold itself is solved for.
+On the centre manifold of the fold (u*, p*) the flow is x' = b (p - p*) + a x^2, with a = <l, f_uu(q, q)>/2 and b = <l,
+f_p>. Where it has no equilibria, an orbit that passes through all of it (a bottleneck) takes the time
+C |p - p*|^(-1/2), C = pi / sqrt(|a b|), up to what is spent elsewhere: 2 |p - p*|^(3/2) |dT/dp| tends to C. The fold is
+solved for. Families that end at a homoclinic orbit of a saddle beside a fold enter the bottleneck in its middle, and
+take half of that time or less, before they pass p*.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,26 +22,58 @@ from contin.problems.orbits.saddles import extent_of, rounded, slowest_points
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
-RATIOS = (0.6, 2.8)  # of the distance by the period's growth and the distance of the fold: 1 to 1 / DWELT, and doubt
+CONSTANT = (0.85, 1.2)  # 2 |p - p*|^(3/2) |dT/dp| relative to its limit
 NEAR = 0.1  # of the orbit's extent: distance of the bottleneck from the fold
+SAME = 1e-9  # relative difference of the parameters of folds that are images of each other
+STEP = 1e-3  # of the second difference, relative to the states' sizes
 
 
-def fold_passed(problem: Any, profile: Profile, sizes: Array, width: float) -> tuple[Array, float] | None:
-    """The fold of equilibria (u, p) in whose bottleneck the orbit spends its time, and the error of p."""
+@dataclass(frozen=True, eq=False)
+class Bottleneck:
+    """A fold of equilibria (u, p) that an orbit passes slowly."""
+
+    z: Array
+    error: float  # of p
+    a: float  # coefficients of the flow along q, |q| = 1 in states relative to their sizes
+    b: float
+
+    def constant(self, parameter: float) -> float:
+        """C of the time that the passage takes; 0 where there are equilibria at this parameter."""
+        clear = self.a * self.b * (parameter - float(self.z[-1])) > 0.0
+        return float(np.pi / np.sqrt(abs(self.a * self.b))) if clear else 0.0
+
+    def width(self, parameter: float) -> float:
+        """Of the stretch along q that is passed slowly, in states relative to their sizes."""
+        return float(np.sqrt(abs(self.b * (parameter - float(self.z[-1])) / self.a)))
+
+
+def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
+    """The folds of equilibria in whose neighbourhood the orbit is slow; none if it is slow elsewhere, too."""
+    found = []
+    for u in slowest_points(profile, sizes):
+        fold = _bottleneck(problem, np.append(u, profile.parameter), sizes, width)
+        if fold is None or float(np.max(np.abs(fold.z[:-1] - u) / sizes)) > NEAR * extent_of(profile, sizes):
+            return []
+        found.append(fold)
+    return found
+
+
+def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
     from contin.problems import defining
+    from contin.problems.orbits.homoclinic.saddle_node import critical_direction
 
-    slowest = slowest_points(profile, sizes)
-    if len(slowest) != 1:
-        return None
     metric = np.append(np.sqrt(problem.n) * sizes, width)
-    local = _equilibria(problem).scaled(metric)
-    solved = defining.fold(local, np.append(slowest[0], profile.parameter) / metric)
+    solved = defining.fold(_equilibria(problem).scaled(metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
         return None
-    found = solved.y * metric
-    extent = extent_of(profile, sizes)
-    near = float(np.max(np.abs(found[:-1] - slowest[0]) / sizes)) <= NEAR * extent
-    return (found, solved.error * width) if near else None
+    z = solved.y * metric
+    u, p = z[:-1], problem.full_parameters(z)
+    jacobian = problem.system.jacobian(u, p)[1]
+    left, q = critical_direction(jacobian[:, : problem.n] * sizes / sizes[:, None])
+    around = [problem.system.jacobian(u + s * STEP * sizes * q, p)[0] / sizes for s in (-1.0, 0.0, 1.0)]
+    a = 0.5 * float(left @ (around[0] - 2.0 * around[1] + around[2])) / STEP**2
+    b = float(left @ (jacobian[:, problem.n + problem.active] / sizes))
+    return Bottleneck(z, solved.error * width, a, b) if a != 0.0 and b != 0.0 else None
 
 
 def _equilibria(problem: Any) -> Any:
@@ -55,15 +91,16 @@ def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame)
         return None
     raw = origin.tangent * frame.scale
     width, position = float(frame.scale[-1]), profile.u.size
-    fold = fold_passed(problem, profile, sizes, width)
-    if fold is None or raw[position] == 0.0:
+    folds = bottlenecks(problem, profile, sizes, width)
+    if not folds or raw[-1] == 0.0 or any(abs(float(fold.z[-1] - folds[0].z[-1])) > SAME * width for fold in folds):
         return None
-    found, doubt = fold
+    found, doubt = folds[0].z, folds[0].error
     distance = float(found[-1]) - profile.parameter
-    if abs(distance) > REACHED * width:
+    constant = sum(fold.constant(profile.parameter) for fold in folds)
+    if abs(distance) > REACHED * width or constant == 0.0:
         return None
-    expected = 0.5 * profile.period * float(raw[-1] / raw[position])
-    if distance == 0.0 or not RATIOS[0] < expected / distance < RATIOS[1]:
+    slope = abs(float(raw[position] / raw[-1]))
+    if not CONSTANT[0] < 2.0 * abs(distance) ** 1.5 * slope / constant < CONSTANT[1]:
         return None
     name = problem.parameters[0]
     values = np.linalg.eigvals(_equilibria(problem).linear_part(found))

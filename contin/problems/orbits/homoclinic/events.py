@@ -24,6 +24,7 @@ from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 from contin.problems.orbits.saddles import extent_of
 
+ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
@@ -45,7 +46,8 @@ def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple
     slow_out, slow_in = leading(matrices[0], leave, False), leading(matrices[-1], arrive, True)
     size = abs(slow_in.value) + abs(slow_out.value)
     tests = np.full(len(NAMES), np.nan)
-    tests[0] = (slow_in.value.real + slow_out.value.real) / size
+    sum_of_rates = (slow_in.value.real + slow_out.value.real) / size
+    tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
     memory = curve.gauge.vectors
     first = last = None  # of the adjoint solution where it is accurate
@@ -103,15 +105,15 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     found = _zero(problem, near, frame, index)
     if found is None:
         return f"{type_} not verified: its test function has no zero nearby"
+    value = abs(float(found.tests[index]))
+    if value > 1e-4:
+        return f"{type_} not verified: its test function jumps"
+    if _vanishes(problem, found, frame, index):
+        return ""  # an invariant plane or a skew product: no coupling, all along the curve
     moved = problem.discretisation(found, frame, index)
     if moved is None:
         return f"{type_} not verified: not found again on a mesh of half the lengths"
     error = 10.0 * ACCURATE * float(frame.scale[-1]) + moved
-    value = abs(float(found.tests[index]))
-    if value > 1e-4:
-        return f"{type_} not verified: its test function jumps"
-    if type_[:2] in ("OF", "IF") and _vanishes(problem, found, frame, index):
-        return ""  # an invariant plane or a skew product: no coupling, all along the curve
     return Verified(_named(type_, found.eigenvalues), found.z, value, error, found.eigenvalues, found.unstable)
 
 

@@ -19,7 +19,7 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.columns import of_one_size, orbit_columns
 from contin.problems.orbits.homoclinic import events
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
-from contin.problems.orbits.homoclinic.interval import fits, fitted
+from contin.problems.orbits.homoclinic.interval import farther, fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
@@ -110,17 +110,17 @@ class ConnectionProblem(MarchedInPython):
         return events.verify(self, type_, near, frame)
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
-        """How far the zero of a test (either parameter) moves when every interval of the mesh is halved."""
+        """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
         from contin.problems.orbits.loci.events import _zero
 
         curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)))
-        h = np.repeat(0.5 * curve.profile(found.z).h, 2)
         sizes = self.sizes(found.z, frame.scale)
+        z = fitted(curve, found.z, sizes, farther(curve))
+        h = np.repeat(0.5 * curve.profile(z).h, 2)
         scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
         finer = replace(self, curve=curve, _last={})
-        moved = finer._moved(found, frame.scale, scale, h)
-        curve.settle(moved.z, sizes)
-        again = _zero(finer, moved, Frame(scale), index)
+        start = finer._on_interval(z, found, scale, h, Settings())
+        again = None if start is None else _zero(finer, start.origin, Frame(scale), index)
         return None if again is None else float(np.max(np.abs(again.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:

@@ -16,13 +16,14 @@ from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.interval import fits, fitted, piece_of
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.invariant_circle import fold_passed
+from contin.problems.orbits.invariant_circle import bottlenecks
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.saddles import extent_of, saddles_near, turns
 
-BESIDE = 0.03  # of the orbit's extent: how far from a saddle-node it is cut
+WIDTHS = 6.0  # of a bottleneck: how far from a saddle-node an orbit is cut, inside ...
+CLOSEST, FARTHEST = 1e-3, 0.03  # ... of its extent
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
 
 
@@ -67,15 +68,16 @@ def _with_first(problem: OrbitProblem, point: SpecialPoint, first: int) -> Orbit
 def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
     """The curve of homoclinic orbits to a saddle-node that a family of orbits ends at.
 
-    Inside the bottleneck the orbit is not that of the fold yet: it is cut `BESIDE` of its extent away from it.
+    Inside the bottleneck the orbit is not that of the fold yet: it is cut some widths of that away from it.
     """
     first, second = indices(problem.system, parameters)
     profile = problem.profile(point.z)
     sizes = problem.state_sizes(profile)
-    fold = fold_passed(problem, profile, sizes, float(point.scale[-1]) if point.scale.size else 1.0)
-    if fold is None:
-        raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a fold of equilibria")
-    at = fold[0]
+    folds = bottlenecks(problem, profile, sizes, float(point.scale[-1]) if point.scale.size else 1.0)
+    if len(folds) != 1:
+        raise InputError(f"{point.branch}.{point.label}: the orbit passes {len(folds)} folds of equilibria, not one")
+    at = folds[0].z
+    beside = min(max(WIDTHS * folds[0].width(profile.parameter) / extent_of(profile, sizes), CLOSEST), FARTHEST)
     values = np.linalg.eigvals(problem.system.jacobian(at[:-1], problem.full_parameters(at))[1][:, : problem.n])
     others = np.delete(values, int(np.argmin(np.abs(values)))).real
     times = np.linspace(0.0, 1.0, 16 * len(profile.u) + 1)[:-1]
@@ -83,7 +85,7 @@ def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: 
     gaps = profile.at(times) - at[:-1]
     away = np.max(np.abs(gaps - turns(problem, gaps)) / sizes, axis=1) / extent_of(profile, sizes)
     slowest = int(np.argmin(away))
-    outside = np.flatnonzero(np.roll(away, -slowest) > BESIDE)
+    outside = np.flatnonzero(np.roll(away, -slowest) > beside)
     start, end = np.roll(times, -slowest)[outside[[0, -1]]]
     piece = _piece(profile, float(start), float(end if end > start else end + 1.0))
     piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - at[:-1]))

@@ -30,13 +30,18 @@ class Tail:
     rate: float
     quadratic: float
     start: float  # c0
-    shrink: float  # factor by which c is to fall
+    shrink: float  # factor by which c is to fall; 1 where it is small already
     slow: Array  # (n,) right eigenvector, in the states' units
     rates: NDArray[np.complex128]
     fast: NDArray[np.complex128]  # (n, k) other parts of the offset, each along an eigenvector
+    least: float = 0.0  # time that the other parts need
 
     def times(self, parts: Array) -> Array:
-        """When c has fallen by the factors shrink^parts."""
+        """Moments from 0 to the tail's end: when c has fallen by shrink^parts, evenly spaced where c is not slowest."""
+        slow = self._slow(parts)
+        return slow if slow[-1] > self.least else self.least * parts
+
+    def _slow(self, parts: Array) -> Array:
         r, b = self.rate, self.quadratic * self.start
         factors = self.shrink**parts
         if abs(r) * self._still < STILL * abs(b):
@@ -52,11 +57,12 @@ class Tail:
     def offsets(self, times: Array) -> Array:
         """(len(times), n)"""
         r, b = self.rate, self.quadratic * self.start
-        if abs(r) * self._still < STILL * abs(b):
-            c = self.start / (1.0 - b * times)
-        else:
-            grown = np.exp(r * times)
-            c = r * self.start * grown / (r + b * (1.0 - grown))
+        with np.errstate(all="ignore"):  # what does not come out finite is not used
+            if abs(r) * self._still < STILL * abs(b):
+                c = self.start / (1.0 - b * times)
+            else:
+                grown = np.exp(r * times)
+                c = r * self.start * grown / (r + b * (1.0 - grown))
         others = np.real(np.exp(np.outer(times, self.rates)) @ self.fast.T)
         return np.asarray(c[:, None] * self.slow + others)
 
@@ -70,6 +76,7 @@ def tail_of(
     pairs = np.linalg.eig(sign * matrix)
     values, vectors = pairs[0].astype(complex), pairs[1].astype(complex)
     parts = np.linalg.solve(vectors, (offset / sizes).astype(complex))
+    aim = shrink * float(np.max(np.abs(offset / sizes)))
     order = np.argsort(-values.real)
     count = curve.unstable_count if at_end else curve.stable_count  # of the directions that lead away: left out
     kept = order[count:]
@@ -82,10 +89,15 @@ def tail_of(
         start, quadratic = float(parts[k].real), sign * _quadratic(curve, z, sizes, saddle, vectors, k)
     fast: NDArray[np.complex128] = (vectors[:, others] * parts[others] * sizes[:, None]).astype(complex)
     rates = values[others]
-    tail = Tail(rate, quadratic, start, shrink, q * sizes, rates, fast)
+    others_now = np.abs(fast / sizes[:, None]).max(axis=0, initial=0.0)
+    needed = np.minimum(np.log(np.maximum(others_now / aim, 1.0)), LONGEST) / -rates.real
+    least = float(np.max(needed, initial=0.0))
+    factor = min(aim / max(abs(start) * float(np.max(np.abs(q))), 1e-300), 1.0)
+    tail = Tail(rate, quadratic, start, factor, q * sizes, rates, fast, least)
     last = tail.times(np.ones(1))[0]
     if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
-        return Tail(rate, 0.0, start, max(shrink, float(np.exp(-LONGEST))), q * sizes, rates, fast)
+        factor = max(factor, float(np.exp(-LONGEST)))
+        return Tail(rate, 0.0, start, factor, q * sizes, rates, fast, least)
     return tail
 
 

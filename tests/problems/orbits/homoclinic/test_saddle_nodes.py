@@ -75,6 +75,17 @@ def test_the_curve_of_saddle_loops_comes_to_the_same_point(predators, central):
     assert {end.reason for end in loops.ends} == {"saddle-node", "bound"}
 
 
+@pytest.mark.parametrize(("K", "central"), [(6.60, True), (6.62, False)])
+def test_beside_the_non_central_orbit_families_end_at_the_one_or_the_other(predators, K, central):
+    """NCH is at K = 6.610459: the loops of the saddle at K = 6.62 exist 2.4e-8 beyond the fold."""
+    end = family_at(predators, K).ends[1]
+    assert end.reason == "homoclinic"
+    assert end.data.get("saddle_node", False) is central
+    values = np.sort(np.real(end.data["eigenvalues"]))
+    assert values[0] < -0.4
+    assert (abs(values[1]) < 1e-9) if central else (1e-6 < values[1] < 1e-2)
+
+
 def test_from_the_non_central_orbit_the_curve_of_saddle_loops_begins(central):
     """AUTO's curve from D1 passes K = 7.114523, Z = 0.07081751 (label 11, as coarse as D1 itself)."""
     (seed,) = central["NCH2"].locus(PLANE)
