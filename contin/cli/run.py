@@ -205,9 +205,9 @@ class Status:
         if not is_compiled(orbits, curves):
             what, time_ = ("", "about 15 seconds")
             if curves:
-                what, time_ = "of curves of periodic orbits ", "two to four minutes"
+                what, time_ = "of curves of periodic orbits ", "about two minutes"
             elif orbits:
-                what, time_ = "of periodic orbits ", "one to two minutes"
+                what, time_ = "of periodic orbits ", "about a minute"
             self.console.print(f"Compiling the numerical kernels {what}for this machine, once; this takes {time_} ...")
 
     def warm_for(self, seed: Any) -> None:
