@@ -21,6 +21,7 @@ from contin.continuation.problem import (
     Stop,
     Verified,
     is_adaptive,
+    is_foretelling,
     is_phased,
     is_planar,
     is_terminating,
@@ -116,6 +117,7 @@ class Arm:
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
             if self.is_over() and not (failed is not None and is_adaptive(self.problem)):
+                yield from self._foretold(chunk, origin, before, frame)
                 return
             if corner is not None:
                 origin, before, length, step = corner[0], None, 0.0, self.settings.first_step
@@ -129,6 +131,7 @@ class Arm:
                 renewal = self.problem.renew(origin, before, self.loop, frame, self.settings)
                 if failed is not None and renewal.end is None:
                     if renewal.origin is origin:  # nothing to adapt that might help
+                        yield from self._foretold(chunk, origin, before, frame)
                         return
                     step = RETRY_STEP
                 self.scale, self.loop, self.end = renewal.scale, renewal.loop, renewal.end
@@ -147,6 +150,19 @@ class Arm:
     def is_over(self) -> bool:
         """True once the arm has an end."""
         return self.end is not None
+
+    def _foretold(self, chunk: Chunk, origin: Sample, before: Sample | None, frame: Frame) -> Iterator[Piece]:
+        """Where the corrector has failed, the end that the branch was near instead of that failure."""
+        if chunk.stop is not Stop.CORRECTOR or not is_foretelling(self.problem):
+            return
+        if len(chunk) > 1:
+            origin, before = chunk.sample(-1), chunk.sample(-2)
+        renewal = None if before is None else self.problem.foretold(origin, _renormalised(before, origin), frame)
+        if renewal is None:
+            return
+        self.end = renewal.end
+        if renewal.point is not None:
+            yield _labelled(renewal.point, origin, self.scale)
 
     def _position(self, sample: Sample) -> str:
         return f"{self.problem.parameters[0]} = {sample.z[-1]:.10g}"

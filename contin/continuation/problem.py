@@ -175,6 +175,14 @@ class Terminating(Protocol):
         """The end of a curve that has come to this labelled point, its last row; None where it goes on."""
 
 
+@runtime_checkable
+class Foretelling(Protocol):
+    """A problem that may know where a branch was going whose corrector fails."""
+
+    def foretold(self, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+        """The end that the branch was near, from its last two points; None where there is no sign of one."""
+
+
 class Problem(Protocol):
     """What a problem offers to the engine.
 
@@ -300,6 +308,11 @@ def is_phased(problem: object) -> TypeGuard[Phased]:
 def is_recording(problem: object) -> TypeGuard[Recording]:
     """True for problems that explain missing observables."""
     return _offers(problem, Recording)
+
+
+def is_foretelling(problem: object) -> TypeGuard[Foretelling]:
+    """True for problems that may know where a branch was going whose corrector fails."""
+    return _offers(problem, Foretelling)
 
 
 def is_terminating(problem: object) -> TypeGuard[Terminating]:

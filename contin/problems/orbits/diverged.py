@@ -22,7 +22,9 @@ LEVELS = 3  # rates of a saddle that are tried
 PRECISE = Settings(tolerance=1e-11)
 
 
-def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
+def diverged(
+    problem: Any, origin: Sample, before: Sample, frame: Frame, failed: bool = False
+) -> tuple[End, Verified] | None:
     """The homoclinic or heteroclinic orbit that a family with growing period approaches.
 
     With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
@@ -30,6 +32,8 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tupl
     and p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits
     agree on it and the remaining distance is small. The slowest direction of a saddle may have no part in it (a skew
     product, the phase of a frame that turns with the state, a flip): faster rates are tried after it.
+
+    failed : the corrector can go no further; then two orbits need not agree, and what remains counts as error.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     position = profile.u.size
@@ -58,6 +62,8 @@ def diverged(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tupl
         error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
         settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
         near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
+        if failed and remaining < NOISE * width:
+            near, error = True, max(error, remaining)
         if settled or (near and level == 0):
             at = profile.parameter + limit.step
             doubt = (SWINGING if limit.spiral else 3.0) * error

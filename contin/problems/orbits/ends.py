@@ -46,6 +46,18 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
+def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+    """The homoclinic or heteroclinic orbit that a family was near whose corrector fails: the last orbits agree on it
+    less well than elsewhere, and its error says so.
+    """
+    if not problem.autonomous:
+        return None
+    if dwelling(problem.profile(origin.z), problem.sizes(origin.z, frame.scale)) < LINGERING:
+        return None
+    reached = diverged(problem, origin, before, frame, failed=True)
+    return None if reached is None else Ending(reached[0], None, reached[1])
+
+
 def unbounded(problem: Any, origin: Sample, frame: Frame) -> Ending | None:
     """Orbits of a linear centre, all at one parameter, grow for ever."""
     if abs(float(origin.tangent[-1])) > STILL:

@@ -354,6 +354,13 @@ class OrbitProblem(FamilyOfOrbits):
 
         return renew(self, origin, before, loop, frame, settings)
 
+    def foretold(self, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+        """A homoclinic orbit that the family was near when its corrector failed."""
+        from contin.problems.orbits.ends import foretold
+
+        found = foretold(self, origin, before, frame)
+        return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
+
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
         one, other = self.profile(a.z), self.profile(b.z)

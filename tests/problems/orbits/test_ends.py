@@ -1,12 +1,16 @@
 """Ends of families of orbits against systems where they are known."""
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 
 from contin import api
+from contin.continuation.problem import Stop
 from contin.model.model import Model
+from contin.problems.orbits import ends
+from contin.problems.orbits.problem import OrbitProblem
 
 
 def test_family_that_ends_on_a_fold_of_equilibria():
@@ -36,6 +40,29 @@ def test_rotations_end_at_one_saddle_whatever_sheet_of_the_angle_it_is_on():
     assert end.reason == "homoclinic"
     assert end.data["at"]["I"] == pytest.approx(4.0 * 0.1 / pi, rel=0.01)
     assert end.data["saddle"]["w"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("nearness", "reason"), [(3e-8, "homoclinic"), (1e-5, "corrector")])
+def test_a_corrector_that_fails_beside_a_homoclinic_orbit_names_it(monkeypatch, nearness, reason):
+    """The damped pendulum again, its approach not recognised until the corrector fails, near the end or too early."""
+    model = Model(
+        "pendulum", states={"phi": {"value": 0, "period": "2*pi"}, "w": 3}, parameters={"I": 0.5, "g": 0.1},
+        equations={"phi": "w", "w": "I - sin(phi) - g*w"},
+    )  # fmt: skip
+    start = api.periodic_orbit(model, {"phi": 0.0, "w": 4.0})
+    known = api.continuation(start, "I", (0.0, 0.6), direction="down").ends[0].data["at"]["I"]
+    march, recognise = OrbitProblem.march, ends.diverged
+
+    def failing(*arguments, **options):
+        chunk = march(*arguments, **options)
+        return replace(chunk, stop=Stop.CORRECTOR) if chunk.z[-1, -1] < known + 0.6 * nearness else chunk
+
+    monkeypatch.setattr(OrbitProblem, "march", failing)
+    monkeypatch.setattr(ends, "diverged", lambda *a, failed=False: recognise(*a, failed=True) if failed else None)
+    end = api.continuation(start, "I", (0.0, 0.6), direction="down").ends[0]
+    assert end.reason == reason
+    if reason == "homoclinic":
+        assert abs(end.data["at"]["I"] - known) <= end.data["error"] < 1e-7
 
 
 def test_large_orbits_are_not_taken_for_the_hopf_point_whose_parameter_they_pass():
