@@ -208,8 +208,9 @@ def _origin(
 
 
 def _alike(a: Sample, b: Sample) -> bool:
-    """True where the signs of the tests and the unstable count are the same."""
-    return a.unstable == b.unstable and bool(np.all(a.tests * b.tests > 0.0))
+    """True where the signs of the tests (those that are known) and the unstable count are the same."""
+    products = a.tests * b.tests
+    return a.unstable == b.unstable and bool(np.all((products > 0.0) | np.isnan(products)))
 
 
 def _single(sample: Sample, scale: Array) -> Piece:

@@ -206,3 +206,22 @@ def test_doubled_orbits_leave_a_period_doubling_along_any_parameter(method):
     np.testing.assert_allclose(doubled.columns["period"], 4 * pi, rtol=1e-9)
     np.testing.assert_allclose(doubled.columns["c.max"] ** 2, q - 0.1, atol=1e-6)
     assert q[-1] == pytest.approx(0.5)
+
+
+def test_tori_leave_a_zero_hopf_point_as_the_planar_system_says():
+    """w' = w (q + z - z^2/5 + i), z' = p - z^2 - |w|^2: the planar system has centres z = q = 0, p = |w|^2, of the rate
+    sqrt(2 p), so that the angle of the tori is 2 pi sqrt(2 p): R4 at p = 1/32, R3 at p = 1/18.
+    """
+    x, y = amplitude("x", "y", "q + z - z^2/5", "1")
+    model = Model(
+        "zero-hopf", states={"x": 0.0, "y": 0.0, "z": 0.7}, parameters={"p": 0.5, "q": 0.1},
+        equations={"x": x, "y": y, "z": "p - z^2 - x^2 - y^2"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "p", (-1, 1))
+    hopf = contin.continuation(line["HB1"].locus(("p", "q")), ("p", "q"), {"p": (-1, 1), "q": (-1, 1)})
+    (seed,) = [s for s in hopf["ZH1"].locus(("p", "q")) if s.problem.locus == "NS"]
+    tori = contin.continuation(seed, ("p", "q"), {"p": (-0.1, 0.06), "q": (-1, 1)})
+    np.testing.assert_allclose(tori.columns["q"], 0, atol=1e-8)
+    np.testing.assert_allclose(tori.columns["x.max"] ** 2, tori.columns["p"], atol=1e-6)
+    assert_only(tori, {"R4": (1 / 32,), "R3": (1 / 18,)}, "p")
+    assert [end.reason for end in tori.ends] == ["start", "bound"]
