@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import contin
+from contin import api
 from contin.model.model import Model
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.problem import OrbitProblem
 
 PARAMETERS = {"a": 0.25, "b": 1, "c": -2, "alpha": 0.5, "beta": 1, "mu": 0, "m": 1e-4}
 
@@ -97,3 +103,18 @@ def test_orbit_flip_where_the_loop_is_planar():
     assert loops["OFS1"].values["mu"] == pytest.approx(0, abs=1e-9)
     assert loops["OFS1"].values["m"] == pytest.approx(0, abs=1e-9)
     assert loops["OFS1"].error < 1e-8
+
+
+def test_in_reversed_time_the_flip_is_on_the_unstable_side():
+    plane = ("m", "alpha")
+    (forwards,) = contin.connecting_orbit(sandstede(), {"x": 0, "y": 0, "z": 0}).locus(plane)
+    curve = forwards.problem.curve
+    profile = curve.profile(forwards.z)
+    system = api.compiled(sandstede(-1))
+    orbits = OrbitProblem(system, curve.full_parameters(forwards.z), curve.first, np.zeros(3), 4)
+    reversed_curve = ConnectionCurve(orbits, curve.second, 1, curve.unstable_count, curve.stable_count)
+    piece = replace(profile, u=profile.u[::-1].copy(), h=profile.h[::-1].copy())
+    seed = solved_connection(reversed_curve, piece, curve.equilibria(forwards.z), 0.5, None)
+    loops = contin.continuation(seed, plane, {"m": (-0.5, 0.5), "alpha": (0.4, 1.5)})
+    assert [p.type for p in loops.points] == ["IFU"]
+    assert loops["IFU1"].values["alpha"] == pytest.approx(1.230857, abs=1e-6)
