@@ -46,6 +46,8 @@ def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Con
 def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
     from contin.diagram.phase.report import region_lines
 
+    if not phase["regions"]:  # stopped before the first one; the notes say so
+        return
     console.print()
     console.print("Regions", style="bold")
     for line in region_lines(phase):
