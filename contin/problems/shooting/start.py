@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError
+from contin.problems.orbits.loci.problem import OrbitLocusProblem
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import configured
 from contin.problems.shooting.layout import Nodes, make_scale
@@ -122,6 +123,10 @@ def split(problem: Any, z: Array, count: int) -> Array:
 
 def on_its_mesh(seed: Seed, settings: Settings) -> Seed:
     """The seed as the settings want it: orbits on a mesh of that many intervals, or by shooting; others as they are."""
+    if isinstance(seed.problem, OrbitLocusProblem) and seed.born and shooting_wanted(seed.problem, settings):
+        from contin.problems.shooting.loci.start import born_by_shooting
+
+        return born_by_shooting(seed)
     if not isinstance(seed.problem, OrbitProblem):
         return seed
     return shooting_seed(seed, settings) if shooting_wanted(seed.problem, settings) else configured(seed, settings)
