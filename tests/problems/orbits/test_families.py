@@ -4,6 +4,8 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from contin import api
 from contin.errors import NoSolutionError
@@ -199,3 +201,27 @@ def test_an_orbit_from_an_array_is_polished(stuart):
     rough = 0.72 * np.stack([np.cos(2 * pi * t), np.sin(2 * pi * t)], axis=1)
     orbit = api.periodic_orbit(stuart, rough, {"r": 0.5}, period=5.2)
     assert orbit.period == pytest.approx(2 * pi / 1.25, rel=1e-9)
+
+
+def test_rest_of_a_driven_oscillator_doubles_its_period_where_hills_equation_has_the_multiplier_minus_one():
+    """x'' + 0.1 x' + (1 + F cos 2t) x + x^3 = 0 at x = 0; the linear part is integrated over pi by scipy."""
+    model = Model(
+        "driven", states={"x": 0.0, "y": 0.0}, parameters={"F": 0.0},
+        equations={"x": "y", "y": "-0.1*y - (1 + F*cos(2*t))*x - x^3"}, forcing={"period": "pi"},
+    )  # fmt: skip
+
+    def antiperiodic(strength: float) -> float:
+        def rhs(t, u):
+            return [u[1], -0.1 * u[1] - (1 + strength * np.cos(2 * t)) * u[0]]
+
+        columns = [solve_ivp(rhs, (0, pi), e, rtol=1e-12, atol=1e-14).y[:, -1] for e in np.eye(2)]
+        return float(np.linalg.det(np.column_stack(columns) + np.eye(2)))
+
+    rest = api.continuation(api.periodic_orbit(model), "F", (0.0, 1.0))
+    (point,) = rest.points
+    assert point.type == "PD"
+    assert point.values["F"] == pytest.approx(brentq(antiperiodic, 0.1, 0.3, xtol=1e-12), abs=1e-9)
+    moving = api.continuation(point.switch()[0], "F", (0.0, 1.0))
+    assert moving.ends[1].reason == "bound"
+    assert moving.columns["x.max"][-1] > 0.1
+    assert len(rest) < 60
