@@ -10,6 +10,7 @@ import contin
 from contin import api
 from contin.errors import InputError
 from contin.model.model import Model
+from contin.problems.shooting.loci.problem import ShotLocusProblem
 from tests.problems.shooting.test_families import IN_PHASE, PERIODS
 from tests.problems.shooting.test_relays import forced_map
 
@@ -166,3 +167,21 @@ def test_what_has_no_curve_says_so():
     )
     with pytest.raises(InputError, match="UZ of orbits by shooting has no curve"):
         family["UZ1"].locus(("b1", "b2"))
+
+
+def test_folds_born_at_a_bautin_point_of_a_piecewise_flow_are_followed_by_shooting():
+    """The orbits never reach the wall at x = 3, but a flow with switches has no orbits by collocation: b1 = -b2^2/4."""
+    model = Model(
+        "walled", states={"x": 0.0, "y": 0.0}, parameters={"b1": -0.5, "b2": 0.5}, definitions={"r": "x^2 + y^2"},
+        equations={"x": "b1*x - y + b2*x*r - x*r^2 - (x - 3 if x > 3 else 0)", "y": "x + b1*y + b2*y*r - y*r^2"},
+    )  # fmt: skip
+    box = {"b1": (-0.3, 0.3), "b2": (-0.9, 0.9)}
+    line = api.continuation(api.equilibrium(model), "b1", (-0.6, 0.6))
+    hopf = api.continuation(line["HB1"].locus(("b1", "b2")), ("b1", "b2"), box)
+    (seed,) = hopf["GH1"].locus(("b1", "b2"))
+    folds = api.continuation(seed, ("b1", "b2"), box)
+    assert isinstance(folds.problem, ShotLocusProblem)
+    assert folds.locus == "LPC"
+    np.testing.assert_allclose(folds.columns["b1"], -(folds.columns["b2"] ** 2) / 4, atol=1e-8)
+    assert folds.columns["b2"].max() == pytest.approx(0.9)
+    assert folds.points == ()
