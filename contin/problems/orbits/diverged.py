@@ -33,7 +33,8 @@ def diverged(
     agree on it and the remaining distance is small. The slowest direction of a saddle may have no part in it (a skew
     product, the phase of a frame that turns with the state, a flip): faster rates are tried after it.
 
-    failed : the corrector can go no further; then two orbits need not agree, and what remains counts as error.
+    failed : the corrector can go no further; then two orbits need not agree, the march's tangents do, and what remains
+        counts as error.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     position = profile.u.size
@@ -47,9 +48,10 @@ def diverged(
     slopes = []
     for sample in (origin, before):
         exact = problem.probe(sample, 0.0, sample.z, frame, PRECISE)  # the march's tangents are not exact enough here
-        if exact is None or exact.tangent[position] == 0.0:
+        tangent = sample.tangent if exact is None else exact.tangent
+        if (exact is None and not failed) or tangent[position] == 0.0:
             return None
-        raw = exact.tangent * frame.scale
+        raw = tangent * frame.scale
         slopes.append(float(raw[-1] / raw[position]))
     width = float(frame.scale[-1])
     moved = profile.parameter - earlier.parameter
