@@ -77,6 +77,9 @@ def message(tmp_path, capsys):
         ("name: line", "direction: left", "continuations[0].direction: expected 'both', 'up' or 'down', got 'left'"),
         ("name: line", "settings: {max_stp: 1}", "settings.max_stp: unknown key: did you mean 'max_step'"),
         ("name: line", "settings: {step: fast}", "settings.step: expected a positive number, got 'fast'"),
+        ("name: line", "settings: {points: 8}", "settings.points: expected a number not above 7, got 8"),
+        ("name: line", "settings: {intervals: 2}", "settings.intervals: expected a number not below 3, got 2"),
+        ("name: line", "settings: {max_angle: 90}", "settings.max_angle: expected a number below 90, got 90"),
         ("name: line", "values: {nu: 1}", "continuations[0].values.nu: there is no column 'nu': did you mean 'mu'"),
         ("continuations:\n", "continuations: []\nx:\n", "unknown key"),
         (
