@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Arm, Piece
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.piece import Piece
 from contin.continuation.problem import is_adaptive, is_planar
 
 BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it

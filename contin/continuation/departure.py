@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Arm, Piece
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
+from contin.continuation.last_step import Course
+from contin.continuation.piece import Piece
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -73,11 +75,11 @@ class Departure:
         if origin is None:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
-        arm = Arm(
-            problem, origin, self.scale.copy(), self.bounds, self.settings, targets, _oriented(self.start, sense),
-            self.known, seed.symmetries, seed.parent is None, march=march,
-        )  # fmt: skip
-        return arm, [_single(origin, self.scale)] if seed.born else []
+        course = Course(
+            problem, self.bounds, self.settings, targets, self.known, seed.symmetries, foundling=seed.parent is None
+        )
+        arm = Arm(course, origin, self.scale.copy(), _oriented(self.start, sense), march)
+        return arm, [Piece.single(origin, self.scale)] if seed.born else []
 
 
 def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:
@@ -211,7 +213,3 @@ def _alike(a: Sample, b: Sample) -> bool:
     """True where the signs of the tests (those that are known) and the unstable count are the same."""
     products = a.tests * b.tests
     return a.unstable == b.unstable and bool(np.all((products > 0.0) | np.isnan(products)))
-
-
-def _single(sample: Sample, scale: Array) -> Piece:
-    return Piece(sample.z[None], sample.tangent[None], np.array([sample.unstable]), sample.eigenvalues[None], scale)

@@ -8,8 +8,9 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Arm, Piece, Row
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Floor, Problem, is_floored
 
 SMALL: Final = 1e-6  # of its scale: an unknown this near to its floor lies on it

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.arm import Arm, Piece
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.piece import Piece
 from contin.continuation.problem import Problem, is_adaptive, is_planar
 
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)

@@ -10,8 +10,9 @@ from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Final
 
-from contin.continuation.arm import Arm, Piece
+from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.piece import Piece
 
 TURNS: Final = 4  # folds on each side from which two limits are foretold
 SHRINKING: Final = 0.5  # distance of two folds on one side, relative to that of the two before, at most

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.piece import Piece
 from contin.continuation.problem import Verified
-
-if TYPE_CHECKING:
-    from contin.continuation.arm import Piece
 
 REPEATED: Final = 1e-13  # scaled: a row this close to a labelled point beside it is that point
 

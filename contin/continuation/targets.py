@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found
-from contin.continuation.problem import Problem, Sample, Verified
+from contin.continuation.piece import Row
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
+from contin.continuation.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -51,3 +54,25 @@ class Target:
         error = 0.0 if self.column == problem.parameters[0] else stretch.distance(a, b) * float(frame.scale[-1])
         point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
         return Found(stretch.length_of(near), point, near)
+
+
+def hits(
+    targets: Sequence[Target], problem: Problem, chunk: Chunk, z: Array, frame: Frame, settings: Settings,
+    marked: Sequence[Row],
+) -> Iterator[Row]:  # fmt: skip
+    """User values crossed between consecutive points of a chunk: rows (z: without the first) and labelled points."""
+    if not targets or len(chunk) < 2:
+        return
+    rows = np.vstack([chunk.z[:1], z])
+    order: list[tuple[int, float, Array]] = [(k, -np.inf, row) for k, row in enumerate(rows)]
+    order += [(mark.before, mark.length, mark.point.z) for mark in marked]
+    order.sort(key=lambda item: (item[0] - (item[1] != -np.inf), item[1]))
+    points = np.array([item[2] for item in order])
+    owner = np.array([item[0] if item[1] == -np.inf else item[0] - 1 for item in order])
+    for target in targets:
+        values = target.values(problem, points) - target.value
+        for i in np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)):
+            row = int(owner[i])
+            found = target.locate(Stretch(problem, chunk.sample(row), frame, settings), points[i], points[i + 1])
+            if found is not None:
+                yield Row(row + 1, found.length, found.point, found.sample.tangent)

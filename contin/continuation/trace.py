@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Arm, Piece
+from contin.continuation.arm import Arm
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
 from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
+from contin.continuation.piece import Piece
 from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified, is_recording
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows

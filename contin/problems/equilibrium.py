@@ -14,7 +14,7 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.offset import far_from_zero
+from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.model.evaluate import evaluate

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import HALF_PERIOD
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.halting import HALF_PERIOD
 from contin.errors import InputError
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.multiple import crossing_tangents

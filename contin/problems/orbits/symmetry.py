@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import HALF_PERIOD
+from contin.continuation.halting import HALF_PERIOD
 from contin.problems.orbits.layout import Profile
 from contin.problems.symmetry import symmetry_names
 

@@ -1,4 +1,4 @@
-"""States far from zero: measured by how they change, not by their size.
+"""The metric along a branch: the scale of a state grows with it.
 
 A state outgrows its scale when it exceeds it, unless it was larger all along: then its scale is the length over which
 the equations bend, and grows only where the branch moves much farther than that in one chunk.
@@ -6,12 +6,14 @@ the equations bend, and grows only where the branch moves much farther than that
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.problem import Problem, Sample, is_planar
 
 FAR: Final = 10.0  # scales; a state that grows is rescaled long before
 JOURNEY: Final = 20.0  # scales that such a state may move in one chunk
@@ -32,3 +34,19 @@ def travelled(before: Array, after: Array, scale: Array, angle_periods: Array) -
     moved[-1] = 0.0
     much = np.append(far_from_zero(after, scale, angle_periods), False) & (moved > JOURNEY * scale)
     return np.where(much, moved, scale) if much.any() else None
+
+
+def outgrown(problem: Problem, z: Array, scale: Array) -> Array:
+    """The scale at a point z where a march returned because a state has outgrown its own."""
+    angles = problem.angle_periods
+    far = ~problem.growing[:-1] if is_planar(problem) else far_from_zero(z, scale, angles)
+    grown = scale.copy()
+    larger = np.maximum(scale[:-1], np.sqrt(len(scale) - 1) * np.abs(z[:-1]))
+    grown[:-1] = np.where(far | (angles > 0.0), scale[:-1], larger)
+    return grown
+
+
+def measured_in(sample: Sample, old: Array, new: Array) -> Sample:
+    """A sample with its unit tangent in another metric."""
+    tangent = sample.tangent * (old / new)
+    return replace(sample, tangent=tangent / np.linalg.norm(tangent))

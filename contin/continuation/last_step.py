@@ -1,0 +1,192 @@
+"""What happened in the last step of a chunk: bounds and the start are met exactly, events labelled, the end told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+from contin.abi import Array
+from contin.continuation.back_at_start import back_at_start
+from contin.continuation.branch import End
+from contin.continuation.curve import Stretch
+from contin.continuation.halting import Halt, halt, halves, mirror
+from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
+from contin.continuation.piece import Piece, Row
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.sameness import same_point
+from contin.continuation.settings import Settings
+from contin.continuation.targets import Target, hits
+from contin.continuation.walls import at_wall, walls_passed
+
+SHORTEST_RETRY: Final = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
+SAME_FOLD: Final = 1e-6  # distance of a fold from the orbit at which a family turns back, relative to the range
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What an arm heeds wherever it is."""
+
+    problem: Problem
+    bounds: tuple[float, float]
+    settings: Settings
+    targets: Sequence[Target] = ()
+    known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
+    symmetries: tuple[str, ...] = ()  # broken at the branch's birth: where it meets its own image, it is complete
+    foundling: bool = False  # no other branch has the branch point at which it meets its own image as a label
+
+    def is_known(self, point: Verified, scale: Array) -> bool:
+        """True for a point that is labelled already."""
+        return any(same_point(self.problem, point, k, scale) for k in self.known)
+
+    def position(self, z: Array) -> str:
+        """In words."""
+        return f"{self.problem.parameters[0]} = {z[-1]:.10g}"
+
+
+def resolve(
+    course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False
+) -> tuple[Piece, End | None] | None:
+    """Labels and end of a chunk; None where its last step jumped and must be repeated with a shorter one.
+
+    before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
+    corrector failed, the arm goes on.
+    """
+    rows, frame = len(chunk) - 1, Frame(scale, chunk.reference)
+    piece = Piece(
+        chunk.z[1:].copy(), chunk.tangents[1:], chunk.unstable[1:], chunk.eigenvalues[1:], scale,
+        evaluations=chunk.evaluations,
+    )  # fmt: skip
+    marked: list[Row] = []
+    end: End | None = None
+    if rows:
+        step = _LastStep(course, Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings), chunk, loop)
+        if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before):
+            return None
+        step.finish()
+        end = step.end
+        if step.last is not step.marched:
+            piece = piece.ending_in(step.last)
+        if step.halt is not None:  # the labelled point itself is the last row
+            piece = piece.cut(rows - 1)
+        piece = replace(piece, notes=tuple(step.notes))
+        marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in step.found]
+    if end is None and not corner:
+        end = _failure(course, chunk)
+    marked += _user_values(course, chunk, piece, frame, marked)
+    marked.sort(key=lambda row: (row.before, row.length))
+    return replace(piece, found=tuple(marked)), end
+
+
+@dataclass(eq=False)
+class _LastStep:
+    """The step from `stretch.base` to `last`; whatever ends the arm moves `last` and says so, whichever comes first."""
+
+    course: Course
+    stretch: Stretch
+    chunk: Chunk
+    loop: Sample | None
+    end: End | None = None
+    found: list[Found] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    halt: Found | None = None  # the labelled point that the arm ends at
+
+    def __post_init__(self) -> None:
+        self.problem, self.scale = self.course.problem, self.stretch.frame.scale
+        self.last = self.marched = self.chunk.sample(-1)
+
+    def explained(self, earlier: Sample | None) -> bool:
+        """Find what happened, up to a bound or the start; False where only a jump to another branch explains it.
+
+        earlier : the row before `stretch.base`.
+        """
+        stop = self.chunk.stop
+        if stop is Stop.BOUND:
+            self._end_at_bound(self.last)
+        if self.loop is not None and self.end is None and stop not in (Stop.LIMIT, Stop.RESCALE):
+            closing = back_at_start(self.stretch, self.last, self.loop)
+            if closing is not None:
+                self.last, self.end = closing
+        items = list(self._events(earlier))
+        if self.chunk.lengths[-1] > SHORTEST_RETRY and any(isinstance(i, Note) and i.suspect for i in items):
+            return False
+        for item in items:
+            if isinstance(item, Note):
+                self.notes.append(item.text)
+            elif not self._is_labelled(item.point):
+                self.found.append(item)
+        self.found.sort(key=lambda f: f.length)
+        return True
+
+    def _events(self, earlier: Sample | None) -> Iterator[Found | Note]:
+        stretch, stop = self.stretch, self.chunk.stop
+        if stop is not Stop.LIMIT:
+            yield from isolate(stretch, stretch.base, self.last)
+        if stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
+            low = set(dips(stretch, earlier, stretch.base, self.marched))
+            for test in sorted(low | ({self.chunk.dipped} if stop is Stop.DIP else set())):
+                yield from resolve_dip(stretch, earlier, stretch.base, self.last, test)
+
+    def _is_labelled(self, point: Verified) -> bool:
+        here = any(same_point(self.problem, point, f.point, self.scale) for f in self.found)
+        return here or self.course.is_known(point, self.scale)
+
+    def finish(self) -> None:
+        """End the arm at a labelled point where one asks for it; what was found up to there is labelled from now on."""
+        if self.end is None:
+            self._end_before_fold()
+        if self.end is None:
+            turning = mirror(self.problem, self.found, self.scale, self.course.symmetries)
+            if turning is not None:
+                self._end_at_image(turning)
+        if self.end is None:
+            stopping = halt(self.problem, self.found, self.scale, self.course.settings.stop_at)
+            if stopping is not None:
+                self.halt, self.end = stopping
+        if self.halt is not None:
+            self.found = [f for f in self.found if f.length <= self.halt.length]
+        self.course.known.extend(f.point for f in self.found)
+
+    def _end_at_bound(self, beyond: Sample) -> None:
+        self.last, self.end = at_wall(self.stretch, beyond, self.course.bounds)
+
+    def _end_before_fold(self) -> None:
+        """The curve turns back within the step, but beyond the bound."""
+        bounds = self.course.bounds
+        outside = next((f for f in self.found if walls_passed(self.problem, f.point.z, bounds)), None)
+        if outside is not None:
+            self._end_at_bound(replace(outside.sample, z=outside.point.z))
+            self.found = [f for f in self.found if f.length < self.stretch.length_of(self.last)]
+
+    def _end_at_image(self, turning: Halt) -> None:
+        image, self.end = turning
+        self.last = replace(image.sample, z=image.point.z, unstable=image.point.unstable)
+        at, near = float(image.point.z[-1]), SAME_FOLD * float(self.scale[-1])
+        self.found = [  # the parameter turns there too, which is no event of its own
+            f
+            for f in self.found
+            if f.length < image.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
+        ]
+        self.notes = []  # they are about what the branch passes there
+        if self.course.foundling and not halves(self.problem, image, self.scale):
+            self.found.append(image)
+            self.halt = image
+
+
+def _user_values(course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]) -> list[Row]:
+    """User values that are not labelled already; they are from now on."""
+    rows = []
+    for row in hits(course.targets, course.problem, chunk, piece.z, frame, course.settings, marked):
+        if not course.is_known(row.point, frame.scale):
+            course.known.append(row.point)
+            rows.append(row)
+    return rows
+
+
+def _failure(course: Course, chunk: Chunk) -> End | None:
+    """The end of an arm whose corrector failed."""
+    if chunk.stop not in (Stop.CORRECTOR, Stop.NOT_FINITE):
+        return None
+    where, smallest = course.position(chunk.z[-1]), course.settings.min_step
+    advice = chunk.detail or course.problem.describe_failure(chunk.z[-1])
+    return End("corrector", f"corrector failed at {where} at the smallest step ({smallest:.0e}). {advice}")

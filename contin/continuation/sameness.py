@@ -1,0 +1,45 @@
+"""Which points are one: angles count modulo their periods, auxiliary vectors (with a free sign) not at all."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Problem, Verified, is_adaptive, is_planar
+
+SAME_POINT: Final = 1e-8  # two verified points of one type closer than this (scaled) are one
+SAME_FREQUENCY: Final = 1e-6  # relative
+
+
+def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool:
+    """One type at one place and, for oscillations, one frequency."""
+    if a.type != b.type:
+        return False
+    if is_adaptive(problem):
+        return problem.same_point(a, b, scale)
+    u, v = a.vectors.get("omega", 0.0), b.vectors.get("omega", 0.0)
+    near = float(np.linalg.norm(offset(problem, a.z, b.z, scale))) < SAME_POINT
+    return near and abs(u - v) <= SAME_FREQUENCY * (abs(u) + abs(v))
+
+
+def offset(problem: Problem, a: Array, b: Array, scale: Array) -> Array:
+    """a - b in scaled unknowns, of those that tell points apart; 0 for the others."""
+    return seen(problem, wrapped(problem, a - b) / scale)
+
+
+def seen(problem: Problem, difference: Array) -> Array:
+    """A difference without the unknowns that do not tell points apart."""
+    return np.where(problem.identifying, difference, 0.0) if is_planar(problem) else difference
+
+
+def wrapped(problem: Problem, difference: Array) -> Array:
+    """A difference with its angles between minus and plus half a period."""
+    periods = problem.angle_periods
+    angles = np.flatnonzero(periods)
+    if angles.size:
+        difference = difference.copy()
+        p = periods[angles]
+        difference[angles] -= p * np.round(difference[angles] / p)
+    return difference

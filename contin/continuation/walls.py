@@ -1,0 +1,49 @@
+"""The bounds of a run: which of them a point is beyond, and the point of the curve on one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.curve import Stretch
+from contin.continuation.problem import Problem, Sample, is_planar
+
+
+def walls_passed(problem: Problem, z: Array, bounds: tuple[float, float]) -> list[tuple[int, float, str]]:
+    """(unknown, bound, name) of every bound that z is beyond; `bounds` are those of the last unknown."""
+    walls = problem.walls if is_planar(problem) else [(len(z) - 1, *bounds)]
+    names = reversed(problem.parameters[: len(walls)])
+    passed = []
+    for (index, lowest, highest), name in zip(walls, names, strict=True):
+        if not lowest <= z[index] <= highest:
+            passed.append((index, lowest if z[index] < lowest else highest, name))
+    return passed
+
+
+def at_wall(stretch: Stretch, beyond: Sample, bounds: tuple[float, float]) -> tuple[Sample, End]:
+    """The first point of the stretch on a bound that `beyond` has passed, and the end of the arm there."""
+    reached = []
+    for index, value, name in walls_passed(stretch.problem, beyond.z, bounds):
+        sample = _at_value(stretch, stretch.base, beyond, value, index)
+        reached.append((stretch.length_of(sample), sample, value, name))
+    _, sample, value, name = min(reached, key=lambda item: item[0])
+    return sample, End("bound", f"{name} reached {value:.10g}", {"value": value})
+
+
+def _at_value(stretch: Stretch, a: Sample, b: Sample, value: float, index: int) -> Sample:
+    """The point between a and b where unknown `index` has exactly this value, solved to full precision."""
+    problem, scale = stretch.problem, stretch.frame.scale
+    low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-7 * stretch.distance(a, b))
+    near = low if abs(low.z[index] - value) < abs(high.z[index] - value) else high
+    if is_planar(problem):
+        solved = problem.at_unknown(index, near.z, value, scale)
+    else:
+        solved = problem.at_parameter(near.z, value, scale)
+    if solved is None or np.linalg.norm((solved - near.z) / stretch.frame.scale) > stretch.distance(a, b) + 1e-6:
+        low, high = stretch.zero(lambda s: float(s.z[index] - value), a, b, 1e-13)
+        solved = high.z.copy()
+        solved[index] = value
+    return replace(near, z=solved)
