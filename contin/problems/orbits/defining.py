@@ -21,6 +21,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.problems.orbits.layout import make_scale
 from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.marched_in_kernel import corrected
 
 NEWTON_BUDGET = 12
 SETTLED = 1e-13
@@ -136,7 +137,7 @@ def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
     fixed = np.zeros(finer_scale.size)
     fixed[finer.u.size] = 1.0
     guess = Sample(finer.vector(), fixed, np.zeros(4), 0, np.empty(0, complex))
-    found = problem.corrected(guess, Frame(finer_scale), 1e-7)
+    found = corrected(problem, guess, Frame(finer_scale), 1e-7)
     if found is None:
         return None
     multipliers = problem.multipliers(found)[1:]

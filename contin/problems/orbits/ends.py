@@ -12,8 +12,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.diverged import diverged
 from contin.problems.orbits.invariant_circle import invariant_circle
-from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.problem import dwelling
+from contin.problems.orbits.layout import Profile, dwelling
 from contin.problems.orbits.saddles import extent_of
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point

@@ -17,6 +17,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame
 from contin.errors import InputError
 from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.marched_in_kernel import probe
 from contin.problems.orbits.symmetry import states_moved
 from contin.problems.symmetry import symmetry_names
 
@@ -71,8 +72,8 @@ def _joined(problem: Any, point: SpecialPoint, loop: Profile, image: Array, size
     guess = both.vector()
     fixed = np.zeros(scale.size)
     fixed[nodes] = 1.0
-    found = family._probe(guess, fixed, 0.0, guess, Frame(scale), ROUGH)
-    found = found and family._probe(found.z, fixed, 0.0, found.z, Frame(scale), EXACT)
+    found = probe(family, guess, fixed, 0.0, guess, Frame(scale), ROUGH)
+    found = found and probe(family, found.z, fixed, 0.0, found.z, Frame(scale), EXACT)
     if found is None or float(np.linalg.norm((found.z - guess) / scale)) > LONGEST_MOVE:
         return None
     direction = np.asarray(found.tangent if found.tangent[nodes] < 0.0 else -found.tangent)

@@ -17,7 +17,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.layout import Profile, dwelling
 from contin.problems.orbits.saddles import extent_of, rounded, slowest_points
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
@@ -84,8 +84,6 @@ def _equilibria(problem: Any) -> Any:
 
 def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
     """The fold of equilibria that the family has come to, or None."""
-    from contin.problems.orbits.problem import dwelling
-
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if profile.period <= problem.profile(before.z).period or dwelling(profile, sizes) < DWELT:
         return None

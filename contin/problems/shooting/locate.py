@@ -1,0 +1,120 @@
+"""The orbit on a curve at which a scalar of its multipliers or its tangent vanishes.
+
+A return map that is only piecewise smooth has no second derivatives, so no defining system is solved by Newton in all
+unknowns: the orbit is kept on the curve (Newton with the null space left out, which also works at a branch point), and
+a scalar of one variable, the arclength, is brought to zero:
+
+    LPC   the parameter's component of the unit tangent
+    BPC   the product of all (multiplier - 1)      PD   the product of all (multiplier + 1)
+    NS    the product of the critical pair, minus 1
+
+Products of all are smooth where two multipliers meet; a single one is not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.problems.shooting.layout import moving
+from contin.problems.shooting.linear import embedded, null_space
+
+FIRST = 1e-5  # arclength of the first secant step
+FAR = 0.05  # arclength beyond which the point is another one
+BUDGET = 14
+SETTLED = 1e-13  # arclength of a last step
+KERNEL = 1e-4  # singular values below this (relative) belong to the null space
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """A point on the curve where the scalar vanishes."""
+
+    z: Array
+    residual: float
+    error: float = 0.0  # (arclength) of the interpolation, estimated
+
+
+def nontrivial(problem: Any, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Multipliers without the trivial one of an autonomous system."""
+    return values[1:] if problem.autonomous else values
+
+
+def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:
+    """What vanishes at a special orbit of this type, from the nontrivial multipliers and the tangent."""
+    if type_ == "LPC":
+        return float(tangent[-1])
+    if type_ == "NS":
+        products = [
+            (values[i] * values[j]).real - 1.0
+            for i in range(len(values)) for j in range(i + 1, len(values))
+            if abs((values[i] * values[j]).imag) < 1e-9
+        ]  # fmt: skip
+        return float(min(products, key=abs)) if products else np.nan
+    target = -1.0 if type_ == "PD" else 1.0
+    return float(np.prod(values - target).real)
+
+
+def locate(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+    """Secant iteration in arclength on the curve, from z along `tangent` (scaled)."""
+    base = z.copy()
+
+    def at(s: float) -> tuple[Array, float, float] | None:
+        return on_curve(problem, type_, base + s * scale_of(tangent, scale), tangent, scale)
+
+    here = at(0.0)
+    if here is None:
+        return "the orbit is lost"
+    best, (s0, g0) = here, (0.0, here[1])
+    if g0 != 0.0:
+        s1 = FIRST
+        for _ in range(BUDGET):
+            there = at(s1)
+            if there is None or not np.isfinite(there[1]):
+                return "the orbit is lost"
+            if abs(there[1]) <= abs(best[1]):
+                best = there
+            g1 = there[1]
+            if g1 == g0 or g1 == 0.0:
+                break
+            step = -g1 * (s1 - s0) / (g1 - g0)
+            if abs(s1 + step) > FAR:
+                return "the test function has no zero nearby"
+            s0, g0, s1 = s1, g1, s1 + step
+            if abs(step) < SETTLED:
+                break
+    return Located(best[0], best[2])
+
+
+def scale_of(tangent: Array, scale: Array) -> Array:
+    """A scaled direction in the model's units; what does not move stays."""
+    return np.where(tangent == 0.0, 0.0, tangent * scale)
+
+
+def on_curve(
+    problem: Any, type_: str, z: Array, guide: Array, scale: Array
+) -> tuple[Array, float, float] | None:
+    """The nearest orbit (shortest correction, null space left out), the scalar there, and the residual."""
+    positions = moving(len(z), problem.n)
+    residual = np.inf
+    for _ in range(8):
+        found = null_space(problem, z, scale)
+        if found is None:
+            return None
+        segments, values, vectors = found
+        equations, jacobian = segments.scaled(scale)
+        before, residual = residual, float(np.linalg.norm(equations))
+        if residual < 1e-15 or residual > 0.5 * before:
+            break
+        kept = values > KERNEL * values[0]
+        left = jacobian @ vectors[: len(values)].T / np.maximum(values, 1e-300)
+        step = -(vectors[: len(values)][kept].T @ (left[:, kept].T @ equations / values[kept]))
+        z = z + scale_of(embedded(step, positions, len(z)), scale)
+    multipliers = problem.multipliers(z)
+    null = embedded(vectors[-1], positions, len(z))
+    null = null * np.sign(float(null @ guide) or 1.0)
+    return z, scalar(type_, nontrivial(problem, multipliers), null), residual
