@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -313,7 +313,6 @@ def diagram(
     budget: Any = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
-    ahead: Callable[[Seed], None] | None = None,
 ) -> Any:
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
@@ -322,7 +321,6 @@ def diagram(
         and at some others in the range, so that disconnected branches are found.
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
-    ahead : called with the seed of every branch before it is followed.
     """
     from contin.diagram.explore import Budget, Explorer
 
@@ -347,9 +345,7 @@ def diagram(
     problem = (seeds[0][1] if seeds else reserve[0]).problem
     bounds = bounds_of(problem, parameter, range)
     targets = targets_of(problem, values)
-    explorer = Explorer(
-        parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal, ahead
-    )
+    explorer = Explorer(parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal)
     result = explorer.explore(seeds, reserve)
     result.notes[:0] = notes
     return result
@@ -365,7 +361,6 @@ def phase(
     orbits: bool = True,
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
-    ahead: Callable[[Seed], None] | None = None,
 ) -> Any:
     """The phase diagram of a model in two parameters: a `PhaseDiagram` of curves and regions.
 
@@ -391,7 +386,7 @@ def phase(
     if any(not isinstance(e, Equilibrium) for e in found):
         raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
-    return compute(found, pair, box, settings, watch, orbits, ahead)
+    return compute(found, pair, box, settings, watch, orbits)
 
 
 def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:

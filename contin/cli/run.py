@@ -145,6 +145,8 @@ def compute(
     plan: Plan, orbits: bool, errors: Console, began: float, journal: SqliteJournal | None = None
 ) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
+    from contin.kernels.clock import CLOCK
+    from contin.kernels.compile import telling
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
     from contin.runs.results import sample_orbit
@@ -153,18 +155,17 @@ def compute(
     from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
-    engine = ContinEngine(status.watch, journal, status.warm_for)
-    status.say_if_first_use(plan.follows_orbits)
+    engine = ContinEngine(status.watch, journal)
     engine.load()
     imported = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
-    warm_up(plan.follows_orbits)
-    status.warm |= {False} if plan.follows_orbits else set()
-    warm = time.perf_counter()
-    with status:
-        result = execute(plan, engine, status.say)
-        simulated, whole = ({}, False) if result.stopped else carry_out_simulations(plan, status.say, status.count)
+    with telling(status.compiling):
+        warm_up()
+        warm, stood = time.perf_counter(), CLOCK.stood
+        with status:
+            result = execute(plan, engine, status.say)
+            simulated, whole = ({}, False) if result.stopped else carry_out_simulations(plan, status.say, status.count)
     hold()
     ended = time.perf_counter()
     notes = [*result.notes]
@@ -174,7 +175,7 @@ def compute(
     timing = {
         "import": imported - began,
         "lower": lowered - imported,
-        "kernels": warm - lowered,
+        "kernels": warm - lowered + CLOCK.stood - stood,  # those that the runs loaded too
         "total": ended - began,
     }
     document = result_document(
@@ -196,29 +197,16 @@ class Status:
         self.console = console
         self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
         self.run = ""
-        self.warm: set[bool] = set()  # kernels of orbits (False), of curves of them (True)
+        self.told: set[str] = set()  # of kernels that are compiled
 
-    def say_if_first_use(self, orbits: bool, curves: bool = False) -> None:
-        """On a machine's first run, the one line that explains the wait."""
-        from contin.runs.warm import is_compiled
+    def compiling(self, module: str) -> None:
+        """Where kernels are compiled, on their first use on a machine: the one line that explains the wait."""
+        from contin.runs.warm import waiting
 
-        if not is_compiled(orbits, curves):
-            what, time_ = ("", "about 15 seconds")
-            if curves:
-                what, time_ = "of curves of periodic orbits ", "about two minutes"
-            elif orbits:
-                what, time_ = "of periodic orbits ", "about a minute"
-            self.console.print(f"Compiling the numerical kernels {what}for this machine, once; this takes {time_} ...")
-
-    def warm_for(self, seed: Any) -> None:
-        """Before the first family, or curve, of orbits: their kernels, which are no part of the branch's time."""
-        from contin.runs.warm import CURVES, warm_up
-
-        curves = seed.problem.locus in CURVES
-        if (seed.problem.kind == "orbit" or curves) and curves not in self.warm:
-            self.say_if_first_use(True, curves)
-            warm_up(True, curves)
-            self.warm.add(curves)
+        text = waiting(module)
+        if text is not None and text not in self.told:
+            self.told.add(text)
+            self.console.print(text)
 
     def say(self, what: str) -> None:
         """The name of the run that begins."""

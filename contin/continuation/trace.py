@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +22,7 @@ from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
+from contin.kernels.clock import computing_time
 
 Watcher = Callable[[Mapping[str, Any]], None]
 
@@ -49,11 +49,11 @@ def trace(
 ) -> Branch:
     """Follow the curve through `seed` in the senses of `seed.arms` and label what is found.
 
-    At the `deadline` (of time.perf_counter()) an arm that is not over ends, with reason 'steps', after its chunk.
+    At the `deadline` (of `computing_time()`) an arm that is not over ends, with reason 'steps', after its chunk.
     `journal` keeps every chunk as it is computed, and answers with those of an earlier, killed run.
     Interrupting it (Ctrl-C) ends the branch with reason 'stopped'; everything computed is kept.
     """
-    started = time.perf_counter()
+    started = computing_time()
     settings = settings or Settings()
     departure = depart(seed, bounds, settings)
     records: dict[int, _ArmRecord] = {}
@@ -74,7 +74,7 @@ def trace(
                 notes.extend(piece.notes)
                 if watch is not None:
                     watch(_progress(seed.problem, piece, pieces, bounds, departure.known))
-                if deadline is not None and time.perf_counter() > deadline and not arm.is_over():
+                if deadline is not None and computing_time() > deadline and not arm.is_over():
                     arm.end = _out_of_time(seed, pieces)
                     break
         except KeyboardInterrupt:
@@ -164,7 +164,7 @@ def _assemble(
     return Branch(
         name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points, ends=ends,
         z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
-        steps=effort["steps"], seconds=time.perf_counter() - started, effort=effort, problem=problem,
+        steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
     )  # fmt: skip
 

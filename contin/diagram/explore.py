@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -20,6 +19,7 @@ from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
 from contin.diagram.orbits import known_family, left_to_the_user, mirrored_families
 from contin.errors import ContinError, InputError
+from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
 from contin.problems.shooting.start import on_its_mesh
 from contin.problems.symmetry import apply_symmetry
@@ -55,7 +55,6 @@ class Explorer:
     orbits: bool = True
     watch: Watcher | None = None
     journal: Journal | None = None
-    ahead: Callable[[Seed], None] | None = None  # called with a seed before its branch is followed
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -78,7 +77,7 @@ class Explorer:
         return self._work(diagram, deque([(name, seed)]))
 
     def _work(self, diagram: Diagram, queue: deque[tuple[str, Seed]]) -> list[Branch]:
-        began = time.perf_counter()
+        began = computing_time()
         added: list[Branch] = []
         while queue:
             reason = self._spent(diagram, began)
@@ -109,7 +108,7 @@ class Explorer:
             return f"budget of {self.budget.branches} branches used"
         if sum(b.steps for b in computed) >= self.budget.steps:
             return f"budget of {self.budget.steps} steps used"
-        if time.perf_counter() - began >= self.budget.seconds:
+        if computing_time() - began >= self.budget.seconds:
             return f"budget of {self.budget.seconds:g} s used"
         return None
 
@@ -121,8 +120,6 @@ class Explorer:
             elif known.parent is not None and known.kind != "orbit":
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
-        if self.ahead is not None:
-            self.ahead(seed)
         try:
             branch = trace(
                 on_its_mesh(seed, self.settings),

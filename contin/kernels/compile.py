@@ -11,7 +11,8 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,10 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba import types
-from numba.core import cgutils
+from numba.core import cgutils, event
 from numba.extending import intrinsic
+
+from contin.kernels.clock import CLOCK
 
 
 def user_cache_folder() -> Path:
@@ -72,27 +75,46 @@ def kernel_cache_folder() -> str:
     return tempfile.mkdtemp(prefix="contin-kernels-")
 
 
-def kernels_are_cached() -> bool:
-    """False on the first run on a machine: the next kernel call compiles for some seconds."""
-    return any(Path(kernel_cache_folder()).rglob("*.nbc"))
+@contextmanager
+def telling(tell: Callable[[str], None]) -> Iterator[None]:
+    """Call `tell` with the name of its module whenever a kernel begins to be compiled, not loaded from the cache."""
+
+    class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
+        def on_start(self, event: Any) -> None:
+            if CLOCK.depth == 1:  # not a kernel that another one calls
+                tell(event.data["dispatcher"].py_func.__module__)
+
+        def on_end(self, event: Any) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Listener()):
+        yield
 
 
 FAST = {"contract", "reassoc", "nsz"}
 
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Any:
-    """A dispatcher with its cache in our folder and, whatever constants a caller writes, one signature."""
+    """A dispatcher with its cache in our folder and, whatever constants a caller writes, one signature.
+
+    Compiling and loading it does not count as computing time.
+    """
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = kernel_cache_folder()
     try:
         dispatcher = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     finally:
         numba.config.CACHE_DIR = before
-    template_of = dispatcher.get_call_template
+    load, template_of = dispatcher.compile, dispatcher.get_call_template
+
+    def compile_(signature: Any) -> Any:
+        with CLOCK.standing():
+            return load(signature)
 
     def get_call_template(args: Sequence[types.Type], kws: Mapping[str, types.Type]) -> Any:
         return template_of([types.unliteral(a) for a in args], {name: types.unliteral(a) for name, a in kws.items()})
 
+    dispatcher.compile = compile_
     dispatcher.get_call_template = get_call_template  # numba compiles a function anew for every constant argument
     return dispatcher
 

@@ -65,12 +65,10 @@ class Engine(Protocol):
 
 
 class ContinEngine:
-    """The engine of this package; `watch` is called after every chunk, `ahead` before every branch."""
+    """The engine of this package; `watch` is called after every chunk."""
 
-    def __init__(
-        self, watch: Watcher | None = None, journal: Any = None, ahead: Callable[[Any], None] | None = None
-    ) -> None:
-        self.watch, self.journal, self.ahead = watch, journal, ahead
+    def __init__(self, watch: Watcher | None = None, journal: Any = None) -> None:
+        self.watch, self.journal = watch, journal
 
     def load(self) -> None:
         """Import the numerical part; otherwise the first run does."""
@@ -99,14 +97,11 @@ class ContinEngine:
         return point.switch(run.parameters[0])
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
-        from contin.continuation.departure import Seed
         from contin.problems.images import images
 
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
         seeds = start if isinstance(start, list) else [start]
         for position, seed in enumerate(seeds):
-            if self.ahead is not None and isinstance(seed, Seed):
-                self.ahead(seed)
             branch: Branch = _verbs().continuation(
                 seed,
                 parameter,
@@ -135,7 +130,6 @@ class ContinEngine:
             budget=diagram.budget,
             watch=self.watch,
             journal=self.journal,
-            ahead=self.ahead,
         )
         return found
 
@@ -149,7 +143,6 @@ class ContinEngine:
             orbits=phase.orbits,
             settings=phase.settings,
             watch=self.watch,
-            ahead=self.ahead,
         )
         return found
 

@@ -41,12 +41,6 @@ class RunPlan:
     to: StartPoint = None  # of a connecting orbit: the saddle that it leads to
     samples: Samples | None = None  # of an orbit to begin with
 
-    @property
-    def follows_orbits(self) -> bool:
-        """True for orbits that are asked for, and for those born at a Hopf point."""
-        born = self.reference is not None and self.reference[1].startswith("HB")
-        return self.as_ == "orbit" or (self.as_ is None and len(self.parameters) == 1 and born)
-
 
 @dataclass(frozen=True)
 class DiagramPlan:
@@ -88,11 +82,6 @@ class Plan:
     title: str | None = None
     simulations: Sequence[SimulationPlan] = ()
     sweep: SweepPlan | None = None
-
-    @property
-    def follows_orbits(self) -> bool:
-        """True where a run asks for periodic orbits of a flow; whether a diagram has some is seen when it is made."""
-        return self.model.kind == "flow" and any(run.follows_orbits for run in self.runs)
 
     def simulated_files(self) -> list[Mapping[str, FilePath]]:
         """What the simulations and the sweep write."""

@@ -143,18 +143,3 @@ def test_stopping_where_no_branch_is_followed_keeps_the_branches_before():
 )
 def test_only_a_branch_cut_short_makes_a_result_incomplete(reason, complete):
     assert carried_out(Double(endings={"a": reason}), A).complete is complete
-
-
-@pytest.mark.parametrize(
-    ("run", "expected"),
-    [
-        (A, False),
-        ({**A, "as": "orbit"}, True),
-        ({"from": "a.HB1", "parameter": "p"}, True),
-        ({"from": "a.HB1", "parameter": "p", "as": "equilibrium"}, False),
-        ({"from": "a.HB1", "parameter": ["p", "q"], "range": {"p": [0, 1], "q": [0, 1]}}, False),
-    ],
-)
-def test_a_plan_knows_whether_it_follows_orbits(run, expected):
-    entry = read_run({"contin": 1, "model": FOLD, "continuations": [run]}, CallSource("test"))
-    assert make_plan(entry, CallSource("test"), Path("case.yaml")).follows_orbits is expected

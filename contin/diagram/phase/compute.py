@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from contin.abi import NO_FUNCTION
 from contin.continuation.branch import Branch
-from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.phase.diagram import PhaseDiagram
@@ -33,7 +32,6 @@ def phase(
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
     orbits: bool = True,
-    ahead: Callable[[Seed], None] | None = None,
 ) -> PhaseDiagram:
     """The phase diagram of the states connected with `starts` in a box of two parameters.
 
@@ -45,7 +43,6 @@ def phase(
     less than one line a region; `notes` say what budgets left out.
 
     Ctrl-C ends the search: the curves and regions so far are returned, and `stopped` is true.
-    `ahead` is called with the start of every branch before it is followed.
     """
     listed: list[Any] = list(starts) if isinstance(starts, list | tuple) else [starts]
     first, second = _pair(parameters)
@@ -54,7 +51,7 @@ def phase(
     points = [(np.asarray(s.u), np.asarray(s.p)) for s in listed]
     system = listed[0].system
     followed = orbits and system.kind != "map" and system.jacobian_address != NO_FUNCTION
-    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, followed, ahead=ahead)
+    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, followed)
     survey = Survey(search)
     stopped = False
     try:

@@ -7,7 +7,7 @@ from curve to curve through points of codimension two.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -65,7 +65,6 @@ class LociSearch:
     loci: list[Branch] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    ahead: Callable[[Seed], None] | None = None  # called with a seed before its branch is followed
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
     searched: int = 0  # of these
@@ -145,7 +144,7 @@ class LociSearch:
         name = self.parameters[axis]
         targets = [Target(name, target) for target in marked]
         explorer = Explorer(
-            name, self.box[axis], self.settings, BUDGET, targets, self.orbits, watch=self.watch, ahead=self.ahead
+            name, self.box[axis], self.settings, BUDGET, targets, self.orbits, watch=self.watch
         )
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
         line = Line(axis, value, explorer, explorer.explore(seeds))
@@ -224,8 +223,6 @@ class LociSearch:
         """The curve through a seed, named."""
         number = 1 + sum(b.locus == seed.problem.locus for b in self.loci)
         name = f"phase/{seed.problem.locus}-{number}"
-        if self.ahead is not None:
-            self.ahead(seed)
         branch = trace(seed, self.box[0], name=name, settings=self._settings_of(seed), watch=self.watch)
         self.spent += len(branch) if orbital else 0
         return branch

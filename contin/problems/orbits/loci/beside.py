@@ -7,7 +7,6 @@ short lines in one parameter, which start from orbits of a short family in the o
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
@@ -17,6 +16,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import ContinError, InputError
+from contin.kernels.clock import computing_time
 
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions
@@ -46,7 +46,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
     """Families along one parameter, through orbits that have the other one moved."""
     from contin.continuation.trace import trace
 
-    deadline = time.perf_counter() + SECONDS
+    deadline = computing_time() + SECONDS
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     for axis in (0, 1):
         along, across = problem.parameters[axis], problem.parameters[1 - axis]
@@ -60,7 +60,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
             except ContinError:
                 continue
             for row in (0, -1):
-                if time.perf_counter() > deadline:
+                if computing_time() > deadline:
                     return
                 z = family.z[row][~np.isnan(family.z[row])]
                 line = moving.with_active(across, z)
