@@ -148,6 +148,14 @@ class Planar(Protocol):
         """What is to be said of the whole curve, whose rows are z."""
 
 
+@runtime_checkable
+class Remarking(Protocol):
+    """A problem that has something to say of a whole branch."""
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        """Notes on the branch with rows z."""
+
+
 @dataclass(frozen=True)
 class Floor:
     """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
@@ -313,6 +321,11 @@ def is_recording(problem: object) -> TypeGuard[Recording]:
 def is_foretelling(problem: object) -> TypeGuard[Foretelling]:
     """True for problems that may know where a branch was going whose corrector fails."""
     return _offers(problem, Foretelling)
+
+
+def is_remarking(problem: object) -> TypeGuard[Remarking]:
+    """True for problems that speak of whole branches."""
+    return _offers(problem, Remarking)
 
 
 def is_terminating(problem: object) -> TypeGuard[Terminating]:

@@ -17,7 +17,7 @@ from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Frame, Planar, Problem, Sample, Verified, is_recording
+from contin.continuation.problem import Frame, Problem, Sample, Verified, is_recording, is_remarking
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
@@ -141,7 +141,7 @@ def _assemble(
             rows.add_piece(piece)
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: dict[str, Any] = dict(problem.columns(z))
-    if isinstance(problem, Planar):
+    if is_remarking(problem):
         notes = [*notes, *problem.remarks(z)]
     notes = [*notes, *unrecorded(columns, z, problem)]
     columns["unstable"] = unstable

@@ -129,6 +129,18 @@ def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
     """
     linear = OrbitLinear(problem, z, scale, z)
     right, _, left = Bordered.of(linear.jacobian[:, :-1], 1).solve()
+    found = same_period_on_finer_mesh(problem, z, scale)
+    if found is None:
+        return None
+    multipliers = problem.multipliers(found)[1:]
+    if not float(np.min(np.abs(multipliers - 1.0))) < UNRESOLVED:
+        return None
+    residual = float(np.max(np.abs(linear.residual)))
+    return SolvedOrbit(z, 0.0, residual, 2.0 * abs(float(found[-1] - z[-1])), right, left)
+
+
+def same_period_on_finer_mesh(problem: Any, z: Array, scale: Array) -> Array | None:
+    """The orbit of the same period on a mesh of half the lengths."""
     profile = problem.profile(z)
     finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
     finer_scale = make_scale(
@@ -137,14 +149,8 @@ def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
     fixed = np.zeros(finer_scale.size)
     fixed[finer.u.size] = 1.0
     guess = Sample(finer.vector(), fixed, np.zeros(4), 0, np.empty(0, complex))
-    found = corrected(problem, guess, Frame(finer_scale), 1e-7)
-    if found is None:
-        return None
-    multipliers = problem.multipliers(found)[1:]
-    if not float(np.min(np.abs(multipliers - 1.0))) < UNRESOLVED:
-        return None
-    residual = float(np.max(np.abs(linear.residual)))
-    return SolvedOrbit(z, 0.0, residual, 2.0 * abs(float(found[-1] - z[-1])), right, left)
+    found: Array | None = corrected(problem, guess, Frame(finer_scale), 1e-7)
+    return found
 
 
 def _newton(

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import Profile
-from contin.problems.orbits.saddles import Saddle, rounded, saddles_near
+from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
 
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
@@ -19,6 +22,8 @@ SWINGING = 6.0  # the error estimate's factor of safety there
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
+SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
+NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
 PRECISE = Settings(tolerance=1e-11)
 
 
@@ -30,8 +35,10 @@ def diverged(
     With v visits of saddles with leading rates r, p - p* = A exp(-k T), 1 / k = sum of 1 / r over the visits, so
     p* = p + (dp/dT) / k. Where the leading eigenvalues are r +- i w, p - p* = A exp(-k T) cos(q T + c), q = k w / r,
     and p* = p + (p'' + 2 k p') / (k^2 + q^2). Slopes are those of the tangents. The limit is believed when two orbits
-    agree on it and the remaining distance is small. The slowest direction of a saddle may have no part in it (a skew
-    product, the phase of a frame that turns with the state, a flip): faster rates are tried after it.
+    agree on it and the remaining distance is small, and the orbits' extrema, too, are near their limits
+    e* = e + (de/dT) / k: those of Lotka and Volterra's predator and prey linger at a saddle, and grow for ever. The
+    slowest direction of a saddle may have no part in it (a skew product, the phase of a frame that turns with the
+    state, a flip): faster rates are tried after it.
 
     failed : the corrector can go no further; then two orbits need not agree, the march's tangents do, and what remains
         counts as error.
@@ -55,11 +62,12 @@ def diverged(
         slopes.append(float(raw[-1] / raw[position]))
     width = float(frame.scale[-1])
     moved = profile.parameter - earlier.parameter
+    growth = _growth(profile, earlier, sizes) / gained
     rates = list(zip(*(s.by_rate for s in saddles), strict=False))
     for level, slowest in enumerate(rates[:LEVELS]):
         limit = _extrapolated(slowest, [s.visits for s in saddles], slopes, gained, moved)
         remaining = abs(limit.step)
-        if remaining > DOUBTFUL * width:
+        if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
             continue
         error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
         settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
@@ -81,6 +89,7 @@ class _Limit:
     step: float
     drift: float
     spiral: bool
+    rate: float
 
 
 def _extrapolated(
@@ -97,7 +106,13 @@ def _extrapolated(
         steps = [(bend + 2.0 * k * slope) / (k * k + q * q) for bend, slope in zip(bends, slopes, strict=True)]
     else:
         steps = [slope / k for slope in slopes]
-    return _Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0)
+    return _Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0, k)
+
+
+def _growth(profile: Profile, earlier: Profile, sizes: Array) -> float:
+    """Largest change of an extremum between two orbits, relative to the extent."""
+    changes = [np.abs(f(profile.u, axis=0) - f(earlier.u, axis=0)) / sizes for f in (np.min, np.max)]
+    return float(np.max(changes)) / extent_of(profile, sizes)
 
 
 def _connection(

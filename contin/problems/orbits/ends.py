@@ -14,12 +14,11 @@ from contin.problems.orbits.diverged import diverged
 from contin.problems.orbits.invariant_circle import invariant_circle
 from contin.problems.orbits.layout import Profile, dwelling
 from contin.problems.orbits.saddles import extent_of
+from contin.problems.orbits.vertical import unbounded
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
 VERTICAL = 1e-6  # ... or relative to the range
-STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
-GROWN = 1e8  # ... and the amplitude up to which orbits are followed then
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 
 
@@ -36,9 +35,14 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     """The end that an orbit has reached, or None."""
     if before is None:
         return None
-    found = shrunk(problem, origin, before, frame) or unbounded(problem, origin, frame)
-    if found is not None or not problem.autonomous:
+    found = shrunk(problem, origin, before, frame)
+    if found is not None:
         return found
+    grown = unbounded(problem, origin, frame)
+    if grown is not None:
+        return Ending(grown)
+    if not problem.autonomous:
+        return None
     if dwelling(problem.profile(origin.z), problem.sizes(origin.z, frame.scale)) < LINGERING:
         return None
     reached = diverged(problem, origin, before, frame) or invariant_circle(problem, origin, before, frame)
@@ -55,21 +59,6 @@ def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
         return None
     reached = diverged(problem, origin, before, frame, failed=True)
     return None if reached is None else Ending(reached[0], None, reached[1])
-
-
-def unbounded(problem: Any, origin: Sample, frame: Frame) -> Ending | None:
-    """Orbits of a linear centre, all at one parameter, grow for ever."""
-    if abs(float(origin.tangent[-1])) > STILL:
-        return None
-    profile = problem.profile(origin.z)
-    usual = 1.0 if problem.origin is None else max(1.0, float(np.abs(problem.origin[1]).max()))
-    largest = int(np.argmax(np.ptp(profile.u, axis=0)))
-    if float(np.ptp(profile.u[:, largest])) < GROWN * usual:
-        return None
-    name, state = problem.parameters[0], problem.system.state_names[largest]
-    at = profile.parameter if abs(profile.parameter) > STILL * float(frame.scale[-1]) else 0.0
-    text = f"the orbits of this family all exist at {name} = {at:.10g}, and {state} grows without bound"
-    return Ending(End("bound", text, {"value": at}))
 
 
 def _foretold(profile: Profile, earlier: Profile, sizes: Array) -> float:

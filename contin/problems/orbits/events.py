@@ -16,6 +16,7 @@ from contin.problems import special
 from contin.problems.orbits import planar
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.symmetry import symmetry_of
+from contin.problems.orbits.vertical import is_at_birth, is_reciprocal
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
@@ -77,6 +78,8 @@ def _explain_vertical(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Where all orbits exist at one parameter (a centre) both dp/ds and the distance of a multiplier from 1 are zero up
     to rounding."""
     branches, pairs, flips = (bool(x) for x in a.tests[1:] * b.tests[1:] < 0.0)
+    if len(a.eigenvalues) > 2 and is_reciprocal(a.eigenvalues) and is_reciprocal(b.eigenvalues):
+        return ("BPC",) * branches + ("PD",) * flips
     if pairs or flips or abs(a.unstable - b.unstable) > 1:
         return None
     return ("BPC",) if branches else ()
@@ -124,6 +127,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
     if type_ in ("LPC", "BPC") and _at_rest(problem, solved.z, frame):
         return ""  # the family passes through a Hopf point and comes back
+    if type_ == "LPC" and is_at_birth(problem, solved.z, solved.error, frame):
+        return ""
     if type_ == "LPC" and not solved.confirmed:
         return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"  # noqa: E501
     values = problem.multipliers(solved.z)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
@@ -20,6 +21,8 @@ SMALLEST, LARGEST = 10, 400  # number of intervals
 FLOOR = 0.15  # least density, relative to the mean: no interval becomes much longer than the others' average
 WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leaves at most
 MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
+VARYING = 1e-3  # smallest modulus of a state of one sign, relative to its largest, below which it counts while small
+RELATIVE = 1e-2  # ... and how much an error relative to its own size counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,23 @@ def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
     error = mesh_error(
         profile.vector(), profile.n, profile.m, profile.intervals, scheme.top, scheme.error, sizes, density
     )
+    low, high = np.abs(profile.u).min(axis=0), np.abs(profile.u).max(axis=0)
+    small = np.flatnonzero((np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
+    if small.size:
+        density = np.maximum(density, RELATIVE * _relative_density(profile, small))
+        error = max(error, float(np.max(scheme.error * profile.h ** (profile.m + 1) * density)))
     return float(error), density
+
+
+def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
+    """Largest |u^(m + 1)| of these states on every interval, relative to the size that the state has there."""
+    h, m = profile.h, profile.m
+    nodes = np.arange(profile.intervals)[:, None] * m + np.arange(m + 1)
+    u = profile.u[nodes][:, :, states]  # (N, m + 1, k)
+    top = np.einsum("j,ijk->ik", basis(m).top, u) / h[:, None] ** m
+    jumps = 2.0 * np.abs(top - np.roll(top, 1, axis=0)) / (h + np.roll(h, 1))[:, None]
+    local = np.maximum(jumps, np.roll(jumps, -1, axis=0)) / np.abs(u).max(axis=1)
+    return np.asarray(local.max(axis=1))
 
 
 def choose_mesh(profile: Profile, sizes: Array, tolerance: float, fixed: int | None) -> MeshChoice:

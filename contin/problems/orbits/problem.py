@@ -210,6 +210,12 @@ class OrbitProblem(FamilyOfOrbits):
         found = foretold(self, origin, before, frame)
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
+    def remarks(self, z: Array) -> Sequence[str]:
+        """That the family is vertical."""
+        from contin.problems.orbits.vertical import remarks
+
+        return remarks(self, z)
+
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
         one, other = self.profile(a.z), self.profile(b.z)

@@ -4,6 +4,7 @@ from math import ceil
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from contin import api
 from contin.continuation.problem import Frame, Sample
@@ -76,3 +77,28 @@ def test_an_even_mesh_of_fixed_size_is_kept_where_the_orbit_turns_at_constant_sp
     assert family.steps > 100
     assert len(marches) <= ceil(family.steps / 120) + 3  # the states outgrow their sizes, too
     assert family.effort["evaluations"] <= 2.1 * family.steps + 10
+
+
+def test_states_that_almost_die_out_are_resolved_relative_to_their_own_size():
+    """Rosenzweig and MacArthur's prey falls to 1e-20 of its largest number: the period, against logarithms of both."""
+    capacity, mortality = 30.0, 0.5
+    model = Model(
+        "chase", states={"x": 1, "y": 0.5}, parameters={"K": 2.0, "m": mortality},
+        equations={"x": "x*(1 - x/K) - x*y/(1 + x)", "y": "y*(x/(1 + x) - m)"},
+    )  # fmt: skip
+    line = api.continuation(api.equilibrium(model), "K", (1.5, capacity))
+    cycles = api.continuation(line["HB1"].switch(), "K", (1.5, capacity))
+    assert cycles.ends[1].reason == "bound"
+    assert cycles.columns["x.min"][-1] < 1e-18 * cycles.columns["x.max"][-1]
+
+    def logarithms(t, z):
+        x, y = np.exp(z)
+        return [1.0 - x / capacity - y / (1.0 + x), x / (1.0 + x) - mortality]
+
+    def upwards(t, z):
+        return z[0]
+
+    upwards.direction = 1
+    flow = solve_ivp(logarithms, (0, 700), [0.5, -2.0], method="DOP853", rtol=1e-12, atol=1e-12, events=upwards)
+    returns = flow.t_events[0]
+    assert cycles.columns["period"][-1] == pytest.approx(returns[-1] - returns[-2], rel=1e-8)

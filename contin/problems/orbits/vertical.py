@@ -1,0 +1,105 @@
+"""Families whose orbits all exist at one value of the parameter: where a first integral is kept, orbits fill a region.
+
+A family born at a Hopf point of a conservative system (a centre) has the parameter as an unfolding only: it keeps the
+value of the Hopf point along the whole family, to rounding (Munoz-Almaraz, Freire, Galan, Doedel and Vanderbauwhede,
+Physica D 181 (2003) 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Frame, Sample
+from contin.problems.orbits.defining import same_period_on_finer_mesh
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.saddles import extent_of
+
+STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
+GROWN = 1e5  # ... and the amplitude up to which orbits are followed then
+CONSTANT = 1e-9  # of the range: all that the parameter moves along a vertical family
+DRIFTED = (1e-8, 1e-4)  # ... distance from the Hopf point that may be the mesh's error
+LARGE = 0.2  # extent of orbits that cannot be so near to their Hopf point otherwise
+EXPLAINED = 0.5  # part of that distance which a finer mesh takes away
+FEWEST = 10  # rows that tell a family
+
+
+def unbounded(problem: Any, origin: Sample, frame: Frame) -> End | None:
+    """The end of a family of orbits that grow for ever at one parameter value, or until no mesh resolves them."""
+    profile = problem.profile(origin.z)
+    if problem.origin is not None and _drifts(problem, profile, origin, frame):
+        name, at = problem.parameters[0], problem.origin[0]
+        text = (
+            f"the orbits of this family all exist at {name} = {at:.10g}; from period {profile.period:.6g} on the error "
+            f"of the mesh hides that ({_range(problem, profile)})"
+        )
+        return End("bound", text, {"value": at})
+    if abs(float(origin.tangent[-1])) > STILL:
+        return None
+    usual = 1.0 if problem.origin is None else max(1.0, float(np.abs(problem.origin[1]).max()))
+    largest = int(np.argmax(np.ptp(profile.u, axis=0)))
+    if float(np.ptp(profile.u[:, largest])) < GROWN * usual:
+        return None
+    name, state = problem.parameters[0], problem.system.state_names[largest]
+    at = profile.parameter if abs(profile.parameter) > STILL * float(frame.scale[-1]) else 0.0
+    text = f"the orbits of this family all exist at {name} = {at:.10g}, and {state} grows without bound"
+    return End("bound", text, {"value": at})
+
+
+def _drifts(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> bool:
+    """True where the parameter has left its value at the Hopf point, and goes back on a finer mesh."""
+    moved, width = profile.parameter - problem.origin[0], float(frame.scale[-1])
+    if not DRIFTED[0] * width < abs(moved) < DRIFTED[1] * width:
+        return False
+    if extent_of(profile, problem.sizes(origin.z, frame.scale)) < LARGE:
+        return False
+    finer = same_period_on_finer_mesh(problem, origin.z, frame.scale)
+    return finer is not None and abs(float(finer[-1]) - problem.origin[0]) < EXPLAINED * abs(moved)
+
+
+def is_at_birth(problem: Any, z: Array, error: float, frame: Frame) -> bool:
+    """True for a large orbit whose parameter is that of the Hopf point to its error: a fold there is the mesh's."""
+    if problem.origin is None or error > DRIFTED[1] * float(frame.scale[-1]):
+        return False
+    if abs(float(z[-1]) - problem.origin[0]) > error:
+        return False
+    return extent_of(problem.profile(z), problem.sizes(z, frame.scale)) > LARGE
+
+
+def _range(problem: Any, profile: Profile) -> str:
+    low, high = profile.u.min(axis=0), profile.u.max(axis=0)
+    names = problem.system.state_names
+    return ", ".join(f"{k} in [{a:.3g}, {b:.3g}]" for k, a, b in zip(names, low, high, strict=True))
+
+
+def remarks(problem: Any, z: Array) -> Sequence[str]:
+    """That all orbits of the family (rows z) exist at one parameter value, in words."""
+    values = z[:, -1]
+    if len(values) < FEWEST or problem.origin is None or not problem.autonomous:
+        return ()
+    name, at = problem.parameters[0], problem.origin[0]
+    declared = problem.default_range(name)
+    width = max(1.0, abs(at)) if declared is None or not np.isfinite(declared).all() else declared[1] - declared[0]
+    moved = np.abs(values - at)
+    if float(np.median(moved)) > CONSTANT * width or float(moved.max()) > DRIFTED[1] * width:
+        return ()
+    return (
+        f"vertical family: {name} is constant along it (to {float(moved.max()):.1e}). At {name} = {at:.10g} the orbits "
+        "form a continuum, as where the system has a first integral (an energy); none of them is isolated",
+    )
+
+
+def is_reciprocal(values: Array, tolerance: float = 1e-6) -> bool:
+    """True for multipliers that come in pairs (m, 1/m), as in Hamiltonian systems: a pair leaves the unit circle only
+    through 1, -1 or another pair, so the sign of |m| - 1 on it is rounding."""
+    left = list(values)
+    while len(left) > 1:
+        value = left.pop()
+        partner = int(np.argmin([abs(value * w - 1.0) for w in left]))
+        if abs(value * left.pop(partner) - 1.0) > tolerance:
+            return False
+    return not left
