@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
@@ -93,7 +94,7 @@ def remarks(problem: Any, z: Array) -> Sequence[str]:
     )
 
 
-def is_reciprocal(values: Array, tolerance: float = 1e-6) -> bool:
+def is_reciprocal(values: NDArray[np.complex128], tolerance: float = 1e-6) -> bool:
     """True for multipliers that come in pairs (m, 1/m), as in Hamiltonian systems: a pair leaves the unit circle only
     through 1, -1 or another pair, so the sign of |m| - 1 on it is rounding."""
     left = list(values)
