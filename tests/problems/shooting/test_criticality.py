@@ -7,12 +7,11 @@ import pytest
 
 import contin
 from contin import api
-from contin.model.model import Model
 from contin.problems.shooting.normal_form import period_doubling, torus
 from contin.problems.shooting.return_map import ReturnMap
 from tests.problems.loci.planes import amplitude
 from tests.problems.orbits.loci.test_codim_two import SQUARE, orbit_on_circle, twisted
-from tests.problems.shooting.test_loci import TWO_RELAYS
+from tests.problems.shooting.oscillators import forced_family, relays_in_phase
 
 
 @pytest.fixture(scope="module")
@@ -56,16 +55,11 @@ def test_coefficient_of_a_torus_bifurcation_is_that_of_the_amplitude_equation(re
 
 
 def test_a_return_map_that_is_only_piecewise_smooth_has_no_coefficient():
-    family = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
-    assert dict(family["NS1"].normal_form) == {}
+    assert dict(relays_in_phase("e", -0.15, 0.1)["NS1"].normal_form) == {}
 
 
 def test_period_doubling_of_a_forced_flow_with_crossings_has_the_sense_of_its_doubled_orbits():
-    model = Model(
-        "forced", states={"x": 0, "y": 0}, parameters={"w": 2.1, "d": 0.05, "k": 4, "F": 1},
-        equations={"x": "y", "y": "-2*d*y - x*(1 + k if x > 0 else 1) + F*cos(w*t)"}, forcing={"period": "2*pi/w"},
-    )  # fmt: skip
-    family = api.continuation(api.periodic_orbit(model), "w", (2.1, 2.5))
+    family = forced_family()
     point = family["PD1"]
     doubled = api.continuation(point.switch("w"), "w", (2.1, 2.5), settings={"steps": 6})
     unstable_above = family.columns["unstable"][np.argmax(family.columns["w"])] > 0

@@ -1,6 +1,6 @@
 """Curves of special orbits by shooting: closed forms of piecewise-smooth flows, and agreement with collocation."""
 
-from math import cos, exp, pi, sin, sqrt, tanh
+from math import pi, tanh
 
 import numpy as np
 import pytest
@@ -11,32 +11,8 @@ from contin import api
 from contin.errors import InputError
 from contin.model.model import Model
 from contin.problems.shooting.loci.problem import ShotLocusProblem
+from tests.problems.shooting.oscillators import bautin_family, forced_family, forced_orbit, half_turn, relays_in_phase
 from tests.problems.shooting.test_families import IN_PHASE, PERIODS
-from tests.problems.shooting.test_relays import forced_map
-
-BAUTIN = Model(
-    "bautin", states={"x": 0.9, "y": 0.0}, parameters={"b1": -0.1, "b2": 1.0, "w": 1.3}, definitions={"r": "x^2 + y^2"},
-    equations={"x": "b1*x - w*y + b2*x*r - x*r^2", "y": "w*x + b1*y + b2*y*r - y*r^2"},
-)  # fmt: skip
-TWO_RELAYS = Model(
-    "two", states={"x1": 1, "y1": 0.1, "x2": 1, "y2": 0.1}, parameters={"d": 0.2, "k": 0.5, "c": 0.9, "e": 0},
-    equations={
-        "x1": "y1", "y1": "-2*d*y1 - x1 + k*sign(y1) + c*(x2 - x1) + e*(y2 - y1)",
-        "x2": "y2", "y2": "-2*d*y2 - x2 + k*sign(y2) + c*(x1 - x2) + e*(y1 - y2)",
-    },
-)  # fmt: skip
-
-
-def half_turn(c, d, e):
-    """Trace and determinant of half a turn of the difference of two relays in phase.
-
-    q'' + 2 (d + e) q' + (1 + 2 c) q = 0 for the time pi/w of the sum's half turn, then q' grows by 1/rho.
-    """
-    w, damping = sqrt(1.0 - d * d), d + e
-    fast, rho = sqrt(1.0 + 2.0 * c - damping**2), exp(-pi * d / w)
-    theta, decay = pi * fast / w, exp(-damping * pi / w)
-    part = damping / fast * sin(theta)
-    return decay * (cos(theta) + part + (cos(theta) - part) / rho), decay**2 / rho
 
 
 def curve(point, names, first, second, **options):
@@ -45,8 +21,7 @@ def curve(point, names, first, second, **options):
 
 def test_folds_of_the_bautin_form_end_at_its_generalised_hopf_point():
     """r' = b1 r + b2 r^3 - r^5: orbits fold on b1 = -b2^2/4, b2 > 0."""
-    family = api.continuation(api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1))
-    folds = curve(family["LPC1"], ("b1", "b2"), (-1, 1), (-0.5, 2))
+    folds = curve(bautin_family()["LPC1"], ("b1", "b2"), (-1, 1), (-0.5, 2))
     np.testing.assert_allclose(folds.columns["b1"], -(folds.columns["b2"] ** 2) / 4.0, atol=1e-10)
     np.testing.assert_allclose(folds.columns["period"], 2 * pi / 1.3, rtol=1e-10)
     assert {end.reason for end in folds.ends} == {"bound", "hopf"}
@@ -56,10 +31,8 @@ def test_folds_of_the_bautin_form_end_at_its_generalised_hopf_point():
 
 def test_the_equations_jacobian_is_their_derivative():
     """For every type, at a point beside the curve, against differences of the residual; with crossings and without."""
-    pair = api.continuation(api.periodic_orbit(TWO_RELAYS, None, {"c": 1.4}), "c", (1.3, 1.55))
-    tori = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
-    smooth = api.continuation(api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1))
-    cases = ((pair["BPC1"], ("c", "d")), (tori["NS1"], ("e", "d")), (smooth["LPC1"], ("b1", "b2")))
+    pair, tori = relays_in_phase("c", 1.3, 1.55, c=1.4), relays_in_phase("e", -0.15, 0.1)
+    cases = ((pair["BPC1"], ("c", "d")), (tori["NS1"], ("e", "d")), (bautin_family()["LPC1"], ("b1", "b2")))
     for point, names in cases:
         (seed,) = point.locus(names)
         problem, z = seed.problem, seed.z.copy()
@@ -110,10 +83,9 @@ def test_folds_of_an_orbit_with_two_formulas_lie_where_its_return_map_says():
 
 def test_two_relays_in_phase_branch_along_a_known_curve():
     """They cross the surface together, in either order; the half-turn of their difference has the eigenvalue 1."""
-    family = api.continuation(api.periodic_orbit(TWO_RELAYS, None, {"c": 1.4}), "c", (1.3, 1.55))
-    branching = curve(family["BPC1"], ("c", "d"), (0.2, 6), (0.05, 0.5))
+    branching = curve(relays_in_phase("c", 1.3, 1.55, c=1.4)["BPC1"], ("c", "d"), (0.2, 6), (0.05, 0.5))
     for c, d in zip(branching.columns["c"], branching.columns["d"], strict=True):
-        trace, determinant = half_turn(c, d, 0.0)
+        trace, determinant = half_turn(c, d)
         assert abs(trace) == pytest.approx(1.0 + determinant, abs=2e-8)
     assert np.ptp(branching.columns["d"]) > 0.44
     np.testing.assert_allclose(branching.columns["x1.max"], branching.columns["x2.max"], rtol=1e-7)
@@ -121,8 +93,7 @@ def test_two_relays_in_phase_branch_along_a_known_curve():
 
 def test_two_relays_in_phase_lose_stability_to_a_torus_along_a_known_line():
     """The determinant of the difference's half-turn is 1 where e = -d/2; R4 where its trace is +-sqrt(2)."""
-    family = api.continuation(api.periodic_orbit(TWO_RELAYS), "e", (-0.15, 0.1))
-    tori = curve(family["NS1"], ("e", "d"), (-0.5, 0.5), (0.15, 0.3))
+    tori = curve(relays_in_phase("e", -0.15, 0.1)["NS1"], ("e", "d"), (-0.5, 0.5), (0.15, 0.3))
     d = tori.columns["d"]
     np.testing.assert_allclose(tori.columns["e"], -d / 2.0, atol=1e-9)
     traces = np.array([half_turn(0.9, x, -x / 2.0)[0] for x in d])
@@ -134,21 +105,13 @@ def test_two_relays_in_phase_lose_stability_to_a_torus_along_a_known_line():
 
 
 def test_period_doublings_of_the_forced_bilinear_oscillator_are_those_of_exact_pieces():
-    model = Model(
-        "forced", states={"x": 0, "y": 0}, parameters={"w": 2.1, "d": 0.05, "k": 4, "F": 1},
-        equations={"x": "y", "y": "-2*d*y - x*(1 + k if x > 0 else 1) + F*cos(w*t)"}, forcing={"period": "2*pi/w"},
-    )  # fmt: skip
-    family = api.continuation(api.periodic_orbit(model), "w", (2.1, 2.5))
-    doublings = curve(family["PD1"], ("w", "k"), (2, 3), (1, 12))
+    doublings = curve(forced_family()["PD1"], ("w", "k"), (2, 3), (1, 12))
     np.testing.assert_allclose(doublings.columns["period"] * doublings.columns["w"], 2 * pi, rtol=1e-12)
     for row in (0, len(doublings) // 2, -1):
         w, k = float(doublings.columns["w"][row]), float(doublings.columns["k"][row])
-        u = doublings.z[row][:2]
-        for _ in range(3):
-            end, matrix = forced_map(u, w, k=k)
-            u = u + np.linalg.solve(matrix - np.eye(2), u - end)
+        u, doubling = forced_orbit(doublings.z[row][:2], w, k)
         np.testing.assert_allclose(u, doublings.z[row][:2], atol=1e-8)
-        assert 1.0 + np.trace(matrix) + np.linalg.det(matrix) == pytest.approx(0.0, abs=1e-7)
+        assert doubling == pytest.approx(0.0, abs=1e-7)
 
 
 def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
@@ -162,11 +125,8 @@ def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
 
 
 def test_what_has_no_curve_says_so():
-    family = api.continuation(
-        api.periodic_orbit(BAUTIN, method="shooting"), "b1", (-0.5, 0.1), values={"b1": [-0.05]}
-    )
     with pytest.raises(InputError, match="UZ of orbits by shooting has no curve"):
-        family["UZ1"].locus(("b1", "b2"))
+        bautin_family()["UZ1"].locus(("b1", "b2"))
 
 
 def test_folds_born_at_a_bautin_point_of_a_piecewise_flow_are_followed_by_shooting():

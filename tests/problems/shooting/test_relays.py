@@ -1,7 +1,6 @@
 """Orbits of piecewise-linear oscillators in closed form: relay, bilinear, two coupled relays, forced bilinear."""
 
-from functools import cache
-from math import cos, exp, pi, sin, sqrt
+from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from scipy.optimize import brentq
 import contin
 from contin import api
 from contin.model.model import Model
+from tests.problems.shooting.oscillators import forced_family, forced_orbit, half_turn, relays_in_phase
 
 D, K = 0.2, 0.5
 
@@ -51,14 +51,9 @@ def test_bilinear_oscillator_at_a_prescribed_energy():
 
 
 def antisymmetric(c, sign):
-    """Zero where the half-turn of the difference of two coupled relays has the eigenvalue +-1.
-
-    q'' + 2 d q' + (1 + 2 c) q = 0 for a half turn of the sum, then q' times (A + k)/(A - k) = 1/rho: the trace is
-    (1 + rho) cos theta - (1 - rho) (d/W) sin theta, theta = pi W/w, and the determinant rho.
-    """
-    w, fast = sqrt(1.0 - D * D), sqrt(1.0 + 2.0 * c - D * D)
-    rho, theta = exp(-pi * D / w), pi * fast / w
-    return (1.0 + rho) * cos(theta) - (1.0 - rho) * D / fast * sin(theta) - sign * (1.0 + rho)
+    """Zero where the half-turn of the difference of two coupled relays has the eigenvalue +-1."""
+    trace, determinant = half_turn(c, D)
+    return trace - sign * (1.0 + determinant)
 
 
 def test_two_coupled_relays_branch_in_two_close_pairs_where_their_difference_says():
@@ -71,66 +66,19 @@ def test_two_coupled_relays_branch_in_two_close_pairs_where_their_difference_say
             for i in np.flatnonzero(values[1:] * values[:-1] < 0.0)
         ]
     assert len(roots) == 4  # two of them at 3/2 (1 - d^2) and 4 (1 - d^2), in resonance
-    equations = {
-        "x1": "y1", "y1": "-2*d*y1 - x1 + k*sign(y1) + c*(x2 - x1)",
-        "x2": "y2", "y2": "-2*d*y2 - x2 + k*sign(y2) + c*(x1 - x2)",
-    }  # fmt: skip
-    model = oscillator("two", equations, {"x1": 1, "y1": 0.1, "x2": 1, "y2": 0.1}, {"d": D, "k": K, "c": 1.2})
-    branch = api.continuation(api.periodic_orbit(model), "c", (1.0, 4.5))
+    branch = relays_in_phase("c", 1.0, 4.5, c=1.2)
     assert [point.type for point in branch.points] == ["BPC"] * 4
     for point, root in zip(branch.points, sorted(roots), strict=True):
         assert point.values["c"] == pytest.approx(root, abs=5e-8)
         assert abs(point.values["c"] - root) <= 2.0 * point.error
 
 
-def forced_map(u, w, d=0.05, k=4.0, force=1.0):
-    """Stroboscopic map of x'' + 2 d x' + (1 + k if x > 0 else 1) x = force cos(w t), and its derivative, by pieces."""
-
-    @cache
-    def turn_of(s, dt):
-        return expm(np.array([[0.0, 1.0], [-s, -2.0 * d]]) * dt)
-
-    def piece(u, t, s, dt):
-        den = (s - w * w) ** 2 + (2.0 * d * w) ** 2
-        a, b = force * (s - w * w) / den, 2.0 * d * w * force / den
-        steady = [
-            np.array([a * cos(w * q) + b * sin(w * q), w * (b * cos(w * q) - a * sin(w * q))]) for q in (t, t + dt)
-        ]
-        turn = turn_of(s, dt)
-        return turn @ (u - steady[0]) + steady[1], turn
-
-    t, matrix, u = 0.0, np.eye(2), np.array(u)
-    while t < 2.0 * pi / w - 1e-12:
-        up = u[0] > 1e-12 or (abs(u[0]) <= 1e-12 and u[1] > 0.0)
-        s, step = (1.0 + k if up else 1.0), min(0.1, 2.0 * pi / w - t)
-        end, turn = piece(u, t, s, step)
-        if (end[0] < 0.0) == up and abs(end[0]) > 1e-13:
-            step = brentq(lambda q, u=u, t=t, s=s: piece(u, t, s, q)[0][0], 1e-9, step, xtol=1e-15)
-            end, turn = piece(u, t, s, step)
-            end[0] = 0.0
-        t, u, matrix = t + step, end, turn @ matrix
-    return u, matrix
-
-
 def test_forced_bilinear_oscillator_doubles_its_period_where_exact_pieces_say():
-    equations = {"x": "y", "y": "-2*d*y - x*(1 + k if x > 0 else 1) + F*cos(w*t)"}
-    model = oscillator(
-        "forced", equations, {"x": 0, "y": 0}, {"w": 2.1, "d": 0.05, "k": 4, "F": 1}, forcing={"period": "2*pi/w"}
-    )
-    branch = api.continuation(api.periodic_orbit(model), "w", (2.1, 2.5))
+    branch = forced_family()
     assert [point.type for point in branch.points] == ["PD"]
     found = branch["PD1"]
-
-    def singular(w):
-        u = found.z[:2]
-        for _ in range(3):
-            end, matrix = forced_map(u, w)
-            u = u + np.linalg.solve(matrix - np.eye(2), u - end)
-        matrix = forced_map(u, w)[1]
-        return 1.0 + np.trace(matrix) + np.linalg.det(matrix)
-
-    w = found.values["w"]
-    assert singular(w - 1e-9) * singular(w + 1e-9) < 0.0
+    below, above = (forced_orbit(found.z[:2], found.values["w"] + side)[1] for side in (-1e-9, 1e-9))
+    assert below * above < 0.0
 
 
 def test_a_family_that_closes_on_a_corner_ends_there():
