@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from tests.diagram.crossings import assert_same_points, explore, solutions
+from tests.problems.cases import zeros
 
 R = (-1.0, 1.5)
 AT = {"p": -1.0}
-
-
-def zeros(names):
-    return dict.fromkeys(names.split(), 0.0)
 
 
 def cubic_roots(p):
