@@ -13,7 +13,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.diverged import diverged
 from contin.problems.orbits.invariant_circle import invariant_circle
 from contin.problems.orbits.layout import Profile, dwelling
-from contin.problems.orbits.saddles import extent_of
+from contin.problems.orbits.saddles import equilibria_of, extent_of
 from contin.problems.orbits.vertical import unbounded
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
@@ -41,9 +41,7 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     grown = unbounded(problem, origin, frame)
     if grown is not None:
         return Ending(grown)
-    if not problem.autonomous:
-        return None
-    if dwelling(problem.profile(origin.z), problem.sizes(origin.z, frame.scale)) < LINGERING:
+    if not _lingers(problem, origin, frame):
         return None
     reached = diverged(problem, origin, before, frame) or invariant_circle(problem, origin, before, frame)
     return None if reached is None else Ending(reached[0], None, reached[1])
@@ -53,15 +51,18 @@ def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     """The homoclinic or heteroclinic orbit that a family was near whose corrector fails: the last orbits agree on it
     less well than elsewhere, and its error says so.
     """
-    if not problem.autonomous:
-        return None
-    if dwelling(problem.profile(origin.z), problem.sizes(origin.z, frame.scale)) < LINGERING:
+    if not _lingers(problem, origin, frame):
         return None
     reached = diverged(problem, origin, before, frame, failed=True)
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
-def _foretold(profile: Profile, earlier: Profile, sizes: Array) -> float:
+def _lingers(problem: Any, origin: Sample, frame: Frame) -> bool:
+    sizes = problem.sizes(origin.z, frame.scale)
+    return bool(problem.autonomous and dwelling(problem.profile(origin.z), sizes) >= LINGERING)
+
+
+def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     """Where the square of the amplitude, linear in the parameter beside a Hopf point, vanishes."""
     now, then = extent_of(profile, sizes) ** 2, extent_of(earlier, sizes) ** 2
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
@@ -70,7 +71,6 @@ def _foretold(profile: Profile, earlier: Profile, sizes: Array) -> float:
 def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
     from contin.problems import defining
-    from contin.problems.equilibrium import EquilibriumProblem
 
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     size = extent_of(profile, sizes)
@@ -79,7 +79,7 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     earlier = problem.profile(before.z)
     if size >= extent_of(earlier, sizes):
         return None
-    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    rest = equilibria_of(problem)
     centre = profile.weights @ profile.u
     z = rest.at_parameter(np.append(centre, profile.parameter), profile.parameter, np.append(sizes, frame.scale[-1]))
     if z is None:
@@ -92,7 +92,7 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
         return None
     found = solved.y * metric
     remaining = abs(float(found[-1]) - profile.parameter)
-    missed = abs(float(found[-1]) - _foretold(profile, earlier, sizes))
+    missed = abs(float(found[-1]) - _vanishing(profile, earlier, sizes))
     if missed > MISSED * remaining + VERTICAL * float(frame.scale[-1]):
         return None
     frequency = abs(float(solved.extra[0]))

@@ -18,14 +18,13 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.layout import Profile, dwelling
-from contin.problems.orbits.saddles import extent_of, rounded, slowest_points
+from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded, slowest_points
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
 CONSTANT = (0.85, 1.2)  # 2 |p - p*|^(3/2) |dT/dp| relative to its limit
 NEAR = 0.1  # of the orbit's extent: distance of the bottleneck from the fold
 SAME = 1e-9  # relative difference of the parameters of folds that are images of each other
-STEP = 1e-3  # of the second difference, relative to the states' sizes
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,26 +59,19 @@ def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> l
 
 def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
     from contin.problems import defining
-    from contin.problems.orbits.homoclinic.saddle_node import critical_direction
+    from contin.problems.orbits.homoclinic.saddle_node import critical_direction, quadratic
 
     metric = np.append(np.sqrt(problem.n) * sizes, width)
-    solved = defining.fold(_equilibria(problem).scaled(metric), guess / metric)
+    solved = defining.fold(equilibria_of(problem).scaled(metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
         return None
     z = solved.y * metric
     u, p = z[:-1], problem.full_parameters(z)
     jacobian = problem.system.jacobian(u, p)[1]
     left, q = critical_direction(jacobian[:, : problem.n] * sizes / sizes[:, None])
-    around = [problem.system.jacobian(u + s * STEP * sizes * q, p)[0] / sizes for s in (-1.0, 0.0, 1.0)]
-    a = 0.5 * float(left @ (around[0] - 2.0 * around[1] + around[2])) / STEP**2
+    a = quadratic(problem.system, u, p, sizes, left, q)
     b = float(left @ (jacobian[:, problem.n + problem.active] / sizes))
     return Bottleneck(z, solved.error * width, a, b) if a != 0.0 and b != 0.0 else None
-
-
-def _equilibria(problem: Any) -> Any:
-    from contin.problems.equilibrium import EquilibriumProblem
-
-    return EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
 
 
 def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
@@ -101,7 +93,7 @@ def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame)
     if not CONSTANT[0] < 2.0 * abs(distance) ** 1.5 * slope / constant < CONSTANT[1]:
         return None
     name = problem.parameters[0]
-    values = np.linalg.eigvals(_equilibria(problem).linear_part(found))
+    values = np.linalg.eigvals(equilibria_of(problem).linear_part(found))
     state = {k: rounded(v, found[:-1]) for k, v in zip(problem.system.state_names, found[:-1], strict=True)}
     where = ", ".join(f"{k} = {v:.8g}" for k, v in state.items())
     at, error = float(found[-1]), doubt

@@ -73,13 +73,18 @@ def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
     return found
 
 
+def equilibria_of(problem: Any) -> Any:
+    """The equilibria of a family's equations, in its parameter."""
+    from contin.problems.equilibrium import EquilibriumProblem
+
+    return EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+
+
 def equilibrium_near(
     problem: Any, u: Array, parameter: float, sizes: Array
 ) -> tuple[Array, NDArray[np.complex128]] | None:
     """The equilibrium near u and its eigenvalues by falling real part."""
-    from contin.problems.equilibrium import EquilibriumProblem
-
-    rest = EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
+    rest = equilibria_of(problem)
     z = rest.at_parameter(np.append(u, parameter), parameter, np.append(sizes, 1.0))
     if z is None:
         return None

@@ -2,7 +2,8 @@
 
 The map takes the section of the first node to itself (a forced system: the states after a period), in coordinates y of
 unit vectors in the metric of the states' sizes. Its Jacobian is made of variations with their jumps at the crossings,
-so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none.
+so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none. Cost:
+four Jacobians for every direction, each some two trajectories over a period with n variations.
 """
 
 from __future__ import annotations
@@ -100,17 +101,14 @@ class ReturnMap:
         """D^k P along real directions, k = 2 or 3; of three at least two are alike."""
         if not all(np.any(d) for d in directions):
             return np.zeros(len(directions[0]))
-        ordered = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in self._lines)
         if len(directions) == 3:
-            keys = [d.tobytes() for d in directions]
-            twice = next(d for d in directions if keys.count(d.tobytes()) > 1)
-            rest = list(directions)
-            for _ in range(2):
-                rest.pop(next(i for i, d in enumerate(rest) if d.tobytes() == twice.tobytes()))
-            size = float(np.linalg.norm(twice))
-            return np.asarray(self._line(twice / size)[1] @ rest[0] * size**2)
-        size = float(np.linalg.norm(ordered[0]))
-        return np.asarray(self._line(ordered[0] / size)[0] @ ordered[1] * size)
+            a, b, c = directions
+            along, other = (a, c) if np.array_equal(a, b) else (a, b) if np.array_equal(a, c) else (b, a)
+            size = float(np.linalg.norm(along))
+            return np.asarray(self._line(along / size)[1] @ other * size**2)
+        along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in self._lines)
+        size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
+        return np.asarray(self._line(along / size)[0] @ other * size)
 
     def jet(self) -> DerivativeJet:
         """The derivatives as a normal form wants them; raises `NoDerivatives`."""
@@ -123,23 +121,23 @@ class ReturnMap:
     def unit(self, q: Array) -> float:
         """The square of what q (coordinates) must be multiplied with for its variation to have the mean square 1 over
         the period in the model's units."""
-        n, period = self.problem.n, self.nodes.period
-        start = self.sizes[:, None] * (self.basis @ np.column_stack([q.real, q.imag]))
-        return self._mean(self._eigenvector(start[:, 0] + 1j * start[:, 1], n), period)
+        return 1.0 / self._mean_square(self._eigenvector(self.sizes * (self.basis @ q)))
 
-    def _eigenvector(self, v: Any, n: int) -> Any:
+    def _eigenvector(self, v: Any) -> Any:
         """The eigenvector of the monodromy matrix whose projection onto the section is v."""
         if not self.problem.autonomous:
             return v
         f = self._slope(self.nodes.u[0])
-        matrix = self._fly(self.nodes.u[0], self.nodes.period, variations=np.eye(n)).variations
+        matrix = self._fly(self.nodes.u[0], self.nodes.period, variations=np.eye(self.problem.n)).variations
         image = matrix @ v
         value = complex(np.vdot(v, image - f * (self.nodes.normal @ image) / (self.nodes.normal @ f)) / np.vdot(v, v))
         share = (self.nodes.normal @ image) / (self.nodes.normal @ f)
         return v + f * share / (value - 1.0)
 
-    def _mean(self, v: Any, period: float) -> float:
+    def _mean_square(self, v: Any) -> float:
+        """Of the variation that begins with v, over a period."""
+        period = self.nodes.period
         times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period
         parts = np.column_stack([v.real, v.imag])
         samples = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples
-        return 1.0 / float(np.mean(np.sum(samples[:, self.problem.n :] ** 2, axis=1)))
+        return float(np.mean(np.sum(samples[:, self.problem.n :] ** 2, axis=1)))

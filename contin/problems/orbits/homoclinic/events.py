@@ -23,9 +23,11 @@ from contin.continuation.settings import Settings
 from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 from contin.problems.orbits.saddles import extent_of
+from contin.problems.orbits.zero_of_test import ACCURATE, zero_of_test
 
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
+JUMP: Final = 1e-4  # of a test at its zero
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 
@@ -99,14 +101,12 @@ def watch(type_: str) -> int:
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test along the curve."""
-    from contin.problems.orbits.loci.events import ACCURATE, _zero
-
     index = watch(type_)
-    found = _zero(problem, near, frame, index)
+    found = zero_of_test(problem, near, frame, index)
     if found is None:
         return f"{type_} not verified: its test function has no zero nearby"
     value = abs(float(found.tests[index]))
-    if value > 1e-4:
+    if value > JUMP:
         return f"{type_} not verified: its test function jumps"
     if _vanishes(problem, found, frame, index):
         return ""  # an invariant plane or a skew product: no coupling, all along the curve

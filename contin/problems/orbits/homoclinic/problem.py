@@ -24,6 +24,7 @@ from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
+from contin.problems.orbits.zero_of_test import zero_of_test
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
@@ -111,8 +112,6 @@ class ConnectionProblem(MarchedInPython):
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
         """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
-        from contin.problems.orbits.loci.events import _zero
-
         curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)))
         sizes = self.sizes(found.z, frame.scale)
         z = fitted(curve, found.z, sizes, farther(curve))
@@ -120,7 +119,7 @@ class ConnectionProblem(MarchedInPython):
         scale = self.scale_for(h, sizes, float(frame.scale[-1]), float(frame.scale[-2]))
         finer = replace(self, curve=curve, _last={})
         start = finer._on_interval(z, found, scale, h, Settings())
-        again = None if start is None else _zero(finer, start.origin, Frame(scale), index)
+        again = None if start is None else zero_of_test(finer, start.origin, Frame(scale), index)
         return None if again is None else float(np.max(np.abs(again.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:

@@ -9,9 +9,13 @@ Kuznetsov and Sandstede 1996).
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 import numpy as np
 
 from contin.abi import Array
+
+STEP: Final = 1e-3  # of the second difference, relative to the states' sizes
 
 
 def borders(matrix: Array) -> tuple[Array, Array]:
@@ -35,6 +39,12 @@ def critical_direction(matrix: Array) -> tuple[Array, Array]:
     others, left = np.linalg.eig(matrix.T)
     p = np.real(left[:, int(np.argmin(np.abs(others)))])
     return p / float(p @ q), q
+
+
+def quadratic(system: Any, u: Array, p: Array, sizes: Array, left: Array, q: Array) -> float:
+    """<left, f_uu(q, q)> / 2 in states relative to their sizes, by a second difference."""
+    before, here, after = (system.value(u + s * STEP * sizes * q, p) for s in (-1.0, 0.0, 1.0))
+    return 0.5 * float(left @ ((before - 2.0 * here + after) / sizes)) / STEP**2
 
 
 def centrality(matrix: Array, leaving: Array, arriving: Array, extent: float) -> float:

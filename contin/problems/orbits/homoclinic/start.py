@@ -24,6 +24,7 @@ from contin.problems.orbits.saddles import extent_of, saddles_near, turns
 
 WIDTHS = 6.0  # of a bottleneck: how far from a saddle-node an orbit is cut, inside ...
 CLOSEST, FARTHEST = 1e-3, 0.03  # ... of its extent
+SMALLEST = 1e-3  # scale of a parameter that is zero
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
 
 
@@ -163,21 +164,20 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         )
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)
-    for attempt in range(3):
+    for rounds_left in (2, 1, 0):
         profile = curve.profile(z)
-        scale = problem.scale_for(profile.h, sizes, max(1e-3, abs(float(z[-1]))), max(1e-3, abs(q)))
+        scale = problem.scale_for(profile.h, sizes, *(max(SMALLEST, abs(value)) for value in (float(z[-1]), q)))
         curve.settle(z, sizes)
         solved = problem.at_unknown(-2, z, q, scale)
         if solved is None and curve.node:  # folds that the first parameter does not move
             solved = problem.at_unknown(-1, z, piece.parameter, scale)
         if solved is None:
             raise InputError(f"{source}: Newton for the connecting orbit did not converge")
-        z = solved
-        if attempt < 2 and not fits(curve, z, sizes):
-            z = fitted(curve, z, sizes)
-        elif attempt == 1:
+        z, fitting = solved, fits(curve, solved, sizes)
+        if rounds_left == 0 or (fitting and rounds_left == 1):  # solved on a mesh of its own
             break
-        if attempt < 2:
-            chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
-            z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
+        if not fitting:
+            z = fitted(curve, z, sizes)
+        chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
+        z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
     return Seed(problem, z, parent=parent)

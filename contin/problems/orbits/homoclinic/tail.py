@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.orbits.homoclinic.saddle_node import quadratic
 
-STEP = 1e-3  # of the second difference, relative to the states' sizes
 LONGEST = 30.0  # time of a tail in units of the slowest rate, where there is one
-STILL = 1e-9  # a rate times the tail's length below which it is zero
+STILL = 1e-9  # a rate this small beside that of c^2 is zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,21 +44,22 @@ class Tail:
     def _slow(self, parts: Array) -> Array:
         r, b = self.rate, self.quadratic * self.start
         factors = self.shrink**parts
-        if abs(r) * self._still < STILL * abs(b):
+        if self._is_neutral:
             return np.asarray((1.0 - 1.0 / factors) / b) if b != 0.0 else np.full(len(parts), np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
             times = np.log(factors * (r + b) / (r + b * factors)) / r
         return np.asarray(times)
 
     @property
-    def _still(self) -> float:
-        return 1.0 / max(self.shrink, 1e-300)
+    def _is_neutral(self) -> bool:
+        """True where the rate is zero, beside what c^2 does even at the end of the tail: a saddle-node."""
+        return abs(self.rate) < STILL * self.shrink * abs(self.quadratic * self.start)
 
     def offsets(self, times: Array) -> Array:
         """(len(times), n)"""
         r, b = self.rate, self.quadratic * self.start
         with np.errstate(all="ignore"):  # what does not come out finite is not used
-            if abs(r) * self._still < STILL * abs(b):
+            if self._is_neutral:
                 c = self.start / (1.0 - b * times)
             else:
                 grown = np.exp(r * times)
@@ -82,31 +83,21 @@ def tail_of(
     kept = order[count:]
     k, others = kept[0], kept[1:]
     if values[k].imag != 0.0:
-        rate, q, start, quadratic = float(values[k].real), np.zeros(curve.n), 0.0, 0.0
+        rate, q, start, bend = float(values[k].real), np.zeros(curve.n), 0.0, 0.0
         others = kept
     else:
         rate, q = float(values[k].real), np.real(vectors[:, k])
-        start, quadratic = float(parts[k].real), sign * _quadratic(curve, z, sizes, saddle, vectors, k)
+        left, p = np.real(np.linalg.inv(vectors)[k]), curve.full_parameters(z)
+        start, bend = float(parts[k].real), sign * quadratic(curve.orbits.system, saddle, p, sizes, left, q)
     fast: NDArray[np.complex128] = (vectors[:, others] * parts[others] * sizes[:, None]).astype(complex)
     rates = values[others]
     others_now = np.abs(fast / sizes[:, None]).max(axis=0, initial=0.0)
     needed = np.minimum(np.log(np.maximum(others_now / aim, 1.0)), LONGEST) / -rates.real
     least = float(np.max(needed, initial=0.0))
     factor = min(aim / max(abs(start) * float(np.max(np.abs(q))), 1e-300), 1.0)
-    tail = Tail(rate, quadratic, start, factor, q * sizes, rates, fast, least)
+    tail = Tail(rate, bend, start, factor, q * sizes, rates, fast, least)
     last = tail.times(np.ones(1))[0]
-    if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or quadratic * start < 0.0)):
+    if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or bend * start < 0.0)):
         factor = max(factor, float(np.exp(-LONGEST)))
         return Tail(rate, 0.0, start, factor, q * sizes, rates, fast, least)
     return tail
-
-
-def _quadratic(
-    curve: Any, z: Array, sizes: Array, saddle: Array, vectors: NDArray[np.complex128], k: int
-) -> float:
-    """<p, f_uu(q, q)> / 2 along eigenvector k of the scaled equations."""
-    parameters, system = curve.full_parameters(z), curve.orbits.system
-    q = np.real(vectors[:, k])
-    around = [system.jacobian(saddle + s * STEP * sizes * q, parameters)[0] for s in (-1.0, 0.0, 1.0)]
-    second = (around[0] - 2.0 * around[1] + around[2]) / STEP**2 / sizes
-    return 0.5 * float(np.real(np.linalg.inv(vectors)[k] @ second))

@@ -32,10 +32,9 @@ def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> fl
         return float("nan")
     try:
         value, size = curve.critical_coefficient(z, scale)
-        return float("nan") if decided and abs(value) <= UNDECIDED * size else float(value)
-    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
-        pass
-    return float("nan")
+    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):  # a singular system (sparse, dense)
+        return float("nan")
+    return float("nan") if decided and abs(value) <= UNDECIDED * size else float(value)
 
 
 def is_measured(curve: Any, sample: Sample) -> bool:

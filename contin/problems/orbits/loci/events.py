@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import criticality
+from contin.problems.orbits.zero_of_test import ACCURATE, zero_of_test
 
 # test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
 NAMES: Final = {
@@ -23,8 +24,6 @@ NAMES: Final = {
     "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4", "CH"),
 }
 PAIRS: Final = {"LPC": "LPNS", "BPC": "LPNS", "PD": "PDNS", "NS": "NSNS"}  # a pair of the other multipliers
-STEPS: Final = 40
-ACCURATE: Final = 1e-11  # scaled arclength
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 NEUTRAL: Final = ""
 DEGENERATE: Final = 1e-9  # a test function this small all along is zero
@@ -54,7 +53,7 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test function along the curve, by secants in a bracket; '' where only a neutral pair crosses."""
     index = watch(problem.locus, type_)
-    found = _zero(problem, near, frame, index)
+    found = zero_of_test(problem, near, frame, index)
     if found is None:
         return f"{type_} not verified: its test function has no zero nearby"
     if type_ == "CPC" and (problem.has_shrunk(found.z, frame.scale) or problem.has_met_half(found.z, frame.scale)):
@@ -72,48 +71,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
 def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> float:
     """How far the point moves, in either parameter, on a mesh of half the lengths; 0 where it is not found there."""
     refined = problem.refined(found, frame)
-    again = None if refined is None else _zero(refined[0], refined[1], refined[2], index)
+    again = None if refined is None else zero_of_test(refined[0], refined[1], refined[2], index)
     return 0.0 if again is None else float(np.abs(again.z[[-1, -2]] - found.z[[-1, -2]]).max())
-
-
-def _zero(problem: Any, near: Sample, frame: Frame, index: int) -> Sample | None:
-    from contin.continuation.settings import Settings
-
-    settings = Settings()
-
-    def at(s: float) -> Sample | None:
-        return problem.probe(near, s, near.z + frame.scale * s * near.tangent, frame, settings)  # type: ignore[no-any-return]
-
-    width = 1e-6
-    a = b = None
-    for _ in range(12):
-        a, b = at(-width), at(width)
-        if a is not None and b is not None and a.tests[index] * b.tests[index] <= 0.0:
-            break
-        width *= 4.0
-    else:
-        return None
-    assert a is not None
-    assert b is not None
-    s_a, s_b, f_a, f_b = -width, width, float(a.tests[index]), float(b.tests[index])
-    best = a if abs(f_a) < abs(f_b) else b
-    for k in range(STEPS):
-        if s_b - s_a < ACCURATE or f_a == f_b:
-            break
-        s = 0.5 * (s_a + s_b) if k % 3 == 2 else s_a - f_a * (s_b - s_a) / (f_b - f_a)
-        middle = at(min(max(s, s_a + 0.01 * (s_b - s_a)), s_b - 0.01 * (s_b - s_a)))
-        if middle is None:
-            break
-        s, f = float((middle.z - near.z) / frame.scale @ near.tangent), float(middle.tests[index])
-        if abs(f) < abs(float(best.tests[index])):
-            best = middle
-        if f == 0.0:
-            break
-        if f * f_a > 0.0:
-            s_a, f_a = s, f
-        else:
-            s_b, f_b = s, f
-    return best
 
 
 def _complex_pair(problem: Any, sample: Sample) -> bool:

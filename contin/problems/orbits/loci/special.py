@@ -77,8 +77,11 @@ class OfSpecialOrbits(OfPeriodicOrbits):
         return bool(near.all()) and abs(periods[0] - periods[1]) < 1e-5 * periods[0]
 
     def columns(self, z: Array) -> dict[str, Array]:
-        columns = super().columns(z)
-        if self.locus == "NS":
-            columns["cos.theta"] = z[:, -3].copy()
-            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
-        return columns
+        return super().columns(z) | self.angle_columns(z)
+
+    def angle_columns(self, z: Array) -> dict[str, Array]:
+        """Of tori: cos(theta), and where the pair is real."""
+        if self.locus != "NS":
+            return {}
+        cosine = z[:, -3].copy()
+        return {"cos.theta": cosine, "neutral": np.asarray(np.abs(cosine) > 1.0)}

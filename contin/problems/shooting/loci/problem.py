@@ -91,10 +91,6 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
 
         return verify(self, type_, near, frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        changed = a.tests[2:] * b.tests[2:] < 0.0
-        return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
-
     def precise(self, accuracy: float) -> ShotLocusProblem:
         """The same curve with trajectories of another accuracy."""
         return replace(self, curve=self.curve.precise(accuracy))
@@ -123,10 +119,7 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         if isinstance(curve, GrazingCurve) and len(z):
             scale = self.initial_scale(z[0], self.first_bounds)
             columns["turns"] = np.array([curve.turns(row, scale) for row in z])
-        if self.locus == "NS":
-            columns["cos.theta"] = z[:, -3].copy()
-            columns["neutral"] = np.abs(z[:, -3]) > 1.0  # type: ignore[assignment]
-        return columns
+        return columns | self.angle_columns(z)
 
     def remarks(self, z: Array) -> Sequence[str]:
         touched = self.curve.touched
