@@ -27,7 +27,7 @@ from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import ShotOrbit, on_its_mesh, orbit_from_return, shooting_chosen
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -178,7 +178,6 @@ def continuation(
     """
     seed, bounds = placed(start, parameter, range)
     chosen = Settings.of(settings)
-    seed = on_its_mesh(seed, chosen)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
@@ -213,6 +212,7 @@ def walk(
     seed = as_seed(start, parameter)
     problem = seed.problem
     departure = depart(seed, bounds_of(problem, parameter, range), Settings.of(settings))
+    seed, problem = departure.seed, departure.seed.problem
     ready = departure.arm(1 if direction == "up" else -1, targets_of(problem, values))
     if isinstance(ready, End):
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -48,6 +48,14 @@ class Seed:
         return self.direction is not None
 
 
+@runtime_checkable
+class Configurable(Protocol):
+    """A problem whose discretisation is chosen by the settings: a mesh, or shooting instead of collocation."""
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """A seed of this problem as the settings want it; every branch departs from that one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Departure:
     """A seed made ready: metric, tangent and tests at the start, and the special points that it coincides with."""
@@ -83,7 +91,9 @@ class Departure:
 
 
 def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Departure:
-    """Check the range and measure the start; raises InputError for a start outside it."""
+    """Check the range and measure the start, discretised as the settings say; InputError for one outside the range."""
+    if isinstance(seed.problem, Configurable):
+        seed = seed.problem.configured(seed, settings)
     problem = seed.problem
     parameter = problem.parameters[0]
     if not bounds[0] < bounds[1]:

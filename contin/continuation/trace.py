@@ -56,6 +56,7 @@ def trace(
     started = computing_time()
     settings = settings or Settings()
     departure = depart(seed, bounds, settings)
+    seed = departure.seed
     records: dict[int, _ArmRecord] = {}
     notes: list[str] = []
     for sense in seed.arms:

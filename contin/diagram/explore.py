@@ -21,7 +21,6 @@ from contin.diagram.orbits import known_family, left_to_the_user, mirrored_famil
 from contin.errors import ContinError, InputError
 from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
-from contin.problems.shooting.start import on_its_mesh
 from contin.problems.symmetry import apply_symmetry
 
 
@@ -122,7 +121,7 @@ class Explorer:
             return None
         try:
             branch = trace(
-                on_its_mesh(seed, self.settings),
+                seed,
                 self.bounds,
                 name=name,
                 settings=self.settings,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -9,9 +10,21 @@ from typing import Any, Self
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.problem import Verified
 from contin.problems.orbits.columns import names_of
+from contin.problems.orbits.layout import Profile
 
 _TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
+
+SAME_PERIOD = 1e-5  # relative
+SAME_EXTENT = 1e-2  # relative: of families that are born at one point with one period there are many
+
+
+def alike(one: Profile, other: Profile) -> bool:
+    """True for orbits of one period and one extent."""
+    extents = np.ptp(one.u, axis=0), np.ptp(other.u, axis=0)
+    near = np.abs(extents[0] - extents[1]) <= SAME_EXTENT * np.maximum(*extents).max()
+    return abs(one.period - other.period) < SAME_PERIOD * one.period and bool(np.all(near))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +85,14 @@ class FamilyOfOrbits:
         """Scale of the parameter: the width of its range; of an endless one, its size."""
         width = bounds[1] - bounds[0]
         return width if np.isfinite(width) else max(1.0, abs(float(z[-1])))
+
+    @abstractmethod
+    def profile(self, z: Array) -> Profile:
+        """The orbit over one period."""
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and alike(self.profile(a.z), self.profile(b.z))
 
     def watch(self, type_: str) -> int | None:
         return _TESTS.get(type_)

@@ -31,8 +31,6 @@ MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 EXACT = 1e-12  # tolerance where the parameter is fixed
 CONSTANT = 1e-9  # an orbit with less amplitude than this (relative) is an equilibrium
-SAME_PERIOD = 1e-5  # relative
-SAME_EXTENT = 1e-2  # relative: of families that are born at one point with one period there are many
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +95,15 @@ class OrbitProblem(FamilyOfOrbits):
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         profile, width = self.profile(z), self.width(z, bounds)
         return make_scale(profile.h, self.points, self.state_sizes(profile), PERIOD_SCALE * profile.period, width)
+
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """On the mesh that is asked for; for shooting where that is asked for, or the flow is piecewise smooth."""
+        from contin.problems.orbits.start import configured
+        from contin.problems.shooting.conversion import shooting_seed
+        from contin.problems.shooting.start import shooting_chosen
+
+        chosen = shooting_chosen(self.system, settings.method)
+        return shooting_seed(seed, settings) if chosen else configured(seed, settings)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         from contin.problems.orbits.linear import branch_tangents
@@ -215,14 +222,6 @@ class OrbitProblem(FamilyOfOrbits):
         from contin.problems.orbits.vertical import remarks
 
         return remarks(self, z)
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        one, other = self.profile(a.z), self.profile(b.z)
-        extents = np.ptp(one.u, axis=0), np.ptp(other.u, axis=0)
-        alike = np.all(np.abs(extents[0] - extents[1]) <= SAME_EXTENT * np.maximum(*extents).max())
-        same_time = abs(one.period - other.period) < SAME_PERIOD * one.period
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and same_time and bool(alike)
 
     def describe_failure(self, z: Array) -> str:
         from contin.problems.orbits.mesh import estimate

@@ -25,7 +25,6 @@ from contin.problems.shooting.segments import Segments
 ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 BUDGET = 200_000  # steps of one segment
-SAME_PERIOD = 1e-6  # relative
 ROUNDING = 1e-9  # of the largest state: a state this small is zero on the orbit
 PROBE_TOLERANCE = 1e-10
 
@@ -242,11 +241,6 @@ class ShootingProblem(FamilyOfOrbits):
         from contin.problems.shooting.renewal import renew
 
         return renew(self, origin, before, loop, frame)
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        periods = float(a.z[-self.n - 3]), float(b.z[-self.n - 3])
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(periods[0] - periods[1]) < SAME_PERIOD * periods[0]
 
     def describe_failure(self, z: Array) -> str:
         from contin.problems.shooting.sampling import why_not

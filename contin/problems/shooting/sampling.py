@@ -38,10 +38,11 @@ def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
 
 
 def states(problem: Any, z: Array, times: Array) -> Array:
-    """u at scaled times, (K, n); NaN where a trajectory does not get there."""
-    found = np.vstack([f.u for f in flights(problem, z, times)])
+    """u at scaled times in any order, (K, n); NaN where a trajectory does not get there."""
+    order = np.argsort(times, kind="stable")
+    found = np.vstack([f.u for f in flights(problem, z, times[order])])
     out = np.full((len(times), problem.n), np.nan)
-    out[: len(found)] = found
+    out[order[: len(found)]] = found
     return out
 
 

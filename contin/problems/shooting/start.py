@@ -1,4 +1,4 @@
-"""Where families found by shooting start: at a simulation, or at a seed made for collocation."""
+"""Where families found by shooting start: at a trajectory that nearly returns. And which flows want shooting."""
 
 from __future__ import annotations
 
@@ -9,11 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.continuation.settings import Settings
 from contin.errors import NoSolutionError
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.start import configured
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
@@ -51,11 +47,6 @@ class ShotOrbit:
         u = self.nodes.u[0]
         states = ", ".join(f"{k} = {v:.6g}" for k, v in zip(self.system.state_names, u, strict=True))
         return f"periodic orbit of period {self.period:.10g} through {states}"
-
-
-def shooting_wanted(problem: Any, settings: Settings) -> bool:
-    """True where the orbits of this problem are to be found by shooting."""
-    return shooting_chosen(problem.system, settings.method)
 
 
 def shooting_chosen(system: Any, method: str | None) -> bool:
@@ -119,57 +110,3 @@ def split(problem: Any, z: Array, count: int) -> Array:
         return z
     one = replace(problem, count=nodes.count)
     return replace(nodes, u=states(one, z, np.arange(count) / count)).vector()
-
-
-def on_its_mesh(seed: Seed, settings: Settings) -> Seed:
-    """The seed as the settings want it: orbits on a mesh of that many intervals, or by shooting; others as they are."""
-    if isinstance(seed.problem, OrbitLocusProblem) and seed.born and shooting_wanted(seed.problem, settings):
-        from contin.problems.shooting.loci.start import born_by_shooting
-
-        return born_by_shooting(seed)
-    if not isinstance(seed.problem, OrbitProblem):
-        return seed
-    return shooting_seed(seed, settings) if shooting_wanted(seed.problem, settings) else configured(seed, settings)
-
-
-def shooting_seed(seed: Seed, settings: Settings) -> Seed:
-    """A seed made for collocation (from a Hopf point, or an orbit) as one for shooting."""
-    problem: OrbitProblem = seed.problem  # type: ignore[assignment]
-    profile = problem.profile(seed.z)
-    flow = ShootingProblem(
-        problem.system, problem.base, problem.active, np.asarray(problem.winding, dtype=float), 1, problem.multiple
-    )
-    p = problem.full_parameters(seed.z)
-    rest = seed.direction is not None and problem.is_constant(seed.z, np.ones(len(seed.z)))
-    if seed.direction is None:
-        orbit = orbit_from_return(
-            problem.system, profile.u[0], p[: len(problem.base)],
-            np.asarray(problem.system.model.periods(flow.constants())), profile.period, problem.multiple,
-            settings.intervals,
-        )  # fmt: skip
-        return orbit.seed(problem.parameters[0])
-    assert seed.scale is not None
-    count = settings.intervals or 1
-    flow = replace(flow, count=count)
-    times = np.arange(count) / count
-    raw = seed.direction * seed.scale
-    raw[profile.u.size + 1 : -1] = profile.h
-    change = problem.profile(raw)
-    sizes = problem.sizes(seed.z, seed.scale)
-    u, along = profile.at(times), change.at(times)
-    if problem.autonomous:
-        velocity = flow.system.value(u[0], p) / sizes
-        if rest:  # a small ellipse around the Hopf point: the section contains the direction to its first node
-            velocity, first = (change.at(np.array([1e-4]))[0] - along[0]) / sizes, along[0] / sizes
-            velocity = velocity - float(velocity @ first) / float(first @ first) * first
-        normal = velocity / (sizes * max(float(np.linalg.norm(velocity)), 1e-300))
-    else:
-        normal = np.zeros(problem.n)
-    z = Nodes(u, profile.period, normal, float(normal @ u[0]), profile.parameter).vector()
-    scale = make_scale(sizes, count, float(seed.scale[profile.u.size]), float(seed.scale[-1]))
-    direction = np.zeros(len(z))
-    direction[: along.size] = along.ravel() / scale[: along.size]
-    direction[-1] = change.parameter / scale[-1]
-    direction[along.size] = change.period / scale[along.size]
-    direction /= np.linalg.norm(direction)
-    return replace(seed, problem=flow, z=z, direction=direction, curvature=None, scale=scale)

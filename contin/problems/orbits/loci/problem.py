@@ -42,6 +42,14 @@ class OrbitLocusProblem(OfSpecialOrbits):
         own = self.curve.at(z).initial_scale(self.curve.orbit(z), (0.0, first))
         return self.curve.join(own, second, 1.0)
 
+    def configured(self, seed: Seed, settings: Settings) -> Seed:
+        """Of orbits born at an equilibrium: by shooting where that is asked for, or the flow is piecewise smooth."""
+        from contin.problems.shooting.conversion import born_by_shooting
+        from contin.problems.shooting.start import shooting_chosen
+
+        by_shooting = seed.born and shooting_chosen(self.system, settings.method)
+        return born_by_shooting(seed, settings) if by_shooting else seed
+
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent."""
         self.curve.settle(z, scale)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import events
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
@@ -73,8 +74,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
-        periods = self.curve.profile(a.z).period, self.curve.profile(b.z).period
-        return bool(near.all()) and abs(periods[0] - periods[1]) < 1e-5 * periods[0]
+        return bool(near.all()) and alike(self.curve.profile(a.z), self.curve.profile(b.z))
 
     def columns(self, z: Array) -> dict[str, Array]:
         return super().columns(z) | self.angle_columns(z)

@@ -21,7 +21,7 @@ from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.segments import Segments
 
 STEP = 1e-4  # (scaled) of the differences: their error, STEP^2, is that of the trajectories' accuracy over STEP
-SMALL_STEP = 1e-6  # ... where surfaces are crossed
+SMALL_STEPS = (1e-6, 1e-7, 1e-8)  # ... where surfaces are crossed, or only just not: a step stays on its side of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,21 +79,25 @@ class Expansion:
         size = float(np.linalg.norm(direction))
         if size == 0.0:
             return np.zeros_like(self.jacobian)
-        step = SMALL_STEP if any(flight.crossed for flight in self.segments.flights) else STEP
-        sides = [self._moved(sense * step / size * direction * self.units) for sense in (1.0, -1.0)]
-        if sides[0] is None or sides[1] is None:
-            return None
-        return np.asarray((sides[0] - sides[1]) * (size / (2.0 * step)))
+        here = crossed(self.segments)
+        found = None
+        for step in SMALL_STEPS if here else (STEP, *SMALL_STEPS):
+            sides = [self._moved(sense * step / size * direction * self.units) for sense in (1.0, -1.0)]
+            if sides[0] is None or sides[1] is None:
+                return None
+            found = np.asarray((self._scaled(sides[0]) - self._scaled(sides[1])) * (size / (2.0 * step)))
+            if crossed(sides[0]) == crossed(sides[1]) == here:
+                break
+        return found
 
-    def _moved(self, raw: Array) -> Array | None:
-        """The Jacobian at another point."""
+    def _moved(self, raw: Array) -> Segments | None:
+        """The trajectories at another point."""
         orbit = self.orbit.copy()
         orbit[: self.rows] += raw[: self.rows]
         orbit[-1] += raw[-1]
         base = self.orbits.base.copy()
         base[self.second] += raw[-2]
-        segments = Segments.of(self.orbits.at_base(base), orbit, (self.second,))
-        return None if segments is None else self._scaled(segments)
+        return Segments.of(self.orbits.at_base(base), orbit, (self.second,))
 
     # -- the return map -----------------------------------------------------------------------------------------------
 
@@ -130,3 +134,8 @@ class Expansion:
             return np.zeros(self.rows + 2)
         _, slope, normal = self._field
         return np.asarray(-float(normal @ y) * (w @ self.projector @ slope))
+
+
+def crossed(segments: Segments) -> list[int]:
+    """The surfaces that are crossed in a period, as often as they are; not in order, which may be none."""
+    return sorted(int(surface) for flight in segments.flights for surface in flight.crossings[:, 1])

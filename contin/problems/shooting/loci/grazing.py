@@ -72,11 +72,8 @@ class GrazingCurve(CurveByShooting):
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
         at = Expansion.of(self._held(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
-        time = self._extremum(z)
-        if at is None or time is None:
-            return None
-        special = self._clearance(z, time, at)
-        if special is None:
+        special = None if at is None else self.clearance(z, at)
+        if special is None or at is None:
             return None
         value, row = special
         row = row * at.units
@@ -91,9 +88,8 @@ class GrazingCurve(CurveByShooting):
         Beyond it the surface is crossed, and the tangent is that of the flow without held surfaces.
         """
         orbit, metric, width = self.orbit(z), self.orbit(scale), float(scale[-2])
-        time = self._extremum(z)
         at = Expansion.of(self._held(z), self.second, orbit, metric, width)
-        special = None if at is None or time is None else self._clearance(z, time, at)
+        special = None if at is None else self.clearance(z, at)
         if special is None or at is None:
             return False
         own = np.delete(np.arange(at.rows + 2), at.rows)  # without the second parameter
@@ -122,7 +118,7 @@ class GrazingCurve(CurveByShooting):
             flight = fly(
                 problem.system, nodes.u[self._segment], p, float(times[-1]) - start, start=start, times=times,
                 rtol=problem.accuracy, atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()),
-                budget=problem.budget, pieces=problem.held[self._segment],
+                budget=problem.budget, pieces=problem.held.get(self._segment),
             )  # fmt: skip
             if len(flight.u) < len(times):
                 return np.full(len(times), np.nan)
@@ -139,8 +135,11 @@ class GrazingCurve(CurveByShooting):
         nodes = Nodes.of(self.orbit(z), self.orbits.n)
         return self._held(z), nodes, self._segment * nodes.period / nodes.count
 
-    def _clearance(self, z: Array, time: float, at: Expansion) -> tuple[float, Array] | None:
-        """h at its extremum, and its derivative by (u, T, q, p) in the model's units."""
+    def clearance(self, z: Array, at: Expansion) -> tuple[float, Array] | None:
+        """h at its extremum, and its derivative by (u, T, q, p) in the model's units; None where there is none."""
+        time = self._extremum(z)
+        if time is None:
+            return None
         problem, nodes, start = self._begin(z)
         n, k, p = problem.n, self._segment, problem.full_parameters(self.orbit(z))
         flight = fly(
@@ -148,7 +147,7 @@ class GrazingCurve(CurveByShooting):
             variations=np.hstack([np.eye(n), np.zeros((n, 2))]),
             columns=np.append(np.full(n, -1), [n + self.second, n + problem.active]), rtol=problem.accuracy,
             atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()), budget=problem.budget,
-            pieces=problem.held[k],
+            pieces=problem.held.get(k),
         )  # fmt: skip
         if flight.outcome != "done":
             return None

@@ -19,9 +19,10 @@ from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.shooting.linear import BorderedShooting
-from contin.problems.shooting.locate import nontrivial
+from contin.problems.shooting.loci import corners
 from contin.problems.shooting.loci.curve import CurveByShooting
 from contin.problems.shooting.loci.grazing import GrazingCurve
+from contin.problems.shooting.locate import nontrivial
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,7 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        chunk = corners.cut_where_wrong(self, chunk, frame.scale)
         return criticality.cut_at_change(self.curve, chunk, frame.scale)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
@@ -85,6 +87,12 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
         if found is None or not criticality.is_measured(self.curve, base):
             return found
         return criticality.measured(self.curve, found, frame.scale)
+
+    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+        return corners.cross_corner(self, last, frame)
+
+    def describe_failure(self, z: Array) -> str:
+        return corners.why_not(self, z) or super().describe_failure(z)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.shooting.loci.verify import verify

@@ -9,21 +9,14 @@ import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Sample
-from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.loci.start import indices
 from contin.problems.orbits.loci.beside import tori_beside
 from contin.problems.orbits.loci.start import CURVES, further_through, meeting
-from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
 from contin.problems.shooting.loci.touching import laid_out, touches
-from contin.problems.shooting.phase import section_at
-from contin.problems.shooting.problem import ShootingProblem
-
-REACHES = (3e-2, 1e-2, 3e-3)  # (arclength) from the equilibrium to the first orbit
 
 
 def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -50,35 +43,6 @@ def loci_through(problem: ShotLocusProblem, point: SpecialPoint, parameters: Seq
         else:
             seeds.append(_seed(type_, orbits, orbit, point, parameters, further_through(problem, point, type_)))
     return seeds
-
-
-def born_by_shooting(seed: Seed) -> Seed:
-    """The start of a curve of orbits that are born at an equilibrium, one of its first orbits, for shooting.
-
-    The seed itself where collocation finds no orbit nearby.
-    """
-    problem: Any = seed.problem
-    assert seed.direction is not None
-    assert seed.scale is not None
-    base = Sample(seed.z, seed.direction, np.empty(0), 0, np.empty(0, complex))
-    bend = np.zeros_like(seed.z) if seed.curvature is None else seed.curvature
-    for reach in REACHES:
-        guess = seed.z + seed.scale * (reach * seed.direction + 0.5 * reach**2 * bend)
-        found = problem.probe(base, reach, guess, Frame(seed.scale), Settings())
-        if found is not None:
-            break
-    else:
-        return seed
-    old = problem.curve
-    orbits, profile = old.at(found.z), old.profile(found.z)
-    flow = ShootingProblem(orbits.system, orbits.base, orbits.active, np.asarray(orbits.winding, dtype=float))
-    u, p = profile.u[0], flow.full_parameters(np.array([profile.parameter]))
-    normal, offset = section_at(flow, u, p, flow.state_sizes(profile)) if flow.autonomous else (np.zeros(flow.n), 0.0)
-    orbit = Nodes(u[None], profile.period, normal, offset, profile.parameter).vector()
-    curve = ShootingCurve(old.type, flow, old.second)
-    z = curve.join(orbit, float(found.z[-2]), old.further(found.z))
-    shot = ShotLocusProblem(curve, second_bounds=problem.second_bounds, first_bounds=problem.first_bounds)
-    return Seed(shot, z, parent=seed.parent)
 
 
 def _seed(

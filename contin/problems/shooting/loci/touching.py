@@ -29,15 +29,16 @@ SHIFTS: Final = (0.0, 0.25, 0.5, 0.75)  # of the phase, in segments
 
 @dataclass(frozen=True)
 class Touch:
-    """Surface, scaled time, and the side (+-1, the sign of h) that the orbit comes from."""
+    """Surface, scaled time, the side (+-1, the sign of h) that the orbit comes from, and h at its extremum."""
 
     surface: int
     time: float
     side: int
+    value: float = 0.0
 
 
-def touches(problem: Any, z: Array) -> list[Touch]:
-    """All places where an extremum of a surface function is zero."""
+def touches(problem: Any, z: Array, within: float = TOUCHING) -> list[Touch]:
+    """All places where an extremum of a surface function is zero, or `within` (relative to its largest value) of it."""
     times, found = np.arange(SAMPLES) / SAMPLES, []
     for j in range(problem.system.pieces.count):
         h = surface(problem, z, j, times)
@@ -45,8 +46,8 @@ def touches(problem: Any, z: Array) -> list[Touch]:
         before, after = np.roll(h, 1), np.roll(h, -1)
         for k in np.flatnonzero(((h - before) * (after - h) <= 0.0) & (np.abs(h) < 0.1 * largest)):
             time, value, bend = vertex(lambda t, j=j: surface(problem, z, j, t % 1.0), float(times[k]), 1.0)
-            if abs(value) <= TOUCHING * largest and abs(time - times[k]) < 2.0 / SAMPLES and bend != 0.0:
-                found.append(Touch(j, time % 1.0, int(np.sign(bend))))
+            if abs(value) <= within * largest and abs(time - times[k]) < 2.0 / SAMPLES and bend != 0.0:
+                found.append(Touch(j, time % 1.0, int(np.sign(bend)), value))
     return found
 
 
