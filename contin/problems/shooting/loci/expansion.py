@@ -82,11 +82,11 @@ class Expansion:
         here = crossed(self.segments)
         found = None
         for step in SMALL_STEPS if here else (STEP, *SMALL_STEPS):
-            sides = [self._moved(sense * step / size * direction * self.units) for sense in (1.0, -1.0)]
-            if sides[0] is None or sides[1] is None:
-                return None
-            found = np.asarray((self._scaled(sides[0]) - self._scaled(sides[1])) * (size / (2.0 * step)))
-            if crossed(sides[0]) == crossed(sides[1]) == here:
+            ahead, behind = (self._moved(sense * step / size * direction * self.units) for sense in (1.0, -1.0))
+            if ahead is None or behind is None:
+                continue
+            found = np.asarray((self._scaled(ahead) - self._scaled(behind)) * (size / (2.0 * step)))
+            if crossed(ahead) == crossed(behind) == here:
                 break
         return found
 

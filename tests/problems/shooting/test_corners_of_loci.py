@@ -1,0 +1,76 @@
+"""Curves of folds whose orbits come to touch a switching surface, against quadrature of the radius."""
+
+import numpy as np
+import pytest
+
+from contin import api
+from contin.model.model import Model
+from contin.problems.shooting.loci.problem import ShotLocusProblem
+from tests.problems.shooting.bent import BENT, TOUCHED, fold
+
+PAIR = ("b1", "b2")
+BOX = {"b1": (-0.6, 0.3), "b2": (-0.9, 1.5)}
+
+
+def born_at_bautin_point(model, box=BOX):
+    line = api.continuation(api.equilibrium(model), "b1", (-0.6, 0.3))
+    hopf = api.continuation(line["HB1"].locus(PAIR), PAIR, box)
+    return api.continuation(hopf["GH1"].locus(PAIR), PAIR, box)
+
+
+def follows_both_laws(folds):
+    b1, b2, y = (folds.columns[name] for name in ("b1", "b2", "y.max"))
+    inside = b2 < TOUCHED
+    np.testing.assert_allclose(b1[inside], -(b2[inside] ** 2) / 4.0, atol=1e-9)
+    outside = np.flatnonzero(b2 > TOUCHED + 1e-3)
+    for row in outside[:: max(1, len(outside) // 4)]:
+        assert b1[row] == pytest.approx(fold(b2[row], y[row], b1[row]), abs=1e-8)
+    assert float(np.max(b1[outside] + b2[outside] ** 2 / 4.0)) > 0.08  # far from the smooth law
+
+
+def test_folds_born_inside_leave_the_smooth_law_where_their_orbits_touch_the_line():
+    folds = born_at_bautin_point(BENT)
+    assert isinstance(folds.problem, ShotLocusProblem)
+    assert folds.parent.label == "GH1"
+    assert (folds.columns["b1"][0], folds.columns["b2"][0]) == pytest.approx((0.0, 0.0), abs=1e-9)  # begins at it
+    assert [end.reason for end in folds.ends] == ["start", "bound"]
+    assert folds.columns["b2"][-1] == pytest.approx(1.5)
+    follows_both_laws(folds)
+    assert folds.steps <= 60  # measured 37
+
+
+def test_folds_that_cross_the_line_come_back_to_the_smooth_law():
+    orbit = api.periodic_orbit(BENT, {"x": 1.2, "y": 0.0}, {"b1": 0.1, "b2": 1.4})
+    folds = api.continuation(api.continuation(orbit, "b1", (-0.6, 0.3))["LPC1"].locus(PAIR), PAIR, BOX)
+    assert {end.reason for end in folds.ends} == {"bound", "hopf"}
+    follows_both_laws(folds)
+
+
+def test_where_the_flow_jumps_the_curve_ends_at_the_touching_orbit_and_says_so():
+    """r' = r (b1 + b2 r^2 - r^4) but 10 r^4 beyond x = c: the return map's slope is infinite next to r = c."""
+    model = Model(
+        "jumping", states={"x": 0.0, "y": 0.0}, parameters={"b1": -0.5, "b2": 0.5},
+        definitions={"r": "x^2 + y^2", "g": "b1 + b2*r - r^2*(10 if x > 0.5 else 1)"},
+        equations={"x": "x*g - y", "y": "y*g + x"},
+    )  # fmt: skip
+    folds = born_at_bautin_point(model)
+    np.testing.assert_allclose(folds.columns["b1"], -(folds.columns["b2"] ** 2) / 4.0, atol=1e-9)
+    assert folds.columns["b2"][-1] == pytest.approx(TOUCHED, abs=1e-6)
+    assert folds.ends[1].reason == "corrector"
+    assert "touch x - 0.5 = 0" in folds.ends[1].text
+
+
+def test_two_orbits_of_one_period_are_both_marked():
+    """The branch passes b1 = -0.2 before its fold and after it; the period is 2 pi on both sides."""
+    line = api.continuation(api.equilibrium(BENT, None, {"b2": 1.4}), "b1", (-0.6, 0.3))
+    family = api.continuation(line["HB1"].switch(), "b1", (-0.6, 0.3), values={"b1": [-0.2]})
+    marked = [p for p in family.points if p.type == "UZ"]
+    assert [p.values["unstable"] for p in marked] == [1, 0]
+
+
+def test_a_walk_shoots_where_a_continuation_does():
+    line = api.continuation(api.equilibrium(BENT, None, {"b2": -0.5}), "b1", (-0.6, 0.3))
+    last = list(api.walk(line["HB1"].switch(), "b1", (-0.6, 0.3)))[-1]
+    family = api.continuation(line["HB1"].switch(), "b1", (-0.6, 0.3))
+    assert last["x.max"] == pytest.approx(family.columns["x.max"][-1], abs=1e-9)
+    assert last["x.max"] > 0.5
