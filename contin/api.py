@@ -27,7 +27,7 @@ from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import ShotOrbit, orbit_from_return, shooting_chosen
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -112,7 +112,6 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     from contin.problems.orbits.samples import orbit_from_samples
-    from contin.problems.orbits.simulation import find_return, orbit_by_simulation
 
     if isinstance(start, np.ndarray):
         if period is None and times is None:
@@ -129,10 +128,9 @@ def periodic_orbit(
         return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
     periods = np.asarray(model.periods(), dtype=float)
-    if shooting_chosen(compiled(model), method):
-        near = find_return(compiled(model), u, p, periods, transient)
-        return orbit_from_return(compiled(model), near.u, p, periods, near.period, near.multiple, intervals)
-    return orbit_by_simulation(compiled(model), u, p, periods, transient=transient, intervals=intervals, points=points)
+    return settled_orbit(
+        compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
+    )
 
 
 def connecting_orbit(

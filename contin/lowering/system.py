@@ -168,8 +168,11 @@ class CompiledSystem:
         return self._calls.vectors(self._call(image), self._address(image), self.n, u, p)
 
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
-        """Switching functions, (n_switches,); the equations change formula where one of them changes sign."""
-        return self._calls.vector(self._call("switches"), self.n_switches, u, p)
+        """Switching functions at N points, (N, n_switches); at one point u (n,), (n_switches,).
+
+        The equations change formula where one of them changes sign.
+        """
+        return self._calls.vectors(self._call("switches"), self.switches_address, self.n_switches, u, p)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
         """D^k f(z)[v_1, ..., v_k], (n,): k = len(directions), each (n + p_size,), real or complex.

@@ -51,7 +51,7 @@ def reached(problem: Any, states: Sequence[State], value: float, starts: Sequenc
     Trajectories start from `starts`; by default beside every unstable equilibrium, on both sides along its most
     unstable direction, and from `SCATTERED` points around all known states and as many near zero.
     """
-    if problem.system.n_switches or problem.system.kind == "map":  # their families are found from special points only
+    if problem.system.kind == "map":  # families of its cycles are found from special points only
         return Reached()
     search = _Trajectories(problem, list(states), value)
     for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)] if starts is None else starts:
@@ -150,10 +150,10 @@ class _Trajectories:
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
     def _orbit(self, u: Array, scale: float) -> None:
-        from contin.problems.orbits.simulation import orbit_by_simulation
+        from contin.problems.shooting.start import settled_orbit
 
         try:
-            orbit = orbit_by_simulation(self.problem.system, u, self.p, self.periods, longest=LONGEST)
+            orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=LONGEST)
         except NoSolutionError as error:
             if "comes to rest" not in str(error):
                 self._wander(u, scale)

@@ -48,6 +48,7 @@ TOTAL: Final = 4000  # points of curves of orbits
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
 FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
+INCOMPLETE: Final = "families of orbits could not be followed to their ends"
 CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "LPPD", "LPNS", "PDNS", "NSNS")
 
 
@@ -152,10 +153,18 @@ class LociSearch:
         if self.orbits:
             for locus in self.loci:
                 line.add(families_across(locus, axis, value, line.orbits))
+        self._incomplete(line)
         for text in line.diagram.notes:
             if text.startswith("budget of"):
                 self.note(f"at {self.parameters[1 - axis]} = {value:.6g}, {text}")
         return line
+
+    def _incomplete(self, line: Line) -> None:
+        """Say once that families of a piecewise-smooth flow stop short."""
+        lost = [e for b in line.orbits if b.problem.system.n_switches for e in b.ends if e.reason == "corrector"]
+        if lost and not any(INCOMPLETE in text for text in self.notes):
+            where = f"{self.parameters[1 - line.axis]} = {line.value:.6g}"
+            self.note(f"{INCOMPLETE}, and orbits beyond are not counted: at {where}, {lost[0].text}")
 
     def held(self, axis: int, value: float) -> Array:
         """All parameters, with the one that a line along `axis` holds at its value."""

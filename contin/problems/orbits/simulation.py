@@ -62,16 +62,22 @@ def orbit_by_simulation(
     """
     near = find_return(system, u, p, periods, transient, longest)
     orbit = _polished(system, near, p, periods, intervals, points)
-    if near.loops >= CHANCE:
-        found = orbit.problem(system.parameter_names[0]).multipliers(orbit.profile.vector())
-        largest = float(np.nanmax(np.abs(found), initial=0.0))
-        if largest > UNSTABLE:
-            raise NoSolutionError(
-                f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Its nearest "
-                f"return, after {near.loops} loops, is by chance: the orbit there, of period {orbit.period:.6g}, is "
-                f"unstable (a multiplier of modulus {largest:.2g}). {ADVICE}."
-            )
+    refuse_chance(near, orbit)
     return orbit
+
+
+def refuse_chance(near: Return, orbit: Any) -> None:
+    """Raises NoSolutionError for an unstable orbit that a chaotic trajectory came close to by chance."""
+    if near.loops < CHANCE:
+        return
+    seed = orbit.seed(orbit.system.parameter_names[0])
+    largest = float(np.nanmax(np.abs(seed.problem.multipliers(seed.z)), initial=0.0))
+    if largest > UNSTABLE:
+        raise NoSolutionError(
+            f"no periodic orbit: within t = {near.after:.4g} the trajectory does not settle on one. Its nearest "
+            f"return, after {near.loops} loops, is by chance: the orbit there, of period {orbit.period:.6g}, is "
+            f"unstable (a multiplier of modulus {largest:.2g}). {ADVICE}."
+        )
 
 
 def find_return(

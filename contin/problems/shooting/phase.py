@@ -1,4 +1,4 @@
-"""The phase of an orbit: a section through a point that is far from every switching surface, and moving to it."""
+"""The phase of an orbit: a section through a point that is far from where surfaces are crossed, and moving to it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,33 @@ from contin.problems.shooting.sampling import flights, states
 from contin.simulate.flight import fly
 from contin.simulate.section import Section
 
+SAMPLES = 64  # of a period, for extrema of switching functions
+CLOSE = 0.1  # an extremum this small, relative to the function's largest value, nearly touches
 
-def crossing_times(problem: Any, z: Array) -> Array:
-    """Scaled times in [0, 1) at which the orbit crosses a switching surface."""
+
+def busy_times(problem: Any, z: Array) -> Array:
+    """Scaled times in [0, 1) at which the orbit crosses a switching surface, or nearly touches one."""
     period = Nodes.of(z, problem.n).period
-    times = np.concatenate([f.crossings[:, 0] for f in flights(problem, z, np.empty(0))])
-    return np.sort(times / period)
+    found = flights(problem, z, np.arange(SAMPLES) / SAMPLES)
+    times = np.concatenate([f.crossings[:, 0] for f in found])
+    return np.sort(np.append(times / period, _touched(problem, z, np.vstack([f.u for f in found]))))
+
+
+def _touched(problem: Any, z: Array, u: Array) -> Array:
+    """Scaled times of the extrema, close to zero, of switching functions; u are the states at equal times."""
+    if not problem.system.n_switches or len(u) < SAMPLES:
+        return np.empty(0)
+    p = np.tile(problem.full_parameters(z), (SAMPLES, 1))
+    if problem.system.is_forced:
+        p[:, -1] = np.arange(SAMPLES) / SAMPLES * Nodes.of(z, problem.n).period
+    h = np.asarray(problem.system.switches(u, p))
+    turns = (h - np.roll(h, 1, axis=0)) * (np.roll(h, -1, axis=0) - h) <= 0.0
+    return np.flatnonzero(np.any(turns & (np.abs(h) < CLOSE * np.abs(h).max(axis=0)), axis=1)) / SAMPLES
 
 
 def quietest(problem: Any, z: Array) -> float:
-    """The scaled time in the middle of the longest stretch without crossings (0 where there are none)."""
-    times = crossing_times(problem, z)
+    """The scaled time in the middle of the longest stretch without crossings and touchings (0 without either)."""
+    times = busy_times(problem, z)
     if not times.size:
         return 0.0
     gaps = np.diff(np.append(times, times[0] + 1.0))
@@ -31,8 +47,8 @@ def quietest(problem: Any, z: Array) -> float:
 
 
 def room(problem: Any, z: Array) -> float:
-    """Scaled time between the base point and the nearest crossing, beside half the longest stretch: 1 is best."""
-    times = crossing_times(problem, z)
+    """Scaled time between the base point and what is nearest of these, beside half the longest stretch: 1 is best."""
+    times = busy_times(problem, z)
     if not times.size:
         return 1.0
     gaps = np.diff(np.append(times, times[0] + 1.0))

@@ -16,6 +16,7 @@ INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places a
 SAMPLES = 400  # times an extreme is looked for at
 FINER = 33  # ... and times around it
 RTOL = 1e-10
+BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
 
 
 def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
@@ -136,7 +137,25 @@ def why_not(problem: Any, z: Array) -> str:
                 "The orbit touches a switching surface there without crossing it (a grazing orbit): the return map has "
                 "no derivative, and the family cannot be followed through by Newton's method."
             )
+    sliding = _slides_beside(problem, z)
+    if sliding is not None:
+        return f"Trajectories right beside the orbit stop: {sliding}."
     return (
         "Try a smaller settings.step or min_step, or settings.intervals: several segments (multiple shooting), where "
         "the orbit is very unstable."
     )
+
+
+def _slides_beside(problem: Any, z: Array) -> str | None:
+    """Why a trajectory slides that starts beside the orbit; None where none does."""
+    if not problem.system.n_switches:
+        return None
+    size = max(float(np.abs(Nodes.of(z, problem.n).u).max()), 1e-300)
+    for k in range(problem.n):
+        for step in (BESIDE * size, -BESIDE * size):
+            moved = z.copy()
+            moved[k : z.size - problem.n - 3 : problem.n] += step
+            for flight in flights(problem, moved, np.empty(0)):
+                if flight.outcome == "sliding":
+                    return flight.why
+    return None

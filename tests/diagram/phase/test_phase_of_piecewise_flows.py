@@ -5,7 +5,7 @@ import pytest
 
 import contin
 from contin.problems.shooting.loci.problem import ShotLocusProblem
-from tests.problems.shooting.bent import BENT, TOUCHED, fold, orbits
+from tests.problems.shooting.bent import BENT, JUMPING, TOUCHED, fold, orbits
 
 BOX = {"b1": (-0.5, 0.3), "b2": (-0.6, 1.4)}
 
@@ -32,3 +32,12 @@ def test_its_regions_have_the_orbits_that_the_return_map_has(bent, seed):
     region = bent.region_at({"b1": b1, "b2": b2})
     assert (region.orbits, region.stable_orbits) == orbits(b1, b2)
     assert region.stable == int(b1 < 0.0)
+
+
+def test_orbits_beyond_sliding_ones_are_found_by_simulation_and_what_is_missing_is_said():
+    """The family from the Hopf point ends where orbits slide; for b1 > 0 trajectories settle on an orbit beyond."""
+    diagram = contin.phase(JUMPING, ("b1", "b2"), BOX)
+    region = diagram.region_at({"b1": 0.15, "b2": 1.0})
+    assert (region.orbits, region.stable_orbits) == (1, 1)
+    (note,) = [text for text in diagram.notes if text.startswith("families of orbits could not be followed")]
+    assert "the solution slides along it" in note

@@ -18,6 +18,12 @@ BENT = Model(
     equations={"x": "x*g - y", "y": "y*g + x"},
 )  # fmt: skip
 
+JUMPING = Model(
+    "jumping", states={"x": 0.0, "y": 0.0}, parameters={"b1": -0.5, "b2": 0.5},
+    definitions={"r": "x^2 + y^2", "g": "b1 + b2*r - r^2*(3 if x > 0.5 else 1)"},
+    equations={"x": "x*g - y", "y": "y*g + x"},
+)  # fmt: skip
+
 
 def returned(radii, b1, b2):
     """Radii after a turn from theta = pi/2, and their derivatives by the initial ones."""

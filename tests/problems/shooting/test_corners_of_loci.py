@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from contin import api
-from contin.model.model import Model
 from contin.problems.shooting.loci.problem import ShotLocusProblem
-from tests.problems.shooting.bent import BENT, TOUCHED, fold
+from tests.problems.shooting.bent import BENT, JUMPING, TOUCHED, fold
 
 PAIR = ("b1", "b2")
 BOX = {"b1": (-0.6, 0.3), "b2": (-0.9, 1.5)}
@@ -46,18 +45,13 @@ def test_folds_that_cross_the_line_come_back_to_the_smooth_law():
     follows_both_laws(folds)
 
 
-def test_where_the_flow_jumps_the_curve_ends_at_the_touching_orbit_and_says_so():
-    """r' = r (b1 + b2 r^2 - r^4) but 10 r^4 beyond x = c: the return map's slope is infinite next to r = c."""
-    model = Model(
-        "jumping", states={"x": 0.0, "y": 0.0}, parameters={"b1": -0.5, "b2": 0.5},
-        definitions={"r": "x^2 + y^2", "g": "b1 + b2*r - r^2*(10 if x > 0.5 else 1)"},
-        equations={"x": "x*g - y", "y": "y*g + x"},
-    )  # fmt: skip
-    folds = born_at_bautin_point(model)
+def test_where_solutions_slide_beyond_the_touching_orbit_the_curve_ends_and_says_so():
+    """On x = c, y = 0- the flow inside leads out, that outside, slower by 3 r^5 cos(theta), leads in."""
+    folds = born_at_bautin_point(JUMPING)
     np.testing.assert_allclose(folds.columns["b1"], -(folds.columns["b2"] ** 2) / 4.0, atol=1e-9)
     assert folds.columns["b2"][-1] == pytest.approx(TOUCHED, abs=1e-6)
     assert folds.ends[1].reason == "corrector"
-    assert "touch x - 0.5 = 0" in folds.ends[1].text
+    assert "on x - 0.5 = 0 both formulas lead back" in folds.ends[1].text
 
 
 def test_two_orbits_of_one_period_are_both_marked():

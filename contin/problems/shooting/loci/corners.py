@@ -136,6 +136,9 @@ def why_not(problem: Any, z: Array) -> str | None:
     touch = nearly_touched(problem, z)
     if touch is None:
         return None
+    reason = str(problem.curve.at(z).describe_failure(problem.curve.orbit(z)))
+    if "slides" in reason:
+        return reason
     name = problem.system.pieces.name(touch.surface)
     return (
         f"The orbits come to touch {name} there (a grazing orbit), where the return map has no second derivative: no "
