@@ -5,7 +5,8 @@ is found here by quadrature over the angle, without contin.
 """
 
 import numpy as np
-from scipy.optimize import fsolve
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
 
 from contin.model.model import Model
 
@@ -24,42 +25,46 @@ JUMPING = Model(
 )  # fmt: skip
 
 
-def returned(radii, b1, b2, steps=4000):
-    """Radii after a turn from theta = pi/2, and their derivatives by the initial ones.
-
-    By the classical Runge-Kutta method; where the law bends the error is of the third order.
-    """
-
-    def rate(theta, v):
-        r, d = v
-        cos = np.cos(theta)
-        beyond = r * cos > C
-        g = b1 + b2 * r**2 - r**4 - np.where(beyond, r * cos - C, 0.0)
-        slope = 2.0 * b2 * r - 4.0 * r**3 - np.where(beyond, cos, 0.0)
-        return np.array([r * g, d * (g + r * slope)])
-
-    v, h = np.array([np.atleast_1d(radii), np.ones(np.size(radii))]), 2.0 * np.pi / steps
-    for theta in 0.5 * np.pi + h * np.arange(steps):
-        k1 = rate(theta, v)
-        k2 = rate(theta + 0.5 * h, v + 0.5 * h * k1)
-        k3 = rate(theta + 0.5 * h, v + 0.5 * h * k2)
-        v = v + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(theta + h, v + h * k3))
-    return v
+def rate(theta, r, b1, b2, beyond):
+    """dr/dtheta with the law of one side."""
+    return r * (b1 + b2 * r**2 - r**4 - np.where(beyond, r * np.cos(theta) - C, 0.0))
 
 
-def fold(b2, radius, b1):
-    """b1 of the fold next to a guess of its radius at theta = pi/2 and of b1."""
+def returned(radius, b1, b2):
+    """Radius after a turn from theta = pi/2; the line, crossed once on either side of theta = 2 pi, is landed on."""
 
-    def misses(v):
-        end, slope = returned(v[0], v[1], b2)
-        return [end[0] - v[0], slope[0] - 1.0]
+    def line(theta, r, *_):
+        return r[0] * np.cos(theta) - C
 
-    return float(fsolve(misses, [radius, b1], xtol=1e-10)[1])
+    line.terminal = True
+    theta, r, beyond = 0.5 * np.pi, np.array([radius]), False
+    for stop in (2.0 * np.pi, 2.5 * np.pi):
+        while theta < stop:
+            line.direction = -1 if beyond else 1
+            options = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-13}
+            path = solve_ivp(rate, (theta, stop), r, events=line, args=(b1, b2, beyond), **options)
+            theta, r = path.t[-1], path.y[:, -1]
+            beyond = beyond != (path.status == 1)
+    return float(r[0])
 
 
-def orbits(b1, b2):
+def gain(b1, b2, radius):
+    """The largest gain of radius in a turn, near a radius: zero at a fold of orbits."""
+    found = minimize_scalar(
+        lambda r: r - returned(r, b1, b2), bounds=(0.95 * radius, 1.05 * radius), options={"xatol": 1e-7}
+    )
+    return -float(found.fun)
+
+
+def orbits(b1, b2, steps=400):
     """Numbers of all and of stable orbits, from the sign changes of the return map less the identity."""
-    r = np.linspace(0.02, 1.3, 400)
-    gains = np.sign(returned(r, b1, b2, 400)[0] - r)
-    changes = np.diff(gains)
+    start, h = np.linspace(0.02, 1.3, 400), 2.0 * np.pi / steps
+
+    def slope(theta, r):
+        return rate(theta, r, b1, b2, r * np.cos(theta) > C)
+
+    r = start
+    for theta in 0.5 * np.pi + h * np.arange(steps):  # the midpoint rule is enough to count
+        r = r + h * slope(theta + 0.5 * h, r + 0.5 * h * slope(theta, r))
+    changes = np.diff(np.sign(r - start))
     return int(np.count_nonzero(changes)), int(np.count_nonzero(changes < 0))
