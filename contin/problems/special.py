@@ -65,7 +65,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return _branch_point(problem, local, y, frame, 1, tangent)
     if type_ == "PD":
         return _accept(problem, "PD", frame, defining.eigenvalue_at(local, y, -2.0), _real_critical(problem, -1.0))
-    pair = _critical_pair(near.eigenvalues, problem.is_map)
+    pair = nearest_pair(near.eigenvalues, problem.is_map)
     if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
         if type_ == "neutral":
             return _opposite_zeros(problem, local, y, frame, tangent)
@@ -98,7 +98,7 @@ def _opposite_zeros(problem: Any, local: ScaledSystem, y: Array, frame: Frame, t
     return found if isinstance(found, Verified) else ""
 
 
-def _critical_pair(values: Any, is_map: bool) -> complex | None:
+def nearest_pair(values: Any, is_map: bool) -> complex | None:
     """The eigenvalue (Im >= 0) of the pair nearest to the stability boundary; None where there is no pair."""
     best, chosen = np.inf, None
     for i in range(len(values)):

@@ -165,7 +165,7 @@ class ContinuationEntry(Section):
 
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
-        origins = [name for name in ("start", "from", "samples") if getattr(self, ORIGINS[name]) is not None]
+        origins = [name for name, place in ORIGINS.items() if getattr(self, place) is not None]
         if len(origins) > 1:
             raise _wrong(f"has both `{origins[0]}` and `{origins[1]}`; keep one of them")
         if self.samples is not None and self.as_ not in (None, "orbit"):

@@ -8,13 +8,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
 from contin.problems.orbits import planar
 from contin.problems.orbits.linear import OrbitLinear
+from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import is_at_birth, is_reciprocal
 
@@ -100,7 +100,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if flat:
         type_ = "LPC"
     if type_ in ("NS", "neutral"):
-        pair = special._critical_pair(_nontrivial(problem, near.eigenvalues), True)
+        pair = special.nearest_pair(nontrivial(problem, near.eigenvalues), True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return "" if type_ == "neutral" else "NS: the two multipliers that cross are real"
         if type_ == "neutral":
@@ -132,10 +132,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if type_ == "LPC" and not solved.confirmed:
         return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"  # noqa: E501
     values = problem.multipliers(solved.z)
-    gap = _critical_gap(_nontrivial(problem, values), type_, solved.theta)
+    gap = distance(nontrivial(problem, values), critical(type_, solved.theta))
     if not gap < UNCLEAR:
         return f"{type_} not labelled: the multipliers are not resolved there"
-    others = _without_critical(_nontrivial(problem, values), type_, solved.theta)
+    others = without(nontrivial(problem, values), critical(type_, solved.theta))
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
     point = Verified(
         type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
@@ -182,31 +182,6 @@ def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
     return replace(point, normal_form=normal_form(problem, point, scale))
 
 
-def _nontrivial(problem: Any, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    return values[1:] if problem.autonomous else values
-
-
-def _targets(type_: str, theta: float) -> tuple[complex, ...]:
-    """The critical multipliers."""
-    if type_ == "NS":
-        return complex(np.exp(1j * theta)), complex(np.exp(-1j * theta))
-    return (-1.0,) if type_ == "PD" else (1.0,)
-
-
-def _critical_gap(values: NDArray[np.complex128], type_: str, theta: float) -> float:
-    """Distance of the computed multipliers from the critical ones."""
-    return float(max(np.min(np.abs(values - target), initial=np.inf) for target in _targets(type_, theta)))
-
-
-def _without_critical(values: NDArray[np.complex128], type_: str, theta: float) -> NDArray[np.complex128]:
-    targets = _targets(type_, theta)
-    left = list(values)
-    for target in targets:
-        if left:
-            left.pop(int(np.argmin([abs(v - target) for v in left])))
-    return np.array(left, complex)
-
-
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Verified | str] = []
@@ -217,7 +192,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> Sequenc
         found.append(verify(problem, "LPC", a, frame))
     if flips:
         found.append(verify(problem, "PD", a, frame))
-    values = _nontrivial(problem, a.eigenvalues)
+    values = nontrivial(problem, a.eigenvalues)
     if any(v.imag > 1e-6 and abs(abs(v) - 1.0) < CRITICAL for v in values):
         found.append(verify(problem, "NS", a, frame))
     if not found and a.unstable != b.unstable and branches == folds:

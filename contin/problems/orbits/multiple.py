@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.problems.orbits.defining import Bordered, crossing
 from contin.problems.orbits.linear import OrbitLinear, embed
+from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.orbits.symmetry import moved_direction
 from contin.problems.symmetry import symmetry_names
 
@@ -29,8 +30,7 @@ Complex = NDArray[np.complex128]
 
 def kernel_dimension(problem: Any, eigenvalues: Complex) -> int:
     """Number of multipliers, beside the trivial one, that are 1 at a branch point."""
-    nontrivial = eigenvalues[1:] if problem.autonomous else eigenvalues
-    return int(np.sum(np.abs(nontrivial - 1.0) < CRITICAL))
+    return int(np.sum(np.abs(nontrivial(problem, eigenvalues) - 1.0) < CRITICAL))
 
 
 def crossing_tangents(problem: Any, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:

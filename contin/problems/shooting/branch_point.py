@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
-from contin.problems.shooting.locate import SETTLED, Located, nontrivial, on_curve, scalar, scale_of
+from contin.problems.shooting.locate import SETTLED, Located, on_curve, scalar, scale_of
 
 APART = (1e-2, 2.5e-3, 6e-4, 1.5e-4)  # arclengths between the orbits that a branch point is interpolated from
 AGREED = 1e-8  # (arclength) places interpolated from two of them that agree so well are final

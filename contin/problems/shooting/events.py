@@ -9,9 +9,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
-from contin.problems.shooting.locate import locate, nontrivial
-from contin.problems.special import _critical_pair
+from contin.problems.shooting.locate import locate
+from contin.problems.special import nearest_pair
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8
@@ -21,7 +22,7 @@ UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which no
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The special orbit next to a sample; a string says why there is none, '' that there is nothing to report."""
     if type_ == "neutral":
-        pair = _critical_pair(nontrivial(problem, near.eigenvalues), True)
+        pair = nearest_pair(nontrivial(problem, near.eigenvalues), True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return ""
         return "a pair of multipliers touches the unit circle without a change of the unstable count"
@@ -40,22 +41,19 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     others = nontrivial(problem, values)
     theta = 0.0
     if type_ == "NS":
-        pair = _critical_pair(others, True)
+        pair = nearest_pair(others, True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return "NS: the two multipliers that cross are real"
         theta = float(np.angle(pair))
-    critical = _targets(type_, theta)
-    gap = float(max(np.min(np.abs(others - target), initial=np.inf) for target in critical))
+    targets = critical(type_, theta)
+    gap = distance(others, targets)
     if not gap < UNCLEAR:
         return f"{type_} not labelled: the critical multiplier is off by {gap:.1e}"
-    rest = list(others)
-    for target in critical:
-        rest.pop(int(np.argmin([abs(v - target) for v in rest])))
     width = float(frame.scale[-1])
     error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
     error += found.error * width
     return Verified(
-        type_, found.z, found.residual, error, values, sum(abs(v) > 1.0 for v in rest),
+        type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets)) > 1.0)),
         normal_form=_normal_form(problem, type_, found.z, frame.scale, theta), vectors={"theta": theta},
     )  # fmt: skip
 
@@ -73,13 +71,6 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     if pairs and not (branches or folds or flips):
         found.append(verify(problem, "NS", a, frame))
     return found
-
-
-def _targets(type_: str, theta: float) -> tuple[complex, ...]:
-    """The critical multipliers."""
-    if type_ == "NS":
-        return complex(np.exp(1j * theta)), complex(np.exp(-1j * theta))
-    return (-1.0,) if type_ == "PD" else (1.0,)
 
 
 def _normal_form(problem: Any, type_: str, z: Array, scale: Array, theta: float) -> Mapping[str, Any]:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 
@@ -37,11 +38,6 @@ class Located:
     z: Array
     residual: float
     error: float = 0.0  # (arclength) of the interpolation, estimated
-
-
-def nontrivial(problem: Any, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Multipliers without the trivial one of an autonomous system."""
-    return values[1:] if problem.autonomous else values
 
 
 def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import events
+from contin.problems.orbits.multipliers import nontrivial, without
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
@@ -26,12 +27,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
 
     def others(self, values: NDArray[np.complex128], z: Array) -> NDArray[np.complex128]:
         """The multipliers without the trivial and the critical ones."""
-        left = values[1:].tolist() if self.curve.orbits.autonomous else values.tolist()
-        for target in events.critical(self.locus, self.curve.further(z)):
-            if left:
-                gaps = [abs(value - target) for value in left]
-                left.pop(gaps.index(min(gaps)))
-        return np.array(left, complex)
+        return without(nontrivial(self.curve.orbits, values), events.critical(self.locus, self.curve.further(z)))
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(self.locus, a, b)

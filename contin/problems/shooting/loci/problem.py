@@ -18,8 +18,8 @@ from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.marched_in_python import MarchedInPython
+from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.linear import BorderedShooting
-from contin.problems.shooting.locate import nontrivial
 from contin.problems.shooting.loci import corners
 from contin.problems.shooting.loci.curve import CurveByShooting
 from contin.problems.shooting.loci.grazing import GrazingCurve

@@ -1,0 +1,37 @@
+"""Multipliers of an orbit: the trivial one of an autonomous system, those that are critical, and the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Multipliers = NDArray[np.complex128]
+
+
+def nontrivial(problem: Any, values: Multipliers) -> Multipliers:
+    """Without the trivial one of an autonomous system, which stands first."""
+    return values[1:] if problem.autonomous else values
+
+
+def critical(type_: str, theta: float) -> tuple[complex, ...]:
+    """The multipliers that are on the unit circle at a special orbit; of NS exp(+-i theta)."""
+    if type_ == "NS":
+        return complex(np.exp(1j * theta)), complex(np.exp(-1j * theta))
+    return (-1.0,) if type_ == "PD" else (1.0,)
+
+
+def distance(values: Multipliers, targets: Sequence[complex]) -> float:
+    """The largest distance of a target from the nearest multiplier; inf without multipliers."""
+    return float(max(np.min(np.abs(values - target), initial=np.inf) for target in targets))
+
+
+def without(values: Multipliers, targets: Sequence[complex]) -> Multipliers:
+    """Without the multiplier nearest to each of the targets."""
+    left = list(values)
+    for target in targets:
+        if left:
+            left.pop(int(np.argmin([abs(value - target) for value in left])))
+    return np.array(left, complex)
