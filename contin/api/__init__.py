@@ -1,0 +1,18 @@
+"""The verbs of contin."""
+
+from contin.api.branches import continuation, walk
+from contin.api.diagrams import diagram, phase
+from contin.api.machine_code import compiled
+from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
+
+__all__ = [
+    "compiled",
+    "connecting_orbit",
+    "continuation",
+    "diagram",
+    "equilibrium",
+    "find_equilibria",
+    "periodic_orbit",
+    "phase",
+    "walk",
+]

@@ -1,0 +1,150 @@
+"""Everything that is connected to some starts: diagrams in one parameter, phase diagrams in two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from contin.api.seeds import Range, as_seed, bounds_of, targets_of
+from contin.api.starts import equilibrium, find_equilibria
+from contin.continuation.departure import Seed
+from contin.continuation.journal import Journal
+from contin.continuation.settings import Settings
+from contin.continuation.trace import Watcher
+from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.problems.start import Equilibrium
+
+EVERYWHERE: Final = "all"  # the start of a diagram that stands for all equilibria
+
+
+def diagram(
+    model: Any,
+    parameter: str,
+    range: Range | None = None,
+    *,
+    start: Any = None,
+    box: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    orbits: bool = True,
+    values: Mapping[str, Sequence[float]] | None = None,
+    settings: Settings | Mapping[str, Any] | None = None,
+    budget: Any = None,
+    watch: Watcher | None = None,
+    journal: Journal | None = None,
+) -> Any:
+    """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
+
+    start : a named start, a mapping of states, or a list of them; default the states' values. 'all' (unless the model
+        has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value
+        and at some others in the range, so that disconnected branches are found.
+    orbits : follow families of periodic orbits from Hopf points too.
+    budget : {branches, steps, seconds}: the exploration stops there and says what it left.
+    """
+    from contin.diagram.explore import Budget, Explorer
+
+    named, everywhere = _named_starts(model, start)
+    seeds: list[tuple[str, Seed]] = []
+    notes: list[str] = []
+    failure: ContinError | None = None
+    for name, one in named:
+        try:
+            seeds.append((name, as_seed(equilibrium(model, one, parameters), parameter)))
+        except (NoSolutionError, NotFiniteError) as error:
+            notes.append(f"start {name!r}: {error}")
+            failure = error
+    if not seeds and failure is not None and not everywhere:
+        raise failure
+    reserve: list[Seed] = []
+    if everywhere:
+        limits = None if range is None else bounds_of(None, parameter, range)
+        reserve = everywhere_in(model, parameter, limits, box, parameters)
+    if not seeds and not reserve:
+        raise failure or NoSolutionError("no equilibrium found in the box; give a larger box")
+    problem = (seeds[0][1] if seeds else reserve[0]).problem
+    bounds = bounds_of(problem, parameter, range)
+    targets = targets_of(problem, values)
+    explorer = Explorer(parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal)
+    result = explorer.explore(seeds, reserve)
+    result.notes[:0] = notes
+    return result
+
+
+def phase(
+    model: Any,
+    pair: Sequence[str],
+    range: Mapping[str, Sequence[float]] | None = None,
+    *,
+    start: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    orbits: bool = True,
+    settings: Settings | Mapping[str, Any] | None = None,
+    watch: Watcher | None = None,
+) -> Any:
+    """The phase diagram of a model in two parameters: a `PhaseDiagram` of curves and regions.
+
+    pair : the two names; the first is drawn horizontally.  range : {name: (lo, hi)}, by default the model's own.
+    start : a named start, a mapping of states, or a list of them.  parameters : values of the others.
+    orbits : periodic orbits and their curves too (LPC, PD, NS, BPC and homoclinic ones), not only equilibria.
+
+    Ctrl-C ends the search: what was computed is returned, with `stopped` true.
+
+    Raises NoSolutionError where no start leads to an equilibrium.
+    """
+    from contin.diagram.phase.compute import phase as compute
+
+    named, _ = _named_starts(model, start)
+    found, failure = [], None
+    for _, one in named:
+        try:
+            found.append(equilibrium(model, one, parameters))
+        except (NoSolutionError, NotFiniteError) as error:
+            failure = error
+    if not found:
+        raise failure or NoSolutionError("a phase diagram needs a start")
+    if any(not isinstance(e, Equilibrium) for e in found):
+        raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
+    box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
+    return compute(found, pair, box, settings, watch, orbits)
+
+
+def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
+    """Starts with their names, and whether all equilibria are wanted too."""
+    given = list(start) if isinstance(start, list | tuple) else [start]
+    everywhere = any(isinstance(one, str) and one == EVERYWHERE for one in given) and not any(
+        s.name == EVERYWHERE for s in model.starts
+    )
+    if everywhere:
+        given = [one for one in given if not (isinstance(one, str) and one == EVERYWHERE)]
+    named = []
+    for k, one in enumerate(given):
+        name = one if isinstance(one, str) else "start" if len(given) == 1 else f"start{k + 1}"
+        named.append((name, one))
+    return named, everywhere
+
+
+def everywhere_in(
+    model: Any, parameter: str, limits: tuple[float, float] | None, box: Any, parameters: Mapping[str, Any] | None
+) -> list[Seed]:
+    """Seeds of all equilibria found at the parameter's own value and at some values spread over its range."""
+    _, p = model.start_point(None, dict(parameters or {}))
+    own = float(p[list(model.parameter_names).index(parameter)])
+    lo, hi = limits or bounds_of(_Ranges(model), parameter, None)
+    spread = lo + (hi - lo) * np.array([0.5, 0.25, 0.75, 0.05, 0.95])
+    seeds = []
+    for value in ([own] if lo <= own <= hi else []) + spread.tolist():
+        found = find_equilibria(model, box, {**(parameters or {}), parameter: value})
+        seeds += [as_seed(one, parameter) for one in found if one.isolated]
+    return seeds
+
+
+class _Ranges:
+    """The default ranges of a model, for `bounds_of`."""
+
+    def __init__(self, model: Any) -> None:
+        self.model = model
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        found: tuple[float, float] | None = self.model.parameter_range(parameter)
+        return found

@@ -1,0 +1,94 @@
+"""From whatever may start a branch to a seed, its bounds, and the user values on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeAlias
+
+from contin.api.starts import equilibrium
+from contin.continuation.branch import LocusStart
+from contin.continuation.departure import Seed
+from contin.continuation.targets import Target
+from contin.errors import InputError
+from contin.model.model import Model
+from contin.problems.deflation import FoundEquilibrium
+from contin.problems.functions.problem import FunctionProblem
+from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.start import PeriodicOrbit
+from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.start import ShotOrbit
+from contin.problems.sparse.start import LargeEquilibrium
+from contin.problems.start import Equilibrium
+
+Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
+
+
+def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> tuple[Seed, tuple[float, float]]:
+    """What can start a continuation, as a seed within its bounds: those of the (first) parameter are returned too."""
+    names = (parameter,) if isinstance(parameter, str) else tuple(parameter)
+    if len(names) == 1:
+        seed = as_seed(start, names[0])
+        return seed, bounds_of(seed.problem, names[0], range)
+    if isinstance(start, LocusStart):
+        start = start.point.locus(names)
+    elif isinstance(start, ConnectingOrbit):
+        start = start.locus((names[0], names[1]))
+    seed = start[0] if isinstance(start, list) and start else start
+    if not isinstance(seed, Seed) or tuple(seed.problem.parameters) != names:
+        raise InputError(
+            f"a curve in {', '.join(names)} starts from a labelled point: pass point.locus(), and the pair as parameter"
+        )
+    if range is not None and not isinstance(range, Mapping):
+        raise InputError(f"two parameters need a range each: {{{names[0]!r}: (lo, hi), {names[1]!r}: (lo, hi)}}")
+    first, second = (bounds_of(seed.problem, name, range) for name in names)
+    return replace(seed, problem=seed.problem.within(first, second)), first  # type: ignore[attr-defined]
+
+
+def as_seed(start: Any, parameter: str) -> Seed:
+    """What can start a continuation, as a seed with `parameter` free."""
+    if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
+        return as_seed(start[0], parameter)
+    if isinstance(start, FunctionProblem | Model):
+        start = equilibrium(start)
+    if isinstance(start, FoundEquilibrium):
+        start = start.equilibrium
+    if isinstance(start, Seed):
+        if start.problem.parameters[0] != parameter:
+            raise InputError(
+                f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
+            )
+        return start
+    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit):
+        known = list(start.system.parameter_names)
+        if parameter not in known:
+            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
+        return start.seed(parameter)
+    raise InputError(f"a continuation starts from an equilibrium or a switched point; got {type(start).__name__}")
+
+
+def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float, float]:
+    """(lo, hi) from a pair, a mapping {parameter: pair}, or the model's own range."""
+    if isinstance(given, Mapping):
+        given = given.get(parameter)
+    if given is None:
+        given = problem.default_range(parameter)
+    if given is None:
+        raise InputError(f"range: say how far {parameter} may vary, e.g. range: [0, 1]; the model gives none")
+    lo, hi = (float(x) for x in given)
+    return lo, hi
+
+
+def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
+    """User values as targets; every name must be a column of the branch."""
+    if isinstance(problem, OrbitProblem | ShootingProblem):
+        known = set(problem.column_names())
+    else:
+        known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}
+    targets = []
+    for column, wanted in (values or {}).items():
+        if column not in known:
+            raise InputError(f"values: unknown column {column!r}; known: {', '.join(sorted(known))}")
+        targets += [Target(column, float(v)) for v in wanted]
+    return targets

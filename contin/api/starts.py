@@ -1,0 +1,162 @@
+"""Solutions at fixed parameters, where branches may start: equilibria, periodic and connecting orbits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contin.api.machine_code import compiled
+from contin.errors import InputError, NotFiniteError
+from contin.problems.deflation import FoundEquilibrium
+from contin.problems.functions.problem import FunctionProblem
+from contin.problems.maps.iterate import iterate
+from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
+from contin.problems.orbits.start import PeriodicOrbit
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
+from contin.problems.sparse.start import LargeEquilibrium, converge_large
+from contin.problems.start import Equilibrium, converge
+
+
+def equilibrium(
+    model: Any,
+    start: str | Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    period: int = 1,
+) -> Any:
+    """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
+
+    period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
+
+    In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
+    it is solved, and continued, in the frame that turns with it (`contin.symbolic.corotating`).
+
+    Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
+    """
+    from contin.symbolic.corotating import frame_for
+
+    u, p = model.start_point(start, dict(parameters or {}))
+    model, u = frame_for(model, u, p)
+    if isinstance(model, FunctionProblem) and model.method != "dense":
+        return _large_equilibrium(model, u, p, period)
+    system = compiled(model) if period == 1 else iterate(compiled(model), period)
+    try:
+        return converge(system, u, p, np.asarray(model.periods(), dtype=float))
+    except NotFiniteError as error:
+        advice = [s.beyond for s, x in zip(getattr(model, "states", ()), u, strict=False) if s.beyond and x == 0.0]
+        raise NotFiniteError(". ".join([str(error), *advice[:1]])) from None
+
+
+def _large_equilibrium(model: FunctionProblem, u: Any, p: Any, period: int) -> LargeEquilibrium:
+    """An equilibrium of a function with a sparse or matrix-free Jacobian."""
+    if model.kind == "map" or period != 1:
+        raise InputError("maps need a dense Jacobian; sparse and matrix-free ones are for equilibria of flows")
+    return converge_large(compiled(model), u, p)
+
+
+def periodic_orbit(
+    model: Any,
+    start: Any = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    period: float | None = None,
+    times: Any = None,
+    transient: float = 0.0,
+    intervals: int | None = None,
+    points: int = 4,
+    method: str | None = None,
+) -> PeriodicOrbit | ShotOrbit:
+    """A periodic orbit at fixed parameters: the start of a continuation.
+
+    method : 'collocation' or 'shooting'; by default collocation, shooting where the flow is piecewise smooth.
+
+    start : a named start or mapping of states, from which the trajectory is integrated until it returns (after
+    `transient`);
+        or an array (K, n) of states over one period, the last row the first again, at `times` (K,) or, with `period`,
+        at equal times.
+    intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
+        shooting: intervals is the number of segments.
+
+    Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
+    """
+    from contin.problems.orbits.samples import orbit_from_samples
+
+    if isinstance(start, np.ndarray):
+        if period is None and times is None:
+            raise InputError(
+                "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
+            )
+        t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
+        if t.shape != (len(start),):
+            raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
+        _, p = model.start_point(None, dict(parameters or {}))
+        periods = np.asarray(model.periods(), dtype=float)
+        if shooting_chosen(compiled(model), method):
+            return orbit_from_return(compiled(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
+        return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
+    u, p = model.start_point(start, dict(parameters or {}))
+    periods = np.asarray(model.periods(), dtype=float)
+    return settled_orbit(
+        compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
+    )
+
+
+def connecting_orbit(
+    model: Any,
+    first: str | Mapping[str, Any],
+    last: str | Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> ConnectingOrbit:
+    """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
+
+    first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
+    return to the first one (homoclinic). At the parameters a trajectory that leaves the first saddle must pass near the
+    second one. `continuation(..., (p, q), ranges)` then solves for the orbit at the present value of q.
+    """
+    saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
+    if any(not isinstance(saddle, Equilibrium) for saddle in saddles) or saddles[0].system.kind == "map":
+        raise InputError("connecting orbits need a flow given by formulas")
+    return ConnectingOrbit(saddles[0].system, saddles[0].p, np.array([saddle.u for saddle in saddles]))
+
+
+def find_equilibria(
+    model: Any,
+    box: Mapping[str, Sequence[float]] | Sequence[float] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    starts: int | None = None,
+) -> list[FoundEquilibrium]:
+    """Equilibria (fixed points of a map) in a box of states, by deflated Newton from many starts in compiled code.
+
+    box : {state: (lo, hi)}, or (lo, hi) for all states; angles need no bounds. Default: twice as far in both directions
+        as the model's states and starts reach.
+    starts : number of starting points a round; default so many that a search takes some tenths of a second.
+    Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
+    There is no guarantee that all are found: more `starts` or a smaller box find more.
+    """
+    from contin.problems.deflation import find, make_box
+
+    system = compiled(model)
+    _, p = model.start_point(None, dict(parameters or {}))
+    periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)
+    wanted = box if box is not None else reach_of(model, parameters)
+    return find(system, make_box(system.state_names, wanted, periods), p, starts)
+
+
+def reach_of(model: Any, parameters: Mapping[str, Any] | None = None) -> dict[str, tuple[float, float]]:
+    """Twice the largest size of each state in the model's default and named starts, in both directions.
+
+    Angles apart.
+    """
+    names = (None, *(s.name for s in model.starts))
+    points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
+    largest = np.abs(np.array(points)).max(axis=0)
+    sizes = 2.0 * np.where(largest > 0.0, largest, max(float(largest.max(initial=0.0)), 0.5))
+    angles = np.asarray(model.periods()) > 0.0
+    return {
+        name: (-float(size), float(size))
+        for name, size, angle in zip(model.state_names, sizes, angles, strict=True)
+        if not angle
+    }
