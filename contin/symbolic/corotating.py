@@ -34,6 +34,7 @@ from contin.symbolic.holding import holds
 
 Array = NDArray[np.float64]
 _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
+_generators: WeakKeyDictionary[Model, tuple[Expression, ...]] = WeakKeyDictionary()  # of the models made
 
 
 def corotate(model: Model, rotation: Mapping[str, Any] | None = None) -> Model:
@@ -80,7 +81,24 @@ def corotating(model: Model) -> Model:
     result = model.replace(states=_normalised(model), equations=equations, rotation={})
     # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
     _made[model] = result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
+    _generators[result] = tuple(generator)
     return result
+
+
+def frame_generator(model: Model, parameters: Mapping[str, float]) -> Array | None:
+    """Matrix (n, n) of the linear rotation xi(u) = G u that the frame of a corotating model follows; else None."""
+    generator = _generators.get(model)
+    if generator is None:
+        return None
+    names = list(model.state_names)
+    return _matrix(generator, names, {**parameters, **dict.fromkeys(names, 0.0)})
+
+
+def _matrix(generator: Sequence[Expression], names: Sequence[str], point: Mapping[str, float]) -> Array:
+    matrix = np.zeros((len(names), len(names)))
+    for (i, j), entry in sparse_jacobian(generator, names).items():
+        matrix[i, j] = evaluate(entry, point)
+    return matrix
 
 
 def _normalised(model: Model) -> tuple[State, ...]:
@@ -141,8 +159,5 @@ def _turned(model: Model, u: Array, p: Array) -> Array:
     angle = -math.atan2(here[b], here[a]) / float(evaluate(speed, values))
     if angle == 0.0:
         return u
-    generator = [model.rotation.get(n, ZERO) for n in names]
-    matrix = np.zeros((len(names), len(names)))
-    for (i, j), entry in sparse_jacobian(generator, names).items():
-        matrix[i, j] = evaluate(entry, {**values, **here})
+    matrix = _matrix([model.rotation.get(n, ZERO) for n in names], names, {**values, **here})
     return np.asarray(expm(angle * matrix) @ u)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ SWINGING = 6.0  # the error estimate's factor of safety there
 DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
+APART = 1.05  # ratio of two rates from which their terms are told apart
+CORRECTION = 0.1  # largest second term relative to the first
+LEFT_OUT = 0.1  # part of the second term that may still be missing
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
 NEARLY_SETTLED = 0.02  # ... where the corrector can go no further
 PRECISE = Settings(tolerance=1e-11)
@@ -63,13 +67,19 @@ def diverged(
     width = float(frame.scale[-1])
     moved = profile.parameter - earlier.parameter
     growth = _growth(profile, earlier, sizes) / gained
+    visits = [s.visits for s in saddles]
     rates = list(zip(*(s.by_rate for s in saddles), strict=False))
-    for level, slowest in enumerate(rates[:LEVELS]):
-        limit = _extrapolated(slowest, [s.visits for s in saddles], slopes, gained, moved)
+    limits = [_extrapolated(slowest, visits, slopes, gained, moved) for slowest in rates[:LEVELS]]
+    if failed:
+        limits = sorted(limits, key=lambda limit: limit.disagreement)[:1]
+    elif len(saddles) == 1:
+        limits = [_with_next(*pair, slopes, gained, moved, AGREED * width) for pair in pairwise(limits)] + limits[-1:]
+    for level, limit in enumerate(limits):
         remaining = abs(limit.step)
         if remaining > DOUBTFUL * width or growth / limit.rate > (NEARLY_SETTLED if failed else SETTLED):
             continue
         error = limit.drift * max(1.0, remaining / abs(moved)) if moved != 0.0 else limit.drift
+        error = max(error, limit.doubt)
         settled = abs(moved) > 1e-3 * remaining and error < (AGREED_SPIRAL if limit.spiral else AGREED) * width
         near = remaining < REACHED * width or (limit.drift > remaining and remaining < NOISE * width)
         if failed and remaining < NOISE * width:
@@ -90,6 +100,12 @@ class _Limit:
     drift: float
     spiral: bool
     rate: float
+    doubt: float = 0.0  # what terms that are left out may make
+
+    @property
+    def disagreement(self) -> float:
+        """The two orbits' relative to what remains."""
+        return self.drift / abs(self.step) if self.step != 0.0 else 0.0
 
 
 def _extrapolated(
@@ -107,6 +123,29 @@ def _extrapolated(
     else:
         steps = [slope / k for slope in slopes]
     return _Limit(steps[0], abs(moved + steps[0] - steps[1]), q > 0.0, k)
+
+
+def _with_next(
+    first: _Limit, next_: _Limit, slopes: Sequence[float], gained: float, moved: float, wanted: float
+) -> _Limit:
+    """The first limit, or, where it is better known, p* = p - a - b from p - p* = a exp(-k t) + b exp(-l t).
+
+    The other leading rate of the saddle, or the square of the first term, makes the second one (Lin's method; Sandstede
+    1993). The slopes of the two orbits give a and b, and their parameters say how well both fit.
+    """
+    k, l = first.rate, min(next_.rate, 2.0 * first.rate)  # noqa: E741
+    if first.spiral or next_.spiral or l < APART * k:
+        return first
+    there = np.array([[k, l], [k * np.exp(k * gained), l * np.exp(l * gained)]])
+    a, b = np.linalg.solve(there, [-slopes[0], -slopes[1]])
+    missed = abs(moved + a * np.expm1(k * gained) + b * np.expm1(l * gained))
+    doubt = LEFT_OUT * abs(b)
+    known = missed * max(1.0, abs(a + b) / abs(moved)) if moved != 0.0 else np.inf
+    if abs(b) > CORRECTION * abs(a):
+        return first
+    if not max(known, doubt) < wanted:
+        return replace(first, doubt=float(abs(b)))
+    return _Limit(float(-a - b), float(missed), False, k, float(doubt))
 
 
 def _growth(profile: Profile, earlier: Profile, sizes: Array) -> float:

@@ -11,8 +11,9 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.diverged import diverged
+from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.invariant_circle import invariant_circle
-from contin.problems.orbits.layout import Profile, dwelling
+from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of
 from contin.problems.orbits.vertical import unbounded
 
@@ -59,7 +60,7 @@ def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
 
 def _lingers(problem: Any, origin: Sample, frame: Frame) -> bool:
     sizes = problem.sizes(origin.z, frame.scale)
-    return bool(problem.autonomous and dwelling(problem.profile(origin.z), sizes) >= LINGERING)
+    return bool(problem.autonomous and dwelling(problem, problem.profile(origin.z), sizes) >= LINGERING)
 
 
 def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:

@@ -17,8 +17,9 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.problems.orbits.layout import Profile, dwelling
-from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded, slowest_points
+from contin.problems.orbits.dwelling import dwelling, slowest_points
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
@@ -49,7 +50,7 @@ class Bottleneck:
 def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
     """The folds of equilibria in whose neighbourhood the orbit is slow; none if it is slow elsewhere, too."""
     found = []
-    for u in slowest_points(profile, sizes):
+    for u in slowest_points(problem, profile, sizes):
         fold = _bottleneck(problem, np.append(u, profile.parameter), sizes, width)
         if fold is None or float(np.max(np.abs(fold.z[:-1] - u) / sizes)) > NEAR * extent_of(profile, sizes):
             return []
@@ -77,7 +78,7 @@ def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottl
 def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
     """The fold of equilibria that the family has come to, or None."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
-    if profile.period <= problem.profile(before.z).period or dwelling(profile, sizes) < DWELT:
+    if profile.period <= problem.profile(before.z).period or dwelling(problem, profile, sizes) < DWELT:
         return None
     raw = origin.tangent * frame.scale
     width, position = float(frame.scale[-1]), profile.u.size

@@ -130,14 +130,6 @@ def sizes_of(scale: Array, h: Array, n: int, m: int) -> Array:
     return np.asarray(scale[:n] * np.sqrt(node_weights(h, m)[0] / n))
 
 
-def dwelling(profile: Profile, sizes: Array) -> float:
-    """Part of the period during which the orbit moves at less than a twentieth of its mean speed."""
-    steps = np.linalg.norm(np.diff(profile.u, axis=0) / sizes, axis=1)
-    lengths = np.diff(profile.times)
-    speed = steps / lengths
-    return float(lengths[speed < 0.05 * float(steps.sum())].sum())
-
-
 def extrema(values: Array, m: int) -> tuple[Array, Array]:
     """Smallest and largest value over the orbit of each of k functions.
 

@@ -15,7 +15,8 @@ from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.layout import Profile, dwelling
+from contin.problems.orbits.dwelling import dwelling
+from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import WORTHWHILE, estimate
 from contin.problems.orbits.planar import applies, resolve
 
@@ -188,6 +189,6 @@ def _error_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
 def _period_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
     """The period at which a march returns: soon, where the orbit already lingers somewhere."""
     limit = 2.0 * float(scale[profile.u.size])
-    if family.autonomous and dwelling(profile, family.sizes(profile.vector(), scale)) > DWELLING:
+    if family.autonomous and dwelling(family, profile, family.sizes(profile.vector(), scale)) > DWELLING:
         limit = min(limit, 1.1 * profile.period)
     return limit

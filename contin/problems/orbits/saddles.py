@@ -9,19 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.orbits.dwelling import of_the_frame, slowest_points, turning
 from contin.problems.orbits.layout import Profile
 
 NEAR_SADDLE = 0.1  # of the orbit's extent: how close the slowest point must be to its equilibrium
-SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 
 
 @dataclass(frozen=True, eq=False)
 class Saddle:
-    """An equilibrium that the orbit lingers at."""
+    """An equilibrium that the orbit lingers at; `frame`: which of its eigenvalues only a turning frame makes."""
 
     u: Array
     eigenvalues: NDArray[np.complex128]
-    visits: int
+    visits: int = 1
+    frame: int | None = None
+
+    @property
+    def own(self) -> NDArray[np.complex128]:
+        """The eigenvalues of its shape."""
+        return self.eigenvalues if self.frame is None else np.delete(self.eigenvalues, self.frame)
 
     @property
     def leading(self) -> complex:
@@ -32,7 +38,7 @@ class Saddle:
     def by_rate(self) -> list[complex]:
         """An eigenvalue of each rate |Re|, the slowest first; the upper one of a pair."""
         found: list[complex] = []
-        for value in sorted(self.eigenvalues, key=lambda v: (abs(v.real), -v.imag)):
+        for value in sorted(self.own, key=lambda v: (abs(v.real), -v.imag)):
             if not found or abs(value.real) > abs(found[-1].real) * (1.0 + 1e-9):
                 found.append(complex(value))
             elif value.imag > found[-1].imag:
@@ -42,12 +48,12 @@ class Saddle:
     def at(self, problem: Any, parameter: float, sizes: Array) -> Saddle:
         """The same equilibrium at another parameter value."""
         found = equilibrium_near(problem, self.u, parameter, sizes)
-        return self if found is None else replace(self, u=found[0], eigenvalues=found[1])
+        return self if found is None else replace(found, visits=self.visits)
 
     @property
     def quantity(self) -> float:
         """Saddle quantity: leading unstable plus leading stable real part; negative: a stable cycle (n = 2)."""
-        real = self.eigenvalues.real
+        real = self.own.real
         return float(real[real > 0].min() + real[real < 0].max())
 
 
@@ -55,21 +61,21 @@ def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
     """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
     extent = extent_of(profile, sizes)
     found: list[Saddle] = []
-    for u in slowest_points(profile, sizes):
+    for u in slowest_points(problem, profile, sizes):
         near = equilibrium_near(problem, u, profile.parameter, sizes)
-        if near is None or float(np.max(np.abs(near[0] - u) / sizes)) > NEAR_SADDLE * extent:
+        if near is None or distance(problem, near.u, u, sizes) > NEAR_SADDLE * extent:
             return []
-        state, values = near
+        values = near.own
         if not (np.any(values.real > 0) and np.any(values.real < 0)):
             return []
         if float(np.abs(values.real).min()) < 1e-6 * float(np.abs(values).max()):
             return []
         for k, known in enumerate(found):
-            if float(np.max(np.abs(apart(problem, known.u, state)) / sizes)) < 1e-6:
+            if float(np.max(np.abs(apart(problem, known.u, near.u)) / sizes)) < 1e-6:
                 found[k] = replace(known, visits=known.visits + 1)
                 break
         else:
-            found.append(Saddle(state, values, 1))
+            found.append(near)
     return found
 
 
@@ -80,36 +86,16 @@ def equilibria_of(problem: Any) -> Any:
     return EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
 
 
-def equilibrium_near(
-    problem: Any, u: Array, parameter: float, sizes: Array
-) -> tuple[Array, NDArray[np.complex128]] | None:
+def equilibrium_near(problem: Any, u: Array, parameter: float, sizes: Array) -> Saddle | None:
     """The equilibrium near u and its eigenvalues by falling real part."""
     rest = equilibria_of(problem)
     z = rest.at_parameter(np.append(u, parameter), parameter, np.append(sizes, 1.0))
     if z is None:
         return None
-    values = np.linalg.eigvals(rest.linear_part(z))
-    return z[:-1], values[np.argsort(-values.real)].astype(complex)
-
-
-def slowest_points(profile: Profile, sizes: Array) -> list[Array]:
-    """The slowest node of every stretch of the orbit (a closed curve) that is passed slowly."""
-    steps = np.linalg.norm(np.diff(profile.u, axis=0) / sizes, axis=1)
-    speed = steps / np.diff(profile.times)
-    slow = speed < SLOW * float(steps.sum())
-    if slow.all() or not slow.any():
-        return []
-    first = int(np.argmin(slow))  # begin on a fast stretch
-    order = np.roll(np.arange(len(speed)), -first)
-    points: list[Array] = []
-    run: list[int] = []
-    for k in [*order.tolist(), int(order[0])]:
-        if slow[k] and not (run and k == order[0]):
-            run.append(k)
-        elif run:
-            points.append(profile.u[min(run, key=lambda j: speed[j])])
-            run = []
-    return points
+    jacobian = rest.linear_part(z)
+    values = np.linalg.eigvals(jacobian)
+    values = values[np.argsort(-values.real)].astype(complex)
+    return Saddle(z[:-1], values, 1, of_the_frame(problem, z[:-1], jacobian, values))
 
 
 def turns(problem: Any, difference: Array) -> Array:
@@ -121,6 +107,16 @@ def turns(problem: Any, difference: Array) -> Array:
 
 def apart(problem: Any, u: Array, v: Array) -> Array:
     return np.asarray(u - v - turns(problem, u - v))
+
+
+def distance(problem: Any, u: Array, v: Array, sizes: Array) -> float:
+    """Largest difference of two states relative to their sizes, in a turning frame: but for a small turn."""
+    gap = (u - v) / sizes
+    along = turning(problem, v[None])
+    if along is not None and along.any():
+        xi = along[0] / sizes
+        gap = gap - float(gap @ xi) / float(xi @ xi) * xi
+    return float(np.max(np.abs(gap)))
 
 
 def rounded(value: float, state: Array) -> float:

@@ -105,6 +105,20 @@ def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
     for _ in range(12):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if np.sign(side(middle)) == start else (low, middle)
-    # where rounding stops the corrector beside the limit, the error is larger and says so
-    assert end.data["error"] < 1e-5
-    assert end.data["at"]["mu"] == pytest.approx(0.5 * (low + high), abs=max(5e-9, end.data["error"]))
+    assert end.data["error"] < 5e-8
+    assert end.data["at"]["mu"] == pytest.approx(0.5 * (low + high), abs=5e-9)
+
+
+def test_the_rate_at_which_a_frame_keeps_up_is_no_eigenvalue_of_the_saddle(beats):
+    """The amplitudes stand in a frame that keeps up with their phases at its own rate, 1/3, slower than all others.
+
+    Differences of the amplitudes decay or grow at rates that come in equal pairs (three metronomes may be exchanged).
+    """
+    end = beats.ends[1]
+    values = np.sort(np.real(end.data["eigenvalues"]))
+    frame = int(np.argmin(np.abs(values + 1.0 / 3.0)))
+    assert values[frame] == pytest.approx(-1.0 / 3.0, abs=1e-6)
+    own = np.delete(values, frame)
+    assert own[-1] == pytest.approx(own[-2], abs=1e-6)
+    assert end.data["saddle_quantity"] == pytest.approx(own[-1] + own[own < 0].max(), abs=1e-9)
+    assert end.data["saddle_quantity"] < 1.0
