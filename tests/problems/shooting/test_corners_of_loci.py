@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from contin import api
 from contin.problems.shooting.loci.problem import ShotLocusProblem
-from tests.problems.shooting.bent import BENT, JUMPING, TOUCHED, gain
+from tests.problems.shooting.bent import BENT, JUMPING, TOUCHED, bent, fold_at, gain
 
 PAIR = ("b1", "b2")
 BOX = {"b1": (-0.6, 0.3), "b2": (-0.9, 1.5)}
@@ -35,7 +36,21 @@ def test_folds_born_inside_leave_the_smooth_law_where_their_orbits_touch_the_lin
     assert [end.reason for end in folds.ends] == ["start", "bound"]
     assert folds.columns["b2"][-1] == pytest.approx(1.5)
     follows_both_laws(folds)
+    assert folds.points == ()  # the map's second derivative is negative on both sides of the touching orbit: no cusp
     assert folds.steps <= 60  # measured 37
+
+
+def test_where_the_law_beyond_the_line_pushes_outwards_the_folds_have_the_cusp_of_the_return_map():
+    """The map's second derivative jumps to +infinity at the touching orbit and is zero where b2(r) is smallest."""
+    strength = -1.5
+    folds = born_at_bautin_point(bent(strength))
+    assert [p.label for p in folds.points] == ["CPC1"]
+    cusp = folds["CPC1"]
+    guess = [cusp.values["b1"], cusp.values["b2"]]
+    least = minimize_scalar(lambda r: fold_at(r, guess, strength)[1], bounds=(0.52, 0.54), options={"xatol": 1e-7})
+    np.testing.assert_allclose(guess, fold_at(least.x, guess, strength), atol=1e-9)
+    turn = int(np.argmax(folds.columns["b2"][: cusp.index]))  # the curve comes back at the touching orbit
+    assert folds.columns["x.max"][turn] == pytest.approx(0.5, abs=1e-4)
 
 
 def test_folds_that_cross_the_line_come_back_to_the_smooth_law():
