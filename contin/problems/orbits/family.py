@@ -66,6 +66,11 @@ class FamilyOfOrbits:
         base[self.active] = z[-1]
         return replace(self, base=base, active=list(self.system.parameter_names).index(name))
 
+    def freed(self, name: str, orbit: Array) -> tuple[Self, Array]:
+        """The orbits with this parameter free (perhaps it is already), and the vector of one of them."""
+        orbits = self.with_active(name, orbit)
+        return orbits, np.append(orbit[:-1], orbits.base[orbits.active])
+
     def full_parameters(self, z: Array) -> Array:
         """All parameter values at z, and the time 0 for a forced system: (p_size,)."""
         p = np.zeros(self.system.p_size)

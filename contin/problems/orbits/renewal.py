@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,24 +27,35 @@ def renew(
     if found is not None:
         return Renewal(frame.scale, origin, before, loop, found.end, found.last, found.point)
     profile = problem.profile(origin.z)
-    m = problem.points
-    sizes = problem.sizes(origin.z, frame.scale)
+    fit = refitted(problem, profile, problem.sizes(origin.z, frame.scale), float(frame.scale[profile.u.size]))
+    if fit is None:
+        return Renewal(frame.scale, origin, before, loop)
+    scale = make_scale(fit.h, profile.m, fit.sizes, fit.period, float(frame.scale[-1]))
+    move = Move(problem, frame.scale, scale, fit.h)
+    return Renewal(scale, move(origin), None if before is None else move(before), None if loop is None else move(loop))
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A mesh, and the scales of states and period."""
+
+    h: Array
+    sizes: Array
+    period: float
+
+
+def refitted(problem: Any, profile: Profile, sizes: Array, period: float) -> Fit | None:
+    """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do."""
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
-    position = profile.u.size
-    period = float(frame.scale[position])
-    if profile.period > period:
-        period = 2.0 * profile.period
+    longer = 2.0 * profile.period if profile.period > period else period
     h = profile.h
     error, _ = estimate(profile, grown)
     chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals)
     unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
     if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
         h = chosen.h
-    if h is profile.h and np.array_equal(grown, sizes) and period == frame.scale[position]:
-        return Renewal(frame.scale, origin, before, loop)
-    scale = make_scale(h, m, grown, period, float(frame.scale[-1]))
-    move = Move(problem, frame.scale, scale, h)
-    return Renewal(scale, move(origin), None if before is None else move(before), None if loop is None else move(loop))
+    same = h is profile.h and np.array_equal(grown, sizes) and longer == period
+    return None if same else Fit(h, grown, longer)
 
 
 def state_growth(problem: Any, profile: Profile, sizes: Array) -> Array:

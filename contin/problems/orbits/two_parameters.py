@@ -122,8 +122,4 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         names = list(self.system.parameter_names)
         if parameter not in names:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
-        orbits, orbit = self.curve.at(point.z), self.curve.orbit(point.z)
-        if parameter != self.parameters[0]:
-            orbits = orbits.with_active(parameter, orbit)
-            orbit[-1] = orbits.base[orbits.active]
-        return [Seed(orbits, orbit)]
+        return [Seed(*self.curve.at(point.z).freed(parameter, self.curve.orbit(point.z)))]

@@ -39,17 +39,16 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
     if not visited:
         raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a saddle")
     loops = _passages(problem, profile, visited, sizes)
-    orbits = _with_first(problem, point, first)
+    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     seeds = []
     for a, b, start, end in loops:
         piece = _piece(profile, start, end)
         piece = replace(piece, u=piece.u - turns(problem, piece.u[0] - visited[a].u))
         winding = turns(problem, piece.u[-1] - visited[b].u)
-        value = float(orbits.base[first]) if orbits is not problem else profile.parameter
         ends = np.array([visited[a].u] if a == b else [visited[a].u, visited[b].u + winding])
         stable = int(np.sum(visited[a].eigenvalues.real < 0.0))
         unstable = int(np.sum(visited[b].eigenvalues.real > 0.0))
-        piece = replace(piece, parameter=value)
+        piece = replace(piece, parameter=float(orbit[-1]))
         parent = Parent(point.branch, point.label)
         q = float(orbits.base[second])
         turned = winding if a == b and winding.any() else None
@@ -58,12 +57,6 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
     if any(not np.allclose(seeds[0].z[-2:], s.z[-2:]) for s in seeds):
         return seeds
     return seeds if len(visited) > 1 else seeds[:1]  # loops of one saddle: images of each other, or one twice
-
-
-def _with_first(problem: OrbitProblem, point: SpecialPoint, first: int) -> OrbitProblem:
-    """The orbits with the first parameter of the plane as theirs."""
-    name = problem.system.parameter_names[first]
-    return problem if name == problem.parameters[0] else problem.with_active(name, point.z)
 
 
 def loop_of_saddle_node(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:

@@ -11,8 +11,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
-from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
-from contin.problems.orbits.renewal import NEARLY, TOO_FINE, Move, state_growth
+from contin.problems.orbits.renewal import Move, refitted
 
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 
@@ -21,22 +20,13 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
     """Mesh and metric for the next chunk."""
     curve, scale = problem.curve, frame.scale
     orbits, profile = curve.at(origin.z), curve.profile(origin.z)
-    metric = curve.orbit(scale)
-    sizes = orbits.sizes(curve.orbit(origin.z), metric)
-    grown = np.maximum(sizes, state_growth(orbits, profile, sizes))
-    period = float(scale[profile.u.size])
-    if profile.period > period:
-        period = 2.0 * profile.period
-    h = profile.h
-    error, _ = estimate(profile, grown)
-    chosen = choose_mesh(profile, grown, orbits.tolerance, orbits.intervals)
-    unfit = error > NEARLY * orbits.tolerance or len(chosen.h) < TOO_FINE * len(h)
-    if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
-        h = chosen.h
-    if h is profile.h and np.array_equal(grown, sizes) and period == scale[profile.u.size]:
+    sizes = orbits.sizes(curve.orbit(origin.z), curve.orbit(scale))
+    fit = refitted(orbits, profile, sizes, float(scale[profile.u.size]))
+    if fit is None:
         return Renewal(scale, origin, before, None)
-    renewed = curve.join(make_scale(h, profile.m, grown, period, float(scale[-1])), float(scale[-2]), 1.0)
-    moved = CurveMove(curve, orbits, scale, renewed, h)
+    metric = make_scale(fit.h, profile.m, fit.sizes, fit.period, float(scale[-1]))
+    renewed = curve.join(metric, float(scale[-2]), 1.0)
+    moved = CurveMove(curve, orbits, scale, renewed, fit.h)
     here = moved(origin)
     curve.settle(here.z, renewed)
     corrected = problem.probe(here, 0.0, here.z, Frame(renewed), settings)

@@ -36,17 +36,10 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
             "With one other parameter the orbit itself is followed from here"
         )
     first, second = indices(problem.system, parameters)
-    names = problem.system.parameter_names
-    orbit = point.z.copy()
-    if names[first] != problem.parameters[0]:
-        orbits = problem.with_active(names[first], orbit)
-        orbit[-1] = orbits.base[first]
-    else:
-        orbits = problem
+    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     curve = OrbitCurve(point.type, orbits, second)
-    q = orbits.base[second]
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
-    z = curve.join(orbit, float(q), further)
+    z = curve.join(orbit, float(orbits.base[second]), further)
     return [Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label))]
 
 
@@ -55,10 +48,7 @@ def _same_period(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -
     from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
 
     first, second = indices(problem.system, parameters)
-    orbits, orbit = problem, point.z.copy()
-    if problem.system.parameter_names[first] != problem.parameters[0]:
-        orbits = problem.with_active(parameters[0], orbit)
-        orbit[-1] = orbits.base[first]
+    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     curve = PeriodCurve(orbits, second)
     z = curve.join(orbit, float(orbits.base[second]))
     return Seed(SamePeriodProblem(curve), z, parent=Parent(point.branch, point.label))
@@ -70,11 +60,8 @@ def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Se
     Curves of tori go on, beyond R1 and R2, as curves of neutral saddles.
     """
     first, second = indices(problem.system, parameters)
-    names = problem.system.parameter_names
-    orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
-    if names[first] != problem.parameters[0]:
-        orbits = orbits.with_active(names[first], orbit)
-        orbit = np.append(orbit[:-1], orbits.base[first])
+    name = problem.system.parameter_names[first]
+    orbits, orbit = problem.curve.at(point.z).freed(name, problem.curve.orbit(point.z))
     seeds: list[Seed] = []
     for type_ in meeting(point.type, problem.locus):
         if type_ == "NS" and problem.locus != "NS":

@@ -49,10 +49,7 @@ def _seed(
     type_: str, orbits: Any, orbit: Any, point: SpecialPoint, parameters: Sequence[str], further: float
 ) -> Seed:  # fmt: skip
     first, second = indices(orbits.system, parameters)
-    name = orbits.system.parameter_names[first]
-    if name != orbits.parameters[0]:
-        orbits = orbits.with_active(name, orbit)
-        orbit = np.append(orbit[:-1], orbits.base[first])
+    orbits, orbit = orbits.freed(orbits.system.parameter_names[first], orbit)
     curve = ShootingCurve(type_, orbits, second)
     z = curve.join(orbit, float(orbits.base[second]), further)
     return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))
@@ -61,10 +58,7 @@ def _seed(
 def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
     """The curve of orbits that touch a surface, through a nonsmooth fold."""
     first, second = indices(problem.system, parameters)
-    orbits, orbit = problem, point.z
-    if problem.system.parameter_names[first] != problem.parameters[0]:
-        orbits = problem.with_active(parameters[0], orbit)
-        orbit = np.append(orbit[:-1], orbits.base[first])
+    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     found = laid_out(orbits, orbit, touches(orbits, orbit))
     if found is None or not found[2]:
         raise InputError(
