@@ -49,7 +49,7 @@ RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched 
 FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
 INCOMPLETE: Final = "families of orbits could not be followed to their ends"
-CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "LPPD", "LPNS", "PDNS", "NSNS")
+CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "GPD", "LPPD", "LPNS", "PDNS", "NSNS")
 
 
 @dataclass(eq=False)

@@ -11,7 +11,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
-from contin.problems.orbits.loci.beside import tori_beside
+from contin.problems.orbits.loci.beside import folds_of_doubled, tori_beside
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 
@@ -59,6 +59,8 @@ def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Se
 
     Curves of tori go on, beyond R1 and R2, as curves of neutral saddles.
     """
+    if point.type == "GPD":
+        return folds_of_doubled(problem, point, parameters)
     first, second = indices(problem.system, parameters)
     name = problem.system.parameter_names[first]
     orbits, orbit = problem.curve.at(point.z).freed(name, problem.curve.orbit(point.z))

@@ -11,7 +11,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
-from contin.problems.orbits.loci.beside import tori_beside
+from contin.problems.orbits.loci.beside import folds_of_doubled, tori_beside
 from contin.problems.orbits.loci.start import CURVES, further_through, meeting
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
@@ -35,6 +35,8 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
 
 def loci_through(problem: ShotLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curves of other types through a point of a curve; its own where there is no other."""
+    if point.type == "GPD":
+        return folds_of_doubled(problem, point, parameters)
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     seeds: list[Seed] = []
     for type_ in meeting(point.type, problem.locus):

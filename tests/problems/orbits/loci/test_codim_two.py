@@ -75,6 +75,12 @@ def test_period_doubling_is_degenerate_where_its_cubic_coefficient_vanishes(meth
     np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-9)
     assert_only(flips, {"GPD": (0.0,)}, "q")
     assert [end.reason for end in flips.ends] == ["bound", "bound"]
+    (seed,) = flips["GPD1"].locus(("p", "q"))  # doubled orbits, s^2 = q/2, fold at p = -q^2/4, q > 0
+    folds = contin.continuation(seed, ("p", "q"), {"p": (-0.3, 0.4), "q": (-0.5, 0.7)})
+    assert folds.locus == "LPC"
+    np.testing.assert_allclose(folds.columns["period"], 4 * pi, rtol=1e-8)
+    np.testing.assert_allclose(folds.columns["p"], -(folds.columns["q"] ** 2) / 4, atol=1e-8)
+    assert folds.columns["q"].max() == pytest.approx(0.7)
 
 
 def test_folds_of_doubled_orbits_end_at_the_degenerate_period_doubling():
@@ -115,17 +121,32 @@ def test_torus_bifurcation_is_degenerate_beside_and_at_a_strong_resonance():
         assert_only(tori, {"R4": (0.25,), "CH": (r,)}, "q")
 
 
-def test_tori_meet_period_doublings():
+@METHODS
+def test_tori_meet_period_doublings(method):
     """s' = (p/2 + q - s^2) s in the turning plane, v' = (p + 0.3 i - |v|^2) v: PD at q = -p/2, NS at p = 0."""
     x, y = amplitude("e", "f", "p - (e^2 + f^2)", "0.3")
     equations = {**twisted(f"p/2 + q - {SQUARE}", "-1"), "e": x, "f": y}
     box = {"p": (-0.3, 0.4), "q": (-0.35, 0.3)}
-    tori = curve(equations, ("p", "q"), box, "NS")
+    tori = curve(equations, ("p", "q"), box, "NS", method)
     np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
     assert_only(tori, {"PDNS": (0.0,)}, "q")
     flips = through(tori["PDNS1"], "PD", box)
     np.testing.assert_allclose(flips.columns["p"], -2 * flips.columns["q"], atol=1e-8)
     assert_only(flips, {"PDNS": (0.0,)}, "q")
+
+
+@METHODS
+def test_two_curves_of_tori_cross(method):
+    """v' = (p + 0.3 i - |v|^2) v and w' = (p/2 + q + 0.2 i - |w|^2) w: NS at p = 0 and at q = -p/2."""
+    v, w = amplitude("c", "d", "p - (c^2 + d^2)", "0.3"), amplitude("e", "f", "p/2 + q - (e^2 + f^2)", "0.2")
+    box = {"p": (-0.3, 0.4), "q": (-0.35, 0.3)}
+    tori = curve({"c": v[0], "d": v[1], "e": w[0], "f": w[1]}, ("p", "q"), box, "NS", method)
+    np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
+    assert_only(tori, {"NSNS": (0.0,)}, "q")
+    others = through(tori["NSNS1"], "NS", box)
+    np.testing.assert_allclose(others.columns["p"], -2 * others.columns["q"], atol=1e-8)
+    np.testing.assert_allclose(others.columns["cos.theta"], cos(0.4 * pi), atol=1e-9)
+    assert_only(others, {"NSNS": (0.0,)}, "q")
 
 
 @METHODS
