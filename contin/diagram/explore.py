@@ -54,6 +54,7 @@ class Explorer:
     orbits: bool = True
     watch: Watcher | None = None
     journal: Journal | None = None
+    doublings: int = 64  # how many period doublings in a row are followed
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -164,6 +165,9 @@ class Explorer:
         reason = left_to_the_user(branch, point)
         if reason and not asked:
             self._note_once(diagram, f"{branch.name}: {reason}")
+            return []
+        if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
+            self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
             return []
         try:
             seeds = branch.problem.departures(point, self.parameter, self.orbits)

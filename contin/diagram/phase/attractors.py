@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
+from contin.diagram.phase.cycles import cycles_reached
 from contin.diagram.phase.states import State, images_of
 from contin.errors import ContinError, NoSolutionError
 
@@ -27,7 +28,8 @@ BESIDE: Final = 1e-3  # distance (relative) of a start from the stable state of 
 ZERO: Final = 1e-12  # relative to the states' sizes: a state at rest that decays to nothing is zero
 WINDOW, RESTING = 20.0, 1e-4  # time scales in which a trajectory at rest moves less than this part of the states' sizes
 SAMPLES: Final = 400  # of an orbit
-ENOUGH: Final = 2  # trajectories without a period after which others that stay in the same box are taken for the same
+ROUGH: Final = 1e-7  # tolerance of that: on an attractor without a period no trajectory is followed for long, anyway
+ENOUGH: Final = 1  # trajectories without a period after which others that stay in the same box are taken for the same
 ROOM: Final = 0.05  # of the extent of the box, around it
 
 
@@ -44,20 +46,29 @@ class Reached:
     aperiodic: int = 0
 
 
-def reached(problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None) -> Reached:
+def reached(
+    problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None, lasting: bool = True
+) -> Reached:
     """Stable states on which trajectories settle, without those that are known.
 
     `problem` : of the equilibria on the line.  `states` : all that is known where its parameter has this value.
     Trajectories start from `starts`; by default beside every unstable equilibrium, on both sides along its most
-    unstable direction, and from `SCATTERED` points around all known states and as many near zero.
+    unstable direction, and from `SCATTERED` points around all known states and as many near zero. `lasting` : those
+    that do not settle for long are followed until it is plain that they never do.
     """
-    if problem.system.kind == "map":  # families of its cycles are found from special points only
-        return Reached()
-    search = _Trajectories(problem, list(states), value)
+    if problem.system.kind == "map":
+        known = [state.vector for state in states]
+        return Reached(*_of_a_map(problem, known, value, _scattered(states) if starts is None else starts))
+    search = _Trajectories(problem, list(states), value, lasting)
     for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)] if starts is None else starts:
         with suppress(ContinError, np.linalg.LinAlgError):
             search.follow(u)
     return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic)
+
+
+def _of_a_map(problem: Any, known: Sequence[Array], value: float, starts: Sequence[Array]) -> tuple[Any, Any, int]:
+    seeds, aperiodic = cycles_reached(problem, known, value, starts)
+    return tuple(seeds), (), aperiodic
 
 
 @dataclass(eq=False)
@@ -67,6 +78,7 @@ class _Trajectories:
     problem: Any
     states: list[State]
     value: float
+    lasting: bool = True
     seeds: list[Seed] = field(default_factory=list)
     rests: list[State] = field(default_factory=list)
     wild: list[tuple[Array, Array]] = field(default_factory=list)  # boxes that hold trajectories without a period
@@ -141,10 +153,10 @@ class _Trajectories:
         from contin.simulate.trajectory import integrate
 
         system, time = self.problem.system, TRANSIENT * scale
-        u = integrate(system, u, self.p, LASTING * scale).end
+        u = integrate(system, u, self.p, LASTING * scale, rtol=ROUGH, atol=ROUGH * 1e-2 * max(self._size(), 1e-3)).end
         if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
             return
-        path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000)).u
+        path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
         extent = np.ptp(path, axis=0)
         if float(extent.max()) > RESTING * max(self._size(), float(np.abs(u).max())):
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
@@ -155,7 +167,7 @@ class _Trajectories:
         try:
             orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=LONGEST)
         except NoSolutionError as error:
-            if "comes to rest" not in str(error):
+            if self.lasting and "comes to rest" not in str(error):
                 self._wander(u, scale)
             return
         seed = orbit.seed(self.problem.parameters[0])
@@ -194,7 +206,7 @@ def _pushed(problem: Any, states: Sequence[State], value: float) -> list[Array]:
 
 def _scattered(states: Sequence[State]) -> list[Array]:
     """Points spread over the box of all known states, and as much beside it (the same for the same states)."""
-    known = [state.vector[None] for state in states if state.orbit is None]
+    known = [state.vector.reshape(state.steps, -1) for state in states if state.orbit is None]
     known += [state.orbit[0].profile(state.orbit[1]).u for state in states if state.orbit is not None]
     if not known:
         return []
@@ -205,12 +217,19 @@ def _scattered(states: Sequence[State]) -> list[Array]:
     return [*anywhere, *(SMALL * anywhere)]
 
 
+def _point_of(state: State) -> Array:
+    if state.orbit is not None:
+        problem, z = state.orbit
+        return np.asarray(problem.profile(z).u[0])
+    return state.vector[: len(state.vector) // state.steps]
+
+
 def within_basins(states: Sequence[State]) -> list[Array]:
     """A point beside every stable state: where to look for its like at other parameters."""
     generator = np.random.default_rng(3)
     points = []
     for state in states:
         if state.unstable == 0:
-            points += [state.vector if state.orbit is None else state.orbit[0].profile(state.orbit[1]).u[0]]
+            points.append(_point_of(state))
     size = max((float(np.abs(u).max()) for u in points), default=0.0)
     return [u + BESIDE * size * generator.normal(size=len(u)) for u in points]

@@ -51,7 +51,9 @@ def phase(
     points = [(np.asarray(s.u), np.asarray(s.p)) for s in listed]
     system = listed[0].system
     followed = orbits and system.kind != "map" and system.jacobian_address != NO_FUNCTION
-    search = LociSearch(listed[0].problem(first), points, (first, second), bounds, chosen, watch, followed)
+    settle = followed or (orbits and system.kind == "map")
+    problem = listed[0].problem(first)
+    search = LociSearch(problem, points, (first, second), bounds, chosen, watch, followed, settle)
     survey = Survey(search)
     stopped = False
     try:

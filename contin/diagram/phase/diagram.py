@@ -34,43 +34,49 @@ class Region:
     outline: Array  # (k, 2), in the parameters' units
     holes: tuple[Array, ...] = ()
     aperiodic: int = 0  # 1 where trajectories settle on something without a period: chaos, or a torus
+    kind: str = "flow"  # or map
 
     @property
     def total(self) -> int:
         """How many equilibria there are, images under symmetries counted."""
-        return sum(state.copies for state in self.states if state.orbit is None)
+        return sum(state.copies for state in self.states if not state.is_orbit)
 
     @property
     def stable(self) -> int:
         """How many of them are stable."""
-        return sum(state.copies for state in self.states if state.orbit is None and state.unstable == 0)
+        return sum(state.copies for state in self.states if not state.is_orbit and state.unstable == 0)
 
     @property
     def orbits(self) -> int:
         """How many periodic orbits were found, images under symmetries counted."""
-        return sum(state.copies for state in self.states if state.orbit is not None)
+        return sum(state.copies for state in self.states if state.is_orbit)
 
     @property
     def stable_orbits(self) -> int:
         """How many of them are stable."""
-        return sum(state.copies for state in self.states if state.orbit is not None and state.unstable == 0)
+        return sum(state.copies for state in self.states if state.is_orbit and state.unstable == 0)
 
     @property
     def words(self) -> str:
-        """Such as '2 of 3 equilibria stable, 1 stable orbit'."""
+        """Such as '2 of 3 equilibria stable, 1 stable orbit'.
+
+        All stable states are meant; the second number counts the unstable equilibria that were found, too.
+        """
         cycles = self.stable_orbits
+        noun = "orbit" if self.kind == "flow" else "cycle"
         parts = [self._equilibria]
-        parts += [f"{cycles} stable orbit{'s' if cycles > 1 else ''}"] if cycles else []
+        parts += [f"{cycles} stable {noun}{'s' if cycles > 1 else ''}"] if cycles else []
         parts += ["an aperiodic attractor"] if self.aperiodic else []
         return ", ".join(parts)
 
     @property
     def _equilibria(self) -> str:
+        one, many = ("equilibrium", "equilibria") if self.kind == "flow" else ("fixed point", "fixed points")
         if self.total == 0:
-            return "no equilibrium found"
+            return f"no {one} found"
         if self.total == 1:
-            return "1 equilibrium, stable" if self.stable else "1 equilibrium, unstable"
-        return f"{self.stable or 'none'} of {self.total} equilibria stable"
+            return f"1 {one}, {'stable' if self.stable else 'unstable'}"
+        return f"{self.stable or 'none'} of {self.total} {many} stable"
 
 
 @dataclass(frozen=True, eq=False)

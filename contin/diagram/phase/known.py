@@ -22,7 +22,7 @@ SAMPLES: Final = 7  # rows of a curve that are looked up on another
 def is_known_locus(loci: Sequence[Branch], seed: Seed, box: Box) -> bool:
     """True where the seed, or an image of it, is a point of one of the curves."""
     problem: Any = seed.problem
-    same = [b for b in loci if b.locus == problem.locus]
+    same = [b for b in loci if b.locus == problem.locus and _steps(b.problem) == _steps(problem)]
     return any(_lies_on(b, problem, z, box) for z in _copies(problem, seed.z) for b in same)
 
 
@@ -31,18 +31,29 @@ def repeats(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
     problem: Any = branch.problem
     rows = np.unique(np.linspace(0, len(branch) - 1, SAMPLES).astype(int))
     for known in loci:
-        if known.locus == branch.locus and all(
+        if known.locus == branch.locus and _steps(known.problem) == _steps(problem) and all(
             any(_lies_on(known, problem, z, box) for z in _copies(problem, branch.z[row])) for row in rows
         ):
             return True
     return False
 
 
+def _steps(problem: Any) -> int:
+    """Of cycles of a map."""
+    return int(getattr(problem.system, "times", 1))
+
+
 def _copies(problem: Any, z: Array) -> Iterable[Array]:
-    """z and its images under the declared symmetries, null vectors left alone (they do not identify a point)."""
+    """z and its images under the declared symmetries, null vectors left alone (they do not identify a point).
+
+    Of cycles of a map also their other points.
+    """
     yield z
     n, system = problem.n, problem.system
     p = problem.curve.full_parameters(z)
+    if _steps(problem) > 1:
+        for x in list(system.orbit(z[:n], p))[1:]:
+            yield np.concatenate([x, z[n:]])
     for name in symmetry_names(problem):
         u = np.ascontiguousarray(z[:n])[None]
         for part in reversed(name.split("*")):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.diagram.diagram import Diagram
-from contin.diagram.explore import Explorer
+from contin.diagram.explore import Budget, Explorer
 
+MORE: Final = Budget(branches=1, steps=300)
 STATES: Final = ("equilibrium", "fixed-point", "orbit")
 
 
@@ -34,9 +35,16 @@ class Line:
         return [b for b in self.diagram.branches if b.kind == "orbit" and b.image_of is None]
 
     def add(self, seeds: Sequence[Seed]) -> None:
+        """Follow states that are known to be there, with something left of the budget for each."""
         for seed in seeds:
             self.added += 1
-            self.explorer.add(self.diagram, f"more{self.added}", seed)
+            used = [b for b in self.diagram.branches if b.image_of is None]
+            budget = replace(
+                self.explorer.budget,
+                branches=max(self.explorer.budget.branches, len(used) + MORE.branches),
+                steps=max(self.explorer.budget.steps, sum(b.steps for b in used) + MORE.steps),
+            )
+            replace(self.explorer, budget=budget).add(self.diagram, f"more{self.added}", seed)
             self.raise_if_stopped()
 
     def raise_if_stopped(self) -> None:

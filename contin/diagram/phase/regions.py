@@ -17,6 +17,7 @@ def regions_of(survey: Survey) -> tuple[tuple[Region, ...], dict[tuple[int, int]
     search = survey.search
     low = np.array([b[0] for b in search.box])
     width = np.array([b[1] - b[0] for b in search.box])
+    kind = "map" if search.problem.system.kind == "map" else "flow"
     names: dict[Any, str] = {}
     regions: list[Region] = []
     number: dict[int, int] = {}
@@ -25,12 +26,12 @@ def regions_of(survey: Survey) -> tuple[tuple[Region, ...], dict[tuple[int, int]
             continue
         number[k] = len(regions)
         states = visit.states
-        rests = tuple(sorted((state.unstable, state.copies) for state in states if state.orbit is None))
-        cycles = tuple(sorted(state.copies for state in states if state.orbit is not None and state.unstable == 0))
+        rests = tuple(sorted((state.unstable, state.copies) for state in states if not state.is_orbit))
+        cycles = tuple(sorted(state.copies for state in states if state.is_orbit and state.unstable == 0))
         name = names.setdefault((rests, cycles, visit.aperiodic), _letter(len(names)))
         values = dict(zip(search.parameters, (low + width * visit.point).tolist(), strict=True))
         outline, *holes = (low + width * ring for ring in (face.outline, *face.holes))
-        regions.append(Region(name, number[k], values, states, face.area, outline, tuple(holes), visit.aperiodic))
+        regions.append(Region(name, number[k], values, states, face.area, outline, tuple(holes), visit.aperiodic, kind))
     owners = [search.loci[k].name for k in survey.owners]
     borders = {
         (number[i], number[j]): frozenset(owners[c] for c in curves)

@@ -91,7 +91,7 @@ def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
             "point": dict(region.point),
             "states": [
                 {
-                    "kind": "equilibrium" if state.orbit is None else "orbit",
+                    "kind": ("equilibrium" if state.orbit is None else "orbit") if state.steps == 1 else "cycle",
                     "values": dict(state.values),
                     "unstable": state.unstable,
                     "stable": state.unstable == 0,

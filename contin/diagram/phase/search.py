@@ -21,6 +21,7 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.attractors import reached
+from contin.diagram.phase.cycles import is_shorter
 from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, is_orbital
@@ -44,11 +45,16 @@ MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones
 COARSE, FEW, LEAST = 0.1, 60, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
 BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
+OF_MAP: Final = Budget(branches=12, steps=4000)  # ... of a map: cascades of doublings have cycles of any length
+LONGEST: Final = 4  # period of cycles of a map whose curves are followed
+DOUBLINGS: Final = 2  # in a row, on one line; trajectories find the stable cycles beyond
+UNSTABLE: Final = 600  # points of curves of unstable orbits, which do not bound the region of a stable state
 TOTAL: Final = 4000  # points of curves of orbits
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
 FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
 INCOMPLETE: Final = "families of orbits could not be followed to their ends"
+ON_ORBITS: Final = frozenset({"R1", "R2", "GPD", "LPPD", "LPNS", "PDNS", "NSNS"})
 CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "GPD", "LPPD", "LPNS", "PDNS", "NSNS")
 
 
@@ -63,10 +69,13 @@ class LociSearch:
     settings: Settings
     watch: Watcher | None = None
     orbits: bool = True  # curves of periodic and of connecting orbits, too
+    settle: bool = True  # stable states that no branch leads to are looked for with trajectories
     loci: list[Branch] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
+    later: deque[SpecialPoint] = field(default_factory=deque)  # special points of unstable orbits
+    on_unstable: int = 0  # points of curves that these led to
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
     searched: int = 0  # of these
     absorbed: dict[int, Branch] = field(default_factory=dict)  # by id: branches whose points were looked at
@@ -84,16 +93,17 @@ class LociSearch:
                 self.branches.extend(line.branches)
                 self._absorb(line.branches)
         self._tori()
+        self._unstable()
 
     def _settled(self, axis: int, value: float) -> Line:
         """A line with the families of the orbits on which trajectories settle at some of its points."""
         low, high = self.box[axis]
-        places = [low + part * (high - low) for part in LINES] if self.orbits and axis == 0 else []
+        places = [low + part * (high - low) for part in LINES] if self.settle and axis == 0 else []
         line = self.line(axis, value, places)
         problem = replace(self.problem, base=self.held(axis, value))
         for place in places:
             states = states_on(line.branches, place, high - low)
-            line.add(reached(problem, states, place).seeds)
+            line.add(reached(problem, states, place, lasting=False).seeds)
         return line
 
     def absorb(self, branches: Sequence[Branch]) -> bool:
@@ -101,6 +111,7 @@ class LociSearch:
         before = len(self.loci)
         self._absorb(branches)
         self._tori()
+        self._unstable()
         return len(self.loci) > before
 
     def _absorb(self, branches: Sequence[Branch]) -> None:
@@ -114,7 +125,9 @@ class LociSearch:
                 self.note(f"{MOST} curves were followed; there are more")
                 return
             point = queue.popleft()
-            if point.type in RESONANT:
+            if self._bounds_nothing_stable(point):
+                self.later.append(point)
+            elif point.type in RESONANT:
                 self.resonances.append(point)
             else:
                 queue.extend(self._follow(point))
@@ -132,6 +145,23 @@ class LociSearch:
             self.searched += 1
             self._work(deque(self._follow(point)))
 
+    def _bounds_nothing_stable(self, point: SpecialPoint) -> bool:
+        """True for special orbits with unstable multipliers besides the critical ones."""
+        of_orbits = point.type in ORBITAL or point.type in ON_ORBITS
+        return of_orbits and not self._is_map and "period" in point.values and point.values.get("unstable", 0) >= 1
+
+    def _unstable(self) -> None:
+        """Curves of unstable orbits, as far as the budget goes."""
+        while self.later:
+            point = self.later.popleft()
+            if self.on_unstable >= UNSTABLE:
+                self.note(f"curves of unstable orbits were followed for {UNSTABLE} points; there may be more")
+                self.later.clear()
+                return
+            before = self.spent
+            self._work(deque(self._follow(point)))
+            self.on_unstable += self.spent - before
+
     def note(self, text: str) -> None:
         """Something that the user should know, once."""
         if text not in self.notes:
@@ -144,8 +174,9 @@ class LociSearch:
         """
         name = self.parameters[axis]
         targets = [Target(name, target) for target in marked]
+        budget = OF_MAP if self._is_map else BUDGET
         explorer = Explorer(
-            name, self.box[axis], self.settings, BUDGET, targets, self.orbits, watch=self.watch
+            name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch, doublings=DOUBLINGS
         )
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
         line = Line(axis, value, explorer, explorer.explore(seeds))
@@ -184,15 +215,21 @@ class LociSearch:
             across = branch.parameters[0] == self.parameters[1 - axis]
             if across and branch.image_of is None and branch.kind != "orbit":
                 found.extend(on_branch(branch, self.parameters[axis], self.box[1 - axis], value))
-        return found
+        return [seed for seed in found if not is_shorter(seed.problem, seed.z)]
 
     def _follow(self, point: SpecialPoint) -> list[SpecialPoint]:
         """Follow the curves through a point that are new; the codimension-two points on them."""
         if not self._within(point) or self._was_refused(point):
             return []
+        if self._is_map and point.values.get("period", 1) > LONGEST:
+            self.note(f"curves of cycles of more than {LONGEST} steps are not followed")
+            return []
+        if self._is_map and is_shorter(point.problem, point.z):  # where a cycle is born, on the curve of another type
+            return []
         if (
             point.type in ORBITAL
             and "period" in point.values
+            and not self._is_map
             and is_known_point(self.loci, point, self.problem.system.state_names, self._place(point), self.box)
         ):
             return []
@@ -243,6 +280,10 @@ class LociSearch:
         problem: Any = seed.problem
         if problem.locus == "HOM" and problem.curve.node:  # a part of a curve of folds
             return False
+        if problem.locus == "HOM" and problem.curve.unstable_count > 1:
+            self.note("curves of orbits homoclinic to saddles with several unstable directions are not followed: "
+                      "no stable orbit is born there")
+            return False
         if not self.orbits or is_known_curve(self.loci, seed, self.box):
             return False
         if self.spent > TOTAL:
@@ -270,6 +311,10 @@ class LociSearch:
     def _was_refused(self, point: SpecialPoint) -> bool:
         here = self._place(point)
         return any(type_ == point.type and float(np.abs(at - here).max()) < 1e-3 for type_, at in self.refused)
+
+    @property
+    def _is_map(self) -> bool:
+        return bool(self.problem.system.kind == "map")
 
     def _place(self, point: SpecialPoint) -> Array:
         """Where a point is in the box, as parts of its sides."""

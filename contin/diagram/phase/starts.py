@@ -16,6 +16,7 @@ from contin.continuation.trace import trace
 from contin.diagram.phase.lines import Box
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.maps.cycle import CycleProblem
 
 
 def was_stopped(branch: Branch) -> bool:
@@ -77,8 +78,10 @@ def on_branch(branch: Branch, parameter: str, bounds: Sequence[float], value: fl
         guess = (1.0 - t) * branch.z[row] + t * branch.z[row + 1]
         z = problem.at_parameter(guess, value, problem.initial_scale(guess, bounds))
         if z is not None:
-            p = problem.full_parameters(z)
-            seeds.append(Seed(replace(problem, base=p, active=k), np.append(z[:-1], p[k])))
+            p = getattr(problem, "inner", problem).full_parameters(z)
+            inner = getattr(problem, "inner", problem)
+            other = replace(inner, base=p, active=k)
+            seeds.append(Seed(other if inner is problem else CycleProblem(other), np.append(z[:-1], p[k])))
     return seeds
 
 
@@ -97,5 +100,10 @@ def on_curve(locus: Branch, problem: EquilibriumProblem, axis: int, value: float
             continue
         p = curve.full_parameters(z)
         k = curve.first if axis == 0 else curve.second
-        seeds.append(Seed(replace(problem, base=p, active=k), np.append(z[: curve.n], p[k])))
+        states = np.append(z[: curve.n], p[k])
+        if curve.system is problem.system:
+            seeds.append(Seed(replace(problem, base=p, active=k), states))
+        else:  # cycles of a map: fixed points of its iterate
+            cycle = CycleProblem(replace(problem, system=curve.system, base=p, active=k))
+            seeds.append(Seed(cycle, cycle.lift(states)))
     return seeds

@@ -12,6 +12,8 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import copies, known_orbit
+from contin.diagram.phase.cycles import distinct_images, is_one, is_shorter
+from contin.problems.maps.cycle import CycleProblem
 
 SAME: Final = 1e-6
 MARKED: Final = 1e-9  # of the range: a parameter has the value that was asked for
@@ -23,6 +25,7 @@ class State:
 
     `values` : of the states and observables; of an orbit the period and the smallest and largest ones.
     `vector` : the states of an equilibrium.  `orbit` : the problem and unknowns of a periodic orbit, else None.
+    `steps` : the period of a cycle of a map.
     `copies` counts it together with its images under the declared symmetries.
     """
 
@@ -31,6 +34,12 @@ class State:
     vector: Array
     copies: int = 1
     orbit: tuple[Any, Array] | None = None
+    steps: int = 1
+
+    @property
+    def is_orbit(self) -> bool:
+        """True for periodic orbits, and for cycles of maps of more than one step."""
+        return self.orbit is not None or self.steps > 1
 
 
 def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[State, ...]:
@@ -49,7 +58,15 @@ def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[S
         problem = branch.problem
         names = [*problem.system.state_names, *problem.system.observable_names]
         for p in branch.points:
-            if not _is_at(p, branch, value, width) or any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
+            if not _is_at(p, branch, value, width):
+                continue
+            if isinstance(problem, CycleProblem):
+                if not is_shorter(problem, p.z) and not any(is_one(problem, p.z, s.vector) for s in states):
+                    values = {n: p.values[n] for n in [*names, "period"]}
+                    count = distinct_images(problem, p.z)
+                    states.append(State(values, int(p.values["unstable"]), p.z[:-1], count, None, problem.period))
+                continue
+            if any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
                 continue
             images = images_of(problem, p.z)
             seen.extend(images)

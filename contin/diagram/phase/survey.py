@@ -100,7 +100,7 @@ class Survey:
 
     def _look(self, visit: Visit, starts: Sequence[Array] | None = None) -> None:
         """Add the stable states that trajectories from here, or from these `starts`, settle on."""
-        if self.search.orbits:
+        if self.search.settle:
             problem = replace(self.search.problem, base=self.search.held(0, visit.at[1]))
             found = reached(problem, visit.states, visit.at[0], starts)
             visit.add(found.seeds)

@@ -17,6 +17,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
+EVEN = 1e-6  # relative size of <w, B(v, v)> above which a point is no pitchfork, where nothing else decides
 NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
 APART = 1e-4  # scaled distance of that end from the cusp that was found for it
 BESIDE = 0.1  # the same where that was not solved to full accuracy
@@ -37,7 +38,8 @@ def coefficient(problem: Any, z: Array, v: Array, w: Array) -> float:
     matrix = np.asarray(curve.matrix(z) * d / d[:, None])
     size = max(float(np.linalg.norm(matrix)), 1e-300) if n > 1 else 1.0
     quadratic = form(v, v)
-    if kind(problem, z) != "pitchfork":
+    even = abs(float(w @ quadratic)) <= EVEN * float(np.linalg.norm(w) * np.linalg.norm(quadratic))
+    if (kind(problem, z) or ("pitchfork" if even else "transcritical")) != "pitchfork":
         return float(w @ quadratic) / size
     shift = np.eye(n) if curve.system.kind == "map" else 0.0
     bordered = np.block([[matrix - shift, w[:, None]], [v[None, :], np.zeros((1, 1))]])
@@ -49,12 +51,18 @@ def coefficient(problem: Any, z: Array, v: Array, w: Array) -> float:
 
 
 def kind(problem: Any, z: Array) -> str:
-    """Pitchfork or not, decided where it is first asked: at a DP the coefficients no longer tell."""
+    """Pitchfork or not, decided where it is first asked: at a DP the coefficients no longer tell.
+
+    Empty, and asked again at the next point, at a Bogdanov-Takens point, where the reduced equation has two unknowns.
+    """
     if "kind" not in problem.memory:
         from contin.normalforms.branching import branch_point
         from contin.problems.codim2.forms import jet_at
 
-        form = branch_point(jet_at(problem, z, (problem.curve.first,)))
+        try:
+            form = branch_point(jet_at(problem, z, (problem.curve.first,)))
+        except ZeroDivisionError:
+            return ""
         problem.memory["kind"] = str(form.coefficients["kind"])
     return str(problem.memory["kind"])
 

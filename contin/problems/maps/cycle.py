@@ -173,7 +173,10 @@ class CycleProblem:
         return special.TEST_OF[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
+        try:
+            return self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
+        except np.linalg.LinAlgError:  # a point from which the iterates escape
+            return "the iterates beside this point are not finite"
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         sides = self._inner_sample(a), self._inner_sample(b)
@@ -212,12 +215,20 @@ class CycleProblem:
             return []
         return self.switch(point, parameter) if point.type in ("BP", "PD") else []
 
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        """The curve of such cycles in two parameters: of such fixed points of the iterate."""
+        return self.inner.loci(self._at_first(point), parameters)
+
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.switch import switch
 
-        scale = self._inner_frame(Frame(point.scale)).scale
-        first = replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)
-        return [s if isinstance(s.problem, CycleProblem) else lifted(s) for s in switch(self.inner, first, parameter)]
+        seeds = switch(self.inner, self._at_first(point), parameter)
+        return [s if isinstance(s.problem, CycleProblem) else lifted(s) for s in seeds]
+
+    def _at_first(self, point: SpecialPoint) -> SpecialPoint:
+        """The point as a fixed point of the iterate."""
+        scale = self._inner_frame(Frame(point.scale)).scale if point.scale.size else point.scale
+        return replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""

@@ -80,3 +80,27 @@ def test_every_beating_state_of_the_averaged_pair_has_its_region():
         beta, mu = (curve.columns[name][rows] for name in ("beta", "mu"))
         near = np.argsort(np.abs(beta - 0.8))[:5]
         assert np.polynomial.Polynomial.fit(beta[near] - 0.8, mu[near], 4)(0.0) == pytest.approx(value, abs=2e-5)
+
+
+def test_regions_beside_a_symmetric_bogdanov_takens_point():
+    """x'' = m x + n x' - x^3 - x^2 x': beside the origin, homoclinic loops on n = 4 m/5, folds of large orbits on
+    n = 0.752 m, Hopf points on n = m (Carr, Applications of Centre Manifold Theory, 1981, section 4.2). A line of the
+    search passes through the origin, where the branch point is doubly degenerate."""
+    form = model({"x": "y", "y": "m*x + n*y - x^3 - x^2*y"}, {"x": 0, "y": 0}, {"m": -1, "n": -1},
+                 symmetries={"flip": {"x": "-x", "y": "-y"}})  # fmt: skip
+    size = 0.02
+    diagram = contin.phase(form, ("m", "n"), {"m": (-size, size), "n": (-size, size)})
+    slopes = {"HOM": 0.8, "LPC": 0.752}
+    for locus, slope in slopes.items():
+        (curve,) = [b for b in diagram.loci if b.locus == locus]
+        ends = curve.columns["n"][[0, -1]] / curve.columns["m"][[0, -1]]
+        assert ends[np.argmax(curve.columns["m"][[0, -1]])] == pytest.approx(slope, abs=3e-3)
+    area = {}
+    for region in diagram.regions:
+        key = region.stable, region.total, region.stable_orbits
+        area[key] = area.get(key, 0.0) + region.area
+    assert area[1, 1, 0] == pytest.approx(0.25, abs=2e-3)
+    assert area[0, 1, 1] == pytest.approx(0.25, abs=2e-3)
+    assert area[0, 3, 1] == pytest.approx(0.125, abs=2e-3)
+    assert area[2, 3, 1] == pytest.approx((1 - 0.752) / 8, abs=2e-3)
+    assert area[2, 3, 0] == pytest.approx((2 + 0.752) / 8, abs=2e-3)

@@ -1,0 +1,113 @@
+"""Stable cycles of maps on which iteration settles, and which cycles are one up to a shift and the symmetries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.diagram.identity import copies, wrapped
+from contin.errors import ContinError
+from contin.problems.maps.cycle import CycleProblem
+
+FIRST, LAST = 600, 6_000  # steps after which a point is looked at, and after which it is wandering for good
+LONGEST: Final = 64  # period up to which a cycle is looked for
+SETTLED: Final = 1e-7  # of the states' sizes: how well a cycle repeats
+FAR: Final = 1e8  # ... beyond which a point has escaped
+REPEATS: Final = 1e-4  # ... distance of points of a cycle that are one
+SAME: Final = 1e-6  # ... distance of two cycles that are one
+
+
+def cycles_reached(
+    problem: Any, known: Sequence[Array], value: float, starts: Sequence[Array]
+) -> tuple[list[Seed], int]:
+    """Seeds of the stable cycles (and fixed points) on which `starts` settle, and 1 where one wanders for ever.
+
+    known : (k n,) of cycles that need no seed.
+    """
+    from contin.problems.maps.iterate import iterate
+    from contin.problems.start import converge
+
+    p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
+    periods = np.asarray(problem.angle_periods, dtype=float)
+    found = list(known)
+    seeds: list[Seed] = []
+    aperiodic = 0
+    for u in starts:
+        end, steps = _settled(problem.system, u, p, periods)
+        if end is None:
+            continue
+        if steps == 0:
+            aperiodic = 1
+            continue
+        with suppress(ContinError, np.linalg.LinAlgError):
+            seed = converge(iterate(problem.system, steps), end, p, periods).seed(problem.parameters[0])
+            if not any(is_one(seed.problem, seed.z, other) for other in found):
+                found.append(seed.z[:-1])
+                seeds.append(seed)
+    return seeds, aperiodic
+
+
+def is_one(problem: Any, z: Array, other: Array) -> bool:
+    """True where the cycles of z (k n + 1,) and `other` (k n,) are one, shifted or mirrored."""
+    size = SAME * max(float(np.abs(z[:-1]).max()), 1e-9)
+    if other.size != z.size - 1:
+        return False
+    return any(
+        float(np.abs(wrapped(image[:-1] - other, problem.angle_periods)).max()) <= size
+        for image, _ in copies(problem, z)
+    )
+
+
+def is_shorter(problem: Any, z: Array) -> bool:
+    """True where z repeats a cycle of fewer steps, as beside a period doubling."""
+    if not isinstance(problem, CycleProblem):
+        return False
+    size = REPEATS * max(float(np.abs(z[:-1]).max()), 1e-9)
+    parts = [k for k in range(1, problem.period) if problem.period % k == 0]
+    turned = (wrapped((problem.shifted(z, k) - z)[:-1], problem.angle_periods) for k in parts)
+    return any(float(np.abs(gap).max()) <= size for gap in turned)
+
+
+def distinct_images(problem: Any, z: Array) -> int:
+    """How many cycles the declared symmetries make of one."""
+    from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+    found = [z]
+    for name in symmetry_names(problem):
+        image = apply_symmetry(problem, name, z)[0]
+        if not any(_is_shifted(problem, image, one) for one in found):
+            found.append(image)
+    return len(found)
+
+
+def _is_shifted(problem: Any, z: Array, other: Array) -> bool:
+    size = SAME * max(float(np.abs(z[:-1]).max()), 1e-9)
+    turns = problem.period if isinstance(problem, CycleProblem) else 1
+    shifted = (problem.shifted(z, k) if k else z for k in range(turns))
+    return any(float(np.abs(wrapped((one - other)[:-1], problem.angle_periods)).max()) <= size for one in shifted)
+
+
+def _settled(system: Any, u: Array, p: Array, periods: Array) -> tuple[Array | None, int]:
+    """Where a point settles, and the period: 0 where it has none, (None, 0) where it escapes."""
+    x = np.array(u, dtype=float)
+    size = max(1.0, float(np.abs(x).max()))
+    done = 0
+    for until in (FIRST, LAST):
+        while done < until:
+            x = np.asarray(system.value(x, p))
+            done += 1
+            if not float(np.abs(x).max()) < FAR * size:  # not a number, too
+                return None, 0
+        path = [x]
+        for _ in range(LONGEST):
+            path.append(np.asarray(system.value(path[-1], p)))
+        scale = max(float(np.abs(path).max()), 1e-9)
+        for steps in range(1, LONGEST + 1):
+            if float(np.abs(wrapped(path[steps] - x, periods)).max()) < SETTLED * scale:
+                return x, steps
+    return x, 0
