@@ -23,6 +23,7 @@ NEAR = 3e-2  # ... and one this close is tried when time is up
 SETTLED = 0.7  # a trajectory whose last part is smaller than this part of the rest is still shrinking
 CLOSED = 1e-9  # ... and one as close as this closes up to rounding, whatever Newton says
 AT_REST = 1e-7  # extent (relative) of a trajectory that has come to rest
+REPEATED = 1e-5  # difference (relative to the extent) of a response and itself some periods later, if it repeats
 LONGEST_MULTIPLE = 16  # forcing periods
 CHANCE = 4  # loops from which an unstable orbit is one that a chaotic trajectory came close to by chance
 UNSTABLE = 1.05  # largest modulus of a multiplier above which an orbit is unstable beyond doubt
@@ -62,8 +63,26 @@ def orbit_by_simulation(
     """
     near = find_return(system, u, p, periods, transient, longest)
     orbit = _polished(system, near, p, periods, intervals, points)
+    times = _covered(orbit)
+    if times > 1:  # a transient that had nearly gone closed best after several periods of the forcing
+        state, shorter = orbit.profile.u[0], near.period / times
+        near = replace(near, u=state, period=shorter, multiple=near.multiple // times, loops=near.loops // times)
+        orbit = _polished(system, near, p, periods, intervals, points)
     refuse_chance(near, orbit)
     return orbit
+
+
+def _covered(orbit: PeriodicOrbit) -> int:
+    """How often a response of several forcing periods repeats itself within them."""
+    times = orbit.profile.times
+    extent = np.maximum(np.ptp(orbit.profile.u, axis=0), 1e-300)
+    for count in range(orbit.multiple, 1, -1):
+        if orbit.multiple % count or orbit.winding.any():
+            continue
+        shifted = orbit.profile.at(np.mod(times + 1.0 / count, 1.0))
+        if float(np.max(np.abs(shifted - orbit.profile.u) / extent)) < REPEATED:
+            return count
+    return 1
 
 
 def refuse_chance(near: Return, orbit: Any) -> None:

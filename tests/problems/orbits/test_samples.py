@@ -111,3 +111,12 @@ def test_a_file_that_is_no_orbit_is_named(tmp_path, capsys, change, words):
     message = capsys.readouterr().err
     assert words in message
     assert "continuations" in message or "samples" in message
+
+
+def test_response_that_has_settled_is_not_taken_for_a_subharmonic_one():
+    """x'' + d x' - x + x^3 = g cos t, small in one well: one forcing period, however closely nine of them return."""
+    model = contin.Model(
+        "holmes", states={"x": 1.0, "y": 0.0}, parameters={"g": 0.05, "d": 0.15}, forcing={"period": "2*pi"},
+        equations={"x": "y", "y": "x - x^3 - d*y + g*cos(t)"},
+    )  # fmt: skip
+    assert contin.periodic_orbit(model).period == pytest.approx(2.0 * np.pi, rel=1e-12)
