@@ -21,6 +21,7 @@ from contin.problems.orbits.homoclinic import events
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.interval import farther, fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
+from contin.problems.orbits.homoclinic.surfaces import surface_met, why_not
 from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
@@ -62,6 +63,10 @@ class ConnectionProblem(MarchedInPython):
         self.curve.settle(z, self.sizes(z, scale))
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Factorised | None:
+        met = surface_met(self.curve, z)
+        if met is not None:
+            self._last["surface"] = met
+            return None
         sizes = self.sizes(z, scale)
         if self.curve.gauge.reference is None:
             self.curve.settle(z, sizes)
@@ -221,6 +226,8 @@ class ConnectionProblem(MarchedInPython):
         return columns
 
     def describe_failure(self, z: Array) -> str:
+        if "surface" in self._last:
+            return why_not(self._last["surface"])
         return (
             "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
             "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
