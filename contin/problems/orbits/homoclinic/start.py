@@ -24,6 +24,7 @@ from contin.problems.orbits.saddles import extent_of, saddles_near, turns
 
 WIDTHS = 6.0  # of a bottleneck: how far from a saddle-node an orbit is cut, inside ...
 CLOSEST, FARTHEST = 1e-3, 0.03  # ... of its extent
+ROUNDS = 4  # of solving, until interval and mesh fit
 SMALLEST = 1e-3  # scale of a parameter that is zero
 CLOSE = 1e-5  # distance of the ends from the saddle, relative to the orbit's extent
 
@@ -157,7 +158,8 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         )
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)
-    for rounds_left in (2, 1, 0):
+    own_mesh = False  # chosen for a solution on this interval: a guess has a kink where a tail begins
+    for rounds_left in range(ROUNDS - 1, -1, -1):
         profile = curve.profile(z)
         scale = problem.scale_for(profile.h, sizes, *(max(SMALLEST, abs(value)) for value in (float(z[-1]), q)))
         curve.settle(z, sizes)
@@ -167,10 +169,13 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         if solved is None:
             raise InputError(f"{source}: Newton for the connecting orbit did not converge")
         z, fitting = solved, fits(curve, solved, sizes)
-        if rounds_left == 0 or (fitting and rounds_left == 1):  # solved on a mesh of its own
+        if rounds_left == 0 or (fitting and own_mesh):
             break
+        own_mesh = fitting
         if not fitting:
             z = fitted(curve, z, sizes)
-        chosen = choose_mesh(curve.profile(z), sizes, orbits.tolerance, orbits.intervals)
-        z = curve.join(curve.profile(z).on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
+        if fitting or curve.node:  # (the long tail at a saddle-node needs a mesh at once)
+            profile = curve.profile(z)
+            chosen = choose_mesh(profile, sizes, orbits.tolerance, orbits.intervals)
+            z = curve.join(profile.on_mesh(chosen.h), curve.equilibria(z), float(z[-2]))
     return Seed(problem, z, parent=parent)
