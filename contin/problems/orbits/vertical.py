@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample
-from contin.problems.orbits.defining import same_period_on_finer_mesh
-from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.marched_in_kernel import corrected
 from contin.problems.orbits.saddles import extent_of
 
 STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
@@ -26,6 +26,7 @@ CONSTANT = 1e-9  # of the range: all that the parameter moves along a vertical f
 DRIFTED = (1e-8, 1e-4)  # ... distance from the Hopf point that may be the mesh's error
 LARGE = 0.2  # extent of orbits that cannot be so near to their Hopf point otherwise
 EXPLAINED = 0.5  # part of that distance which a finer mesh takes away
+TOLERANCE = 1e-9  # of Newton's last step there
 FEWEST = 10  # rows that tell a family
 
 
@@ -58,8 +59,19 @@ def _drifts(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> boo
         return False
     if extent_of(profile, problem.sizes(origin.z, frame.scale)) < LARGE:
         return False
-    finer = same_period_on_finer_mesh(problem, origin.z, frame.scale)
+    finer = _on_finer_mesh(problem, profile, origin, frame)
     return finer is not None and abs(float(finer[-1]) - problem.origin[0]) < EXPLAINED * abs(moved)
+
+
+def _on_finer_mesh(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
+    """The orbit on a mesh of half the lengths: where the plane normal to the family's tangent meets it."""
+    from contin.problems.orbits.renewal import Move
+
+    h = np.repeat(profile.h / 2.0, 2)
+    sizes, period = problem.sizes(origin.z, frame.scale), float(frame.scale[profile.u.size])
+    scale = make_scale(h, profile.m, sizes, period, float(frame.scale[-1]))
+    moved = Move(problem, frame.scale, scale, h)(origin)
+    return corrected(problem, moved, Frame(scale), TOLERANCE)
 
 
 def is_at_birth(problem: Any, z: Array, error: float, frame: Frame) -> bool:
