@@ -11,18 +11,36 @@ from contin.model.model import Model
 from tests.problems.loci.planes import amplitude
 
 
-def test_orbits_with_a_period_that_depends_on_their_size_lie_on_a_line():
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_orbits_with_a_period_that_depends_on_their_size_lie_on_a_line(method):
     """w' = (p - s + i (1 + q + s)) w, s = |w|^2 = p: the period 2 pi/(1 + q + p) is constant along q = c - p."""
     x, y = amplitude("x", "y", "p - x^2 - y^2", "(1 + q + x^2 + y^2)")
     model = Model("sheared", states={"x": 0, "y": 0}, parameters={"p": -0.5, "q": 0.0}, equations={"x": x, "y": y})
     line = contin.continuation(contin.equilibrium(model), "p", (-0.5, 1))
-    family = contin.continuation(line["HB1"].switch(), "p", (-0.5, 1), values={"p": [0.5]})
+    options = {"values": {"p": [0.5]}, "settings": {"method": method}}
+    family = contin.continuation(line["HB1"].switch(), "p", (-0.5, 1), **options)
     box = {"p": (0.2, 1), "q": (-0.4, 0.4)}
     curve = contin.continuation(family["UZ1"].locus(("p", "q")), ("p", "q"), box)
     np.testing.assert_allclose(curve.columns["p"] + curve.columns["q"], 0.5, atol=1e-9)
     np.testing.assert_allclose(curve.columns["x.max"] ** 2, curve.columns["p"], atol=1e-7)
     np.testing.assert_allclose(curve.columns["period"], 2 * np.pi / 1.5, rtol=1e-9)
     assert [end.reason for end in curve.ends] == ["bound", "bound"]
+
+
+def test_relay_oscillations_of_one_period_lie_where_their_half_turn_says():
+    """x'' + 2 d x' + w2 x = k sign(x'): half a turn of the damped oscillator takes pi/sqrt(w2 - d^2)."""
+    model = Model(
+        "relay", states={"x": 1.0, "y": 0.1}, parameters={"d": 0.2, "w2": 1.0, "k": 0.5},
+        equations={"x": "y", "y": "-2*d*y - w2*x + k*sign(y)"},
+    )  # fmt: skip
+    family = contin.continuation(contin.periodic_orbit(model), "d", (0.1, 0.3), values={"d": [0.25]})
+    box = {"d": (0.1, 0.5), "w2": (0.5, 1.5)}
+    curve = contin.continuation(family["UZ1"].locus(("d", "w2")), ("d", "w2"), box)
+    assert curve.locus == "UZ"
+    np.testing.assert_allclose(curve.columns["w2"] - curve.columns["d"] ** 2, 1 - 0.25**2, atol=1e-9)
+    np.testing.assert_allclose(curve.columns["period"], 2 * np.pi / np.sqrt(1 - 0.25**2), rtol=1e-10)
+    assert [end.reason for end in curve.ends] == ["bound", "bound"]
+    assert np.all(curve.columns["stable"])
 
 
 def test_long_orbits_lie_beside_the_homoclinic_ones():

@@ -125,8 +125,13 @@ def test_in_phase_metronomes_branch_along_a_curve_through_known_points():
 
 
 def test_what_has_no_curve_says_so():
+    model = Model(
+        "driven", states={"x": 0.0}, parameters={"k": 1.0, "w": 1.0}, equations={"x": "-k*x + cos(w*t)"},
+        forcing={"period": "2*pi/w"},
+    )  # fmt: skip
+    family = api.continuation(api.periodic_orbit(model, method="shooting"), "k", (0.5, 2), values={"k": [1.5]})
     with pytest.raises(InputError, match="UZ of orbits by shooting has no curve"):
-        bautin_family()["UZ1"].locus(("b1", "b2"))
+        family["UZ1"].locus(("k", "w"))
 
 
 def test_folds_born_at_a_bautin_point_of_a_piecewise_flow_are_followed_by_shooting():

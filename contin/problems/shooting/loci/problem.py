@@ -119,7 +119,7 @@ class ShotLocusProblem(MarchedInPython, OfSpecialOrbits):
 
         curve = self.curve
         columns = self.parameter_columns(z)
-        columns["period"] = z[:, curve.unknowns(z[0])[-3 - curve.extra]].copy() if len(z) else np.empty(0)
+        columns["period"] = z[:, curve.orbits.count * curve.orbits.n].copy()
         both = [extremes(curve.at(row), curve.orbit(row)[None]) for row in z]
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"] = np.array([low[0, k] for low, _ in both])

@@ -50,7 +50,7 @@ def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
 def _at_new_phase(problem: Any, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:
     """The sample there, with the sense of its tangent: the part that no change of phase touches."""
     (t,) = problem.tangents(z, scale)
-    where = problem.curve.unknowns(z)
-    guide = np.append(where[-3 - problem.curve.extra], where[-2 - problem.curve.extra :])  # T, further unknown, q, p
+    orbits, size = problem.curve.orbits, z.size
+    guide = np.append(orbits.count * orbits.n, np.arange(size - 2 - problem.curve.extra, size))  # T, further, q, p
     sense = float(np.sum(t[guide] * origin.tangent[guide] * old[guide] / scale[guide]))
     return replace(origin, z=z, tangent=t * (np.sign(sense) or 1.0))

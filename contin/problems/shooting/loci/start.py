@@ -16,12 +16,15 @@ from contin.problems.orbits.loci.start import CURVES, further_through, meeting
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.problems.shooting.loci.same_period import ShotPeriodCurve, ShotPeriodProblem
 from contin.problems.shooting.loci.touching import laid_out, touches
 
 
 def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve in two parameters through a fold, branch point, period doubling or torus bifurcation of a family."""
     name = f"{point.branch}.{point.label}"
+    if point.type == "UZ" and problem.autonomous:
+        return [_same_period(problem, point, parameters)]
     if point.type not in CURVES:
         raise InputError(
             f"{name}: {point.type} of orbits by shooting has no curve in two parameters; LPC, PD, NS, BPC have. "
@@ -55,6 +58,15 @@ def _seed(
     curve = ShootingCurve(type_, orbits, second)
     z = curve.join(orbit, float(orbits.base[second]), further)
     return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))
+
+
+def _same_period(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+    """The orbits that have this one's period."""
+    first, second = indices(problem.system, parameters)
+    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
+    curve = ShotPeriodCurve(orbits, second)
+    z = curve.join(orbit, float(orbits.base[second]))
+    return Seed(ShotPeriodProblem(curve), z, parent=Parent(point.branch, point.label))
 
 
 def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
