@@ -35,6 +35,8 @@ NAMED: Final = 1e-3  # a region with less of the box is not named
 LETTER, CODE = 9.0, 7.5  # points: sizes of the names of regions and of special points
 KEYS: Final = 22  # lines that explain letters, at most
 WIDTH: Final = 30  # characters of such a line
+HEIGHT, MARGIN = 5.0, 0.15  # inches: of the picture, more where the explanations need it, and around these
+CROWDED, BESIDE = 4, 0.04  # points of codimension two with so many others nearer (parts of the picture) have no code
 QUIET: Final = frozenset({"UZ", "R3", "R4"})
 
 
@@ -54,7 +56,7 @@ def draw(
 
     curves = [b for b in branches if b["name"] in set(data["curves"])]
     with rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+        figure = Figure(figsize=(8.0, HEIGHT), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         axes.spines[["top", "right"]].set_visible(True)
@@ -69,6 +71,7 @@ def draw(
         if title:
             axes.set_title(title, fontsize=10)
         _legends(figure, axes, data)
+        figure.set_figheight(max(HEIGHT, _height(figure)))
         figure.draw_without_rendering()  # the layout decides where there is room for names
         _names(axes, data, curves, marked)
     return figure
@@ -111,6 +114,12 @@ def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
         figure.legend(handles=keys, loc="outside right upper", frameon=False, fontsize=7.5, labelspacing=0.7)
 
 
+def _height(figure: Any) -> float:
+    """Inches in which the legend at the right ends above the one below."""
+    figure.draw_without_rendering()
+    return float(sum(legend.get_window_extent().height for legend in figure.legends) / figure.dpi + MARGIN)
+
+
 def _explained(name: str, words: str) -> str:
     lines = [line for part in re.split(r", (?=\d|an )", words) for line in textwrap.wrap(part, WIDTH)]
     return f"{name}  " + "\n     ".join(lines)
@@ -147,9 +156,7 @@ def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
             seen.add(kind)
 
 
-def _points(
-    axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]
-) -> list[tuple[str, float, float]]:
+def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> list[tuple[str, float, float]]:
     """Mark the points of codimension two; (type, x, y) of each."""
     marked: list[tuple[str, float, float]] = []
     seen: set[str] = set()
@@ -169,6 +176,16 @@ def _points(
             seen.add(p["type"])
             marked.append((p["type"], x, y))
     return marked
+
+
+def _uncrowded(marked: Sequence[tuple[str, float, float]], data: Mapping[str, Any]) -> list[tuple[str, float, float]]:
+    """The points beside which there is room for a code; the marker says what the others are."""
+    if not marked:
+        return []
+    width = np.array([np.ptp(data["range"][name]) for name in data["parameters"]])
+    places = np.array([(x, y) for _, x, y in marked]) / width
+    near = np.sum(np.linalg.norm(places[:, None] - places[None, :], axis=2) < BESIDE, axis=1) - 1
+    return [point for point, others in zip(marked, near, strict=True) if others < CROWDED]
 
 
 def _names(
@@ -197,6 +214,7 @@ def _names(
         axes.text(*back(centre), region["name"], ha="center", va="center", zorder=3, **style)
         grid = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 6)] * 2), axis=-1).reshape(-1, 2)
         obstacles.append(centre + np.repeat(grid * size, 3, axis=0))
+    marked = _uncrowded(marked, data)
     texts = [*(name for name, _ in narrow), *(code for code, _, _ in marked)]
     if not texts:
         return

@@ -153,12 +153,13 @@ class _Trajectories:
         from contin.simulate.trajectory import integrate
 
         system, time = self.problem.system, TRANSIENT * scale
+        size = max(self._size(), float(np.abs(u).max()))
         u = integrate(system, u, self.p, LASTING * scale, rtol=ROUGH, atol=ROUGH * 1e-2 * max(self._size(), 1e-3)).end
         if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
             return
         path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
         extent = np.ptp(path, axis=0)
-        if float(extent.max()) > RESTING * max(self._size(), float(np.abs(u).max())):
+        if float(extent.max()) > RESTING * size:
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
     def _orbit(self, u: Array, scale: float) -> None:

@@ -31,8 +31,10 @@ def repeats(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
     problem: Any = branch.problem
     rows = np.unique(np.linspace(0, len(branch) - 1, SAMPLES).astype(int))
     for known in loci:
-        if known.locus == branch.locus and _steps(known.problem) == _steps(problem) and all(
-            any(_lies_on(known, problem, z, box) for z in _copies(problem, branch.z[row])) for row in rows
+        if (
+            known.locus == branch.locus
+            and _steps(known.problem) == _steps(problem)
+            and all(any(_lies_on(known, problem, z, box) for z in _copies(problem, branch.z[row])) for row in rows)
         ):
             return True
     return False

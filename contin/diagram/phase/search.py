@@ -34,7 +34,7 @@ from contin.diagram.phase.orbit_curves import (
     repeats_curve,
 )  # fmt: skip
 from contin.diagram.phase.starts import brought, on_branch, on_curve, was_stopped
-from contin.diagram.phase.states import states_on
+from contin.diagram.phase.states import State, states_on
 from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
@@ -74,6 +74,7 @@ class LociSearch:
     branches: list[Branch] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
+    settled: list[tuple[float, float, State]] = field(default_factory=list)  # states at crossings of two lines
     later: deque[SpecialPoint] = field(default_factory=deque)  # special points of unstable orbits
     on_unstable: int = 0  # points of curves that these led to
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
@@ -104,7 +105,21 @@ class LociSearch:
         for place in places:
             states = states_on(line.branches, place, high - low)
             line.add(reached(problem, states, place, lasting=False).seeds)
+        if axis == 0:
+            self.settled += [(place, value, s) for place in places for s in states_on(line.branches, place, high - low)]
+        elif self.orbits:
+            line.add(self._crossing(value))
         return line
+
+    def _crossing(self, value: float) -> list[Seed]:
+        """Stable orbits on lines along the first parameter, where it has this value, as starts in the other one."""
+        seeds = []
+        for place, other, state in self.settled:
+            if state.orbit is not None and state.unstable == 0 and place == value:
+                problem, z = state.orbit
+                z = z[~np.isnan(z)]
+                seeds.append(Seed(problem.with_active(self.parameters[1], z), np.append(z[:-1], other)))
+        return seeds
 
     def absorb(self, branches: Sequence[Branch]) -> bool:
         """Follow the curves through the special points of branches that are new; True where there was one."""
@@ -281,8 +296,10 @@ class LociSearch:
         if problem.locus == "HOM" and problem.curve.node:  # a part of a curve of folds
             return False
         if problem.locus == "HOM" and problem.curve.unstable_count > 1:
-            self.note("curves of orbits homoclinic to saddles with several unstable directions are not followed: "
-                      "no stable orbit is born there")
+            self.note(
+                "curves of orbits homoclinic to saddles with several unstable directions are not followed: "
+                "no stable orbit is born there"
+            )
             return False
         if not self.orbits or is_known_curve(self.loci, seed, self.box):
             return False

@@ -17,9 +17,12 @@ from contin.diagram.phase.lines import polylines
 from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
 from contin.diagram.phase.rows import common_rows
 from contin.diagram.phase.search import LociSearch
+from contin.diagram.phase.starts import brought
 from contin.diagram.phase.states import State, states_on
 
 ROUNDS: Final = 3  # the box is cut anew when the regions' own branches show a curve that was missed
+BEARING: Final = ("LP", "BP")  # curves on which equilibria are born
+PASSES: Final = 3  # over the borders of all regions
 SMALLEST_WITH_ORBITS: Final = 2e-4  # of the box: curves of orbits cross in swarms of small regions
 
 
@@ -67,11 +70,13 @@ class Survey:
             self.cut()
             self._visit_all()
             self._share()
+            self._agree()
             more = [self.search.absorb(visit.line.branches) for visit in self.visits if visit is not None]
             if not any(more):
                 return
         self.cut()  # with the curves that the last round found
         self._visit_all()
+        self._agree()
 
     def cut(self) -> None:
         """The faces between the curves known by now; a point of an earlier visit inside one serves as its point."""
@@ -116,6 +121,41 @@ class Survey:
                     visit.offered[id(other)] = len(other.states)
                     self._look(visit, within_basins(other.states))
         self.shared = True
+
+    def _agree(self) -> None:
+        """Equilibria of one region are brought to a neighbour that has fewer, where none is born on their border."""
+        assert self.plane is not None
+        quiet = [
+            pair
+            for pair, curves in self.plane.borders.items()
+            if not any(self.search.loci[self.owners[c]].locus in BEARING for c in curves)
+        ]
+        for _ in range(PASSES):
+            changed = False
+            for pair in quiet:
+                sides = [visit for visit in (self.visits[k] for k in pair) if visit is not None]
+                few, many = sorted(sides, key=_equilibria) if len(sides) == 2 else (None, None)
+                if few is None or many is None or _equilibria(few) == _equilibria(many):
+                    continue
+                before = _equilibria(few)
+                for state in many.states:
+                    if not state.is_orbit and _equilibria(few) < _equilibria(many):
+                        few.add(self._brought(many, state, few.at[1]))
+                changed |= _equilibria(few) > before
+            if not changed:
+                return
+
+    def _brought(self, visit: Visit, state: State, height: float) -> list[Seed]:
+        """An equilibrium of a region on the line at another height."""
+        search = self.search
+        p = search.held(0, visit.at[1])
+        p[list(search.problem.system.parameter_names).index(search.parameters[0])] = visit.at[0]
+        start = state.vector, p
+        return brought(search.problem, start, search.parameters, search.box, 0, height, search.settings)
+
+
+def _equilibria(visit: Visit) -> int:
+    return sum(state.copies for state in visit.states if not state.is_orbit)
 
 
 def _contains(face: Face, point: Array) -> bool:
