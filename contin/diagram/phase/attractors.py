@@ -29,6 +29,7 @@ ZERO: Final = 1e-12  # relative to the states' sizes: a state at rest that decay
 WINDOW, RESTING = 20.0, 1e-4  # time scales in which a trajectory at rest moves less than this part of the states' sizes
 SAMPLES: Final = 400  # of an orbit
 ROUGH: Final = 1e-7  # tolerance of that: on an attractor without a period no trajectory is followed for long, anyway
+ROUNDS, ONE_ROUND = 64, 1e-5  # most rounds of an orbit that is run through several times; distance of these (relative)
 ENOUGH: Final = 1  # trajectories without a period after which others that stay in the same box are taken for the same
 ROOM: Final = 0.05  # of the extent of the box, around it
 
@@ -171,10 +172,30 @@ class _Trajectories:
             if self.lasting and "comes to rest" not in str(error):
                 self._wander(u, scale)
             return
-        seed = orbit.seed(self.problem.parameters[0])
+        seed = self._once_round(orbit.seed(self.problem.parameters[0]))
         if known_orbit(seed.problem, seed.z, self.orbits) is None:
             self.orbits.append((seed.problem, seed.z))
             self.seeds.append(seed)
+
+
+    def _once_round(self, seed: Seed) -> Seed:
+        """The orbit that this one runs through several times, as a slowly decaying spiral around it seems to do."""
+        from contin.problems.orbits.samples import orbit_from_samples
+
+        problem: Any = seed.problem
+        if problem.system.n_switches:
+            return seed
+        profile = problem.profile(seed.z)
+        s = np.linspace(0.0, 1.0, SAMPLES + 1)
+        size = max(float(np.ptp(profile.at(s), axis=0).max()), 1e-300)
+        for times in range(ROUNDS, 1, -1):
+            gap = wrapped(profile.at((s + 1.0 / times) % 1.0) - profile.at(s), self.periods)
+            if float(np.abs(gap).max()) < ONE_ROUND * size:
+                states = profile.at(s / times)
+                t = s * profile.period / times
+                once = orbit_from_samples(problem.system, t, states, self.p, self.periods)
+                return once.seed(problem.parameters[0])
+        return seed
 
 
 def _is_regular(problem: Any, z: Array) -> bool:
