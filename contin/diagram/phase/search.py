@@ -141,7 +141,8 @@ class LociSearch:
                 return
             point = queue.popleft()
             if self._bounds_nothing_stable(point):
-                self.later.append(point)
+                if point.type not in RESONANT:  # unstable tori take long to find and bound nothing
+                    self.later.append(point)
             elif point.type in RESONANT:
                 self.resonances.append(point)
             else:
