@@ -44,7 +44,8 @@ Points = namedtuple(
         "fu",  # (m, n, n, N)
         "fp",  # (m, n, N)
         "ft",  # (m, n, N) time derivative (forced systems)
-        "phase",  # (m + 1, n, N) row of the phase condition
+        "phase",  # (m, n, N) row of the phase condition, on the values at the Gauss points
+        "arc",  # (m + 1, n, N) row of the arclength on the node values, each node once
         "phase_right",  # (1,) its value at the reference
         "h",  # (N,) lengths of the intervals
         "F",
@@ -63,6 +64,7 @@ def new_points(n, m, intervals, p):
         np.zeros((m, n, n, intervals)),
         np.zeros((m, n, intervals)),
         np.zeros((m, n, intervals)),
+        np.zeros((m, n, intervals)),
         np.zeros((m + 1, n, intervals)),
         np.zeros(1),
         np.zeros(intervals),
@@ -74,47 +76,36 @@ def new_points(n, m, intervals, p):
 
 @kernel
 def set_phase(e, w, reference, sizes):
-    """Phase condition with respect to `reference` (layout of z): row of weights at the nodes.
+    """Phase condition with respect to `reference` (layout of z): row of weights at the Gauss points.
 
-    And its right-hand side.
+    And its right-hand side. Both vanish for a constant reference.
     """
-    w_u = w.u
-    w_phase_right = w.phase_right
-    w_phase = w.phase
-    e_n = e.n
-    e_m = e.m
-    e_weights = e.weights
-    e_slopes = e.slopes
-    e_values = e.values
-    n, m = e_n, e_m
-    intervals = w_u.shape[2]
-    w_phase_right[0] = 0.0
+    u, at, phase = w.u, w.at, w.phase
+    n, m = e.n, e.m
     for j in range(m + 1):
         for k in range(n):
-            for i in range(intervals):
-                w_u[j, k, i] = reference[(i * m + j) * n + k]
-    for j in range(m + 1):
-        for k in range(n):
-            for i in range(intervals):
-                w_phase[j, k, i] = 0.0
-    _set_rows(e_weights, e_slopes, e_values, sizes, w_u, w_phase)
-    w_phase_right[0] = _product(w_phase, w_u)
+            for i in range(u.shape[2]):
+                u[j, k, i] = reference[(i * m + j) * n + k]
+    _set_rows(e.weights, e.slopes, sizes, u, phase)
+    _interpolate(e.values, u, at)
+    w.phase_right[0] = _product(phase, at)
 
 
 @vector_kernel
-def _set_rows(weights, slopes, values, sizes, u, phase):
-    """phase (m + 1, n, N) += sum over the Gauss points of weight * u' / size^2 * value of each node's polynomial."""
+def _set_rows(weights, slopes, sizes, u, phase):
+    """phase (m, n, N) = weight * u' / size^2 at the Gauss points."""
     nodes, n, intervals = u.shape
     lanes = np.uint64(intervals)
-    for j in range(nodes):
-        for q in range(nodes):
-            factor = 0.0
-            for c in range(nodes - 1):
-                factor += weights[c] * values[c, j] * slopes[c, q]
-            for k in range(n):
-                x = factor / (sizes[k] * sizes[k])
+    for c in range(nodes - 1):
+        for k in range(n):
+            factor = weights[c] / (sizes[k] * sizes[k])
+            x = factor * slopes[c, 0]
+            for i in range(lanes):
+                phase[c, k, i] = x * u[0, k, i]
+            for j in range(1, nodes):
+                x = factor * slopes[c, j]
                 for i in range(lanes):
-                    phase[j, k, i] += x * u[q, k, i]
+                    phase[c, k, i] += x * u[j, k, i]
 
 
 @allocating
@@ -215,7 +206,7 @@ def forcing_period(e, w, z):
 
 @kernel
 def residual(e, w, z, right, jump, border):
-    """Minus the residual: right (m n + 2, N) collocation, jump (n,) periodicity, border[0] phase. Needs `evaluate`."""
+    """Minus the residual: right (m n, N) collocation, jump (n,) periodicity, border[0] phase. Needs `evaluate`."""
     w_u = w.u
     w_f = w.f
     w_phase_right = w.phase_right
@@ -236,12 +227,12 @@ def residual(e, w, z, right, jump, border):
         wanted, _ = forcing_period(e, w, z)
         border[0] = wanted - period
     else:
-        border[0] = w_phase_right[0] - _product(w_phase, w_u)
+        border[0] = w_phase_right[0] - _product(w_phase, w.at)
 
 
 @vector_kernel
 def _defect(slopes, u, h, f, period, right):
-    """right (m n + 2, N): h T f - u' at the Gauss points."""
+    """right (m n, N): h T f - u' at the Gauss points."""
     nodes, n, intervals = u.shape
     lanes = np.uint64(intervals)
     for c in range(nodes - 1):
@@ -257,7 +248,7 @@ def _defect(slopes, u, h, f, period, right):
 
 @vector_kernel
 def _product(a, b):
-    """Sum of a * b, both (m + 1, n, N)."""
+    """Sum of a * b, both (m, n, N)."""
     nodes, n, intervals = a.shape
     total = 0.0
     for j in range(nodes):
@@ -265,122 +256,3 @@ def _product(a, b):
             for i in range(np.uint64(intervals)):
                 total += a[j, k, i] * b[j, k, i]
     return total
-
-
-@kernel
-def fill(e, w, z, tangent, scale, local, border):
-    """The matrix: `local` of `Factors`, border (2, 2) coefficients of T and p. Needs `evaluate` with the Jacobian."""
-    w_phase = w.phase
-    n, m = e.n, e.m
-    intervals = w.u.shape[2]
-    nodes = (intervals * m + 1) * n
-    period = z[nodes]
-    last = z.size - 1
-    autonomous = e.forcing == 0
-    dense = n > LANES
-    if dense:
-        _fill_dense(e, w, period, local)
-    else:
-        _fill_lanes(e, w, period, local)
-    for j in range(m + 1):
-        first = column_of(j, n, m)
-        for k in range(n):
-            column = first + k
-            for i in range(intervals):
-                phase = w_phase[j, k, i] if autonomous else 0.0
-                arc = 0.0
-                if j < m or i == intervals - 1:
-                    index = (i * m + j) * n + k
-                    arc = tangent[index] / scale[index]
-                if dense:
-                    local[i, m * n, column] = phase
-                    local[i, m * n + 1, column] = arc
-                else:
-                    local[m * n, column, i] = phase
-                    local[m * n + 1, column, i] = arc
-    for q in range(2):
-        for c in range(2):
-            column = (m + 1) * n + c
-            for i in range(intervals):
-                if dense:
-                    local[i, m * n + q, column] = 0.0
-                else:
-                    local[m * n + q, column, i] = 0.0
-    border[0, 0] = 0.0
-    border[0, 1] = 0.0
-    if not autonomous:
-        _, derivative = forcing_period(e, w, z)
-        border[0, 0] = 1.0
-        border[0, 1] = -derivative
-    border[1, 0] = tangent[nodes] / scale[nodes]
-    border[1, 1] = tangent[last] / scale[last]
-
-
-@kernel
-def column_of(j, n, m):
-    """First column in `local` of the values at node j of an interval: inner nodes first, then left and right end."""
-    if j == 0:
-        return (m - 1) * n
-    return m * n if j == m else (j - 1) * n
-
-
-@vector_kernel
-def _fill_lanes(e, w, period, local):
-    """Collocation rows of `local` (m n + 2, (m + 1) n + 2, N)."""
-    n, m = e.n, e.m
-    h, f, fu, fp, ft = w.h, w.f, w.fu, w.fp, w.ft
-    values, slopes, gauss = e.values, e.slopes, e.gauss
-    lanes = np.uint64(h.size)
-    for j in range(m + 1):
-        column = column_of(j, n, m)
-        for c in range(m):
-            value = -values[c, j] * period
-            slope = slopes[c, j]
-            for k in range(n):
-                for q in range(n):
-                    for i in range(lanes):
-                        local[c * n + k, column + q, i] = value * h[i] * fu[c, k, q, i]
-                for i in range(lanes):
-                    local[c * n + k, column + k, i] += slope
-    column = (m + 1) * n
-    for c in range(m):
-        for k in range(n):
-            for i in range(lanes):
-                local[c * n + k, column, i] = -h[i] * f[c, k, i]
-                local[c * n + k, column + 1, i] = -h[i] * period * fp[c, k, i]
-    if e.forcing != 0:
-        start = 0.0
-        for i in range(h.size):
-            for c in range(m):
-                t = period * (start + h[i] * gauss[c])
-                for k in range(n):
-                    local[c * n + k, column, i] -= h[i] * t * ft[c, k, i]
-            start += h[i]
-
-
-@vector_kernel
-def _fill_dense(e, w, period, local):
-    """Collocation rows of `local` (N, m n + 2, (m + 1) n + 2)."""
-    n, m = e.n, e.m
-    h, f, fu, fp, ft, row = w.h, w.f, w.fu, w.fp, w.ft, w.F
-    values, slopes, gauss = e.values, e.slopes, e.gauss
-    last = (m + 1) * n
-    start = 0.0
-    for i in range(h.size):
-        for c in range(m):
-            t = period * (start + h[i] * gauss[c])
-            for k in range(n):
-                r = c * n + k
-                for q in range(n):
-                    row[q] = fu[c, k, q, i]
-                for j in range(m + 1):
-                    column = column_of(j, n, m)
-                    value = -values[c, j] * period * h[i]
-                    for q in range(np.uint64(0), np.uint64(n)):
-                        local[i, r, np.uint64(column) + q] = value * row[q]
-                    local[i, r, column + k] += slopes[c, j]
-                local[i, r, last] = -h[i] * f[c, k, i]
-                local[i, r, last + 1] = -h[i] * period * fp[c, k, i]
-                if e.forcing != 0:
-                    local[i, r, last] -= h[i] * t * ft[c, k, i]
-        start += h[i]

@@ -7,7 +7,7 @@ time: the update of the rest reads and writes every row once for four pivots, tw
 
 import numpy as np
 
-from contin.kernels.compile import kernel, part, vector_kernel
+from contin.kernels.compile import vector_kernel
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
@@ -165,6 +165,29 @@ def _update_one(a, i, r, first):
 
 
 @vector_kernel
+def substitute_dense(a):
+    """The right half of a (1, n, 2 n) becomes the solution with the triangular left half; four rows at once."""
+    n, width = a.shape[1], np.uint64(a.shape[2])
+    first = np.uint64(n)
+    for k in range(n - 1, -1, -1):
+        r = k + 1
+        while r + 4 <= n:
+            f0, f1, f2, f3 = a[0, k, r], a[0, k, r + 1], a[0, k, r + 2], a[0, k, r + 3]
+            for c in range(first, width):
+                x = f0 * a[0, r, c] + f1 * a[0, r + 1, c] + f2 * a[0, r + 2, c] + f3 * a[0, r + 3, c]
+                a[0, k, c] -= x
+            r += 4
+        while r < n:
+            factor = a[0, k, r]
+            for c in range(first, width):
+                a[0, k, c] -= factor * a[0, r, c]
+            r += 1
+        inverse = 1.0 / a[0, k, k]
+        for c in range(first, width):
+            a[0, k, c] *= inverse
+
+
+@vector_kernel
 def eliminate_right_dense(a, count, low, high, pivots, right, v):
     """The same operations on right-hand sides (rows, N), lanes low .. high - 1; v is memory for one of them."""
     rows = a.shape[1]
@@ -199,106 +222,3 @@ def substitute_back_dense(a, count, low, high, known, right, v):
                 total += a[i, k, c] * v[c]
             v[k] = (right[k, i] - total) / a[i, k, k]
             right[k, i] = v[k]
-
-
-@kernel
-def next_level(depth, nodes, here, level, first, count):
-    """Note which mesh points the pairs of neighbouring blocks join; `here` keeps those that are left."""
-    pairs = count // 2
-    depth[0, level] = first
-    depth[1, level] = pairs
-    depth[2, level] = count
-    for j in range(pairs):
-        nodes[0, first + j] = here[2 * j]
-        nodes[1, first + j] = here[2 * j + 1]
-        nodes[2, first + j] = here[2 * j + 2]
-    for j in range(pairs):
-        here[j + 1] = here[2 * j + 2]
-    if count % 2 == 1:
-        here[pairs + 1] = here[count]
-
-
-@part
-def eliminate_intervals(s, n, m):
-    """The inner nodes of every interval; returns the sign of the pivots, 0 where one vanishes."""
-    sign = 1
-    for i in range(s.local.shape[0]):
-        part = eliminate_dense(s.local, i, (m - 1) * n, m * n, s.local_pivots, s.panel)
-        if part == 0:
-            return 0
-        sign *= part
-    return sign
-
-
-@part
-def condense_dense(s, n, m):
-    """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
-    local, levels, blocks, here = s.local, s.levels, s.blocks, s.here
-    intervals = local.shape[0]
-    inner = (m - 1) * n
-    sign = eliminate_intervals(s, n, m)
-    if sign == 0:
-        return 0
-    for i in range(intervals):
-        _keep(local, i, inner, blocks, i)
-    for i in range(intervals + 1):
-        here[i] = i
-    count = intervals
-    first = 0
-    level = 0
-    while count > 1:
-        pairs = count // 2
-        next_level(s.depth, s.nodes, here, level, first, count)
-        for j in range(pairs):
-            k = first + j
-            _join(blocks, levels, n, j, k)
-            part = eliminate_dense(levels, k, n, 2 * n, s.level_pivots, s.panel)
-            if part == 0:
-                return 0
-            sign *= part
-            _keep(levels, k, n, blocks, j)
-        if count % 2 == 1:
-            _keep(blocks, count - 1, 0, blocks, pairs)
-        first += pairs
-        count = pairs + count % 2
-        level += 1
-    s.depth[0, 69] = level
-    for r in range(n + 2):
-        for c in range(2 * n + 2):
-            s.end[r, c] = blocks[0, r, c]
-    return sign
-
-
-@vector_kernel
-def _keep(a, i, count, blocks, j):
-    """blocks[j] = what is left of a[i] without its first `count` rows and columns."""
-    first = np.uint64(count)
-    for r in range(np.uint64(blocks.shape[1])):
-        for c in range(np.uint64(blocks.shape[2])):
-            blocks[j, r, c] = a[i, first + r, first + c]
-
-
-@vector_kernel
-def _join(blocks, levels, n, j, k):
-    """Rows of blocks 2 j and 2 j + 1, with the columns of the mesh point between them in front."""
-    a, b = 2 * j, 2 * j + 1
-    one, two, three = np.uint64(n), np.uint64(2 * n), np.uint64(3 * n)
-    for r in range(one):
-        for c in range(one):
-            levels[k, r, c] = blocks[a, r, one + c]
-            levels[k, r, one + c] = blocks[a, r, c]
-            levels[k, r, two + c] = 0.0
-        for c in range(one):
-            levels[k, one + r, c] = blocks[b, r, c]
-            levels[k, one + r, one + c] = 0.0
-            levels[k, one + r, two + c] = blocks[b, r, one + c]
-        for c in range(np.uint64(2)):
-            levels[k, r, three + c] = blocks[a, r, two + c]
-            levels[k, one + r, three + c] = blocks[b, r, two + c]
-    for q in range(np.uint64(2)):
-        for c in range(one):
-            levels[k, two + q, c] = blocks[a, one + q, one + c] + blocks[b, one + q, c]
-            levels[k, two + q, one + c] = blocks[a, one + q, c]
-            levels[k, two + q, two + c] = blocks[b, one + q, one + c]
-        for c in range(np.uint64(2)):
-            levels[k, two + q, three + c] = blocks[a, one + q, two + c] + blocks[b, one + q, two + c]

@@ -18,11 +18,13 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.algebraic import TESTS
-from contin.kernels.collocation import evaluate, fill, new_points, residual, set_phase
+from contin.kernels.collocation import evaluate, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
 from contin.kernels.collocation_steps import advance, along, direct, distance, length, predict
-from contin.kernels.collocation_system import condense_intervals, factorise, new_factors, solve
+from contin.kernels.collocation_system import factorise, new_factors, solve
 from contin.kernels.compile import call3, kernel, part
+from contin.kernels.condensation import eliminate_intervals
+from contin.kernels.filling import fill
 from contin.kernels.floquet import deflate, multipliers, transitions
 from contin.kernels.steering import (
     BOUND,
@@ -119,8 +121,9 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
         if fresh:
             sizes[3] += 1.0
             sizes[2] = 0.0
-            fill(e, w, z, tangent, scale, s.local, border)
-            sign = factorise(s, n, m, border, 1.0)
+            sign = fill(e, w, z, tangent, scale, s, border)
+            if sign != 0:
+                sign *= factorise(s, n, m, border, 1.0)
             if sign == 0:
                 return 0
         solve(s, n, m, jump, right, 1.0, True, step)
@@ -150,8 +153,8 @@ def renew(e, w, s, x, tangent, scale):
     """Factors at x.z itself; returns the sign of the determinant."""
     if not evaluate(e, w, x.z, True):
         return 0
-    fill(e, w, x.z, tangent, scale, s.local, x.border)
-    return factorise(s, e.n, e.m, x.border, 1.0)
+    sign = fill(e, w, x.z, tangent, scale, s, x.border)
+    return sign * factorise(s, e.n, e.m, x.border, 1.0) if sign != 0 else 0
 
 
 @part
@@ -184,7 +187,8 @@ def floquet(e, w, s, x):
     n, m = e.n, e.m
     z, m_all, field, state = x.z, x.transitions, x.field, x.state
     F, p = w.F, w.p
-    fine = transitions(s.local, n, m, m_all)
+    fine = True
+    transitions(s.local, n, m, m_all)
     trivial = 1.0
     skip = 0
     if e.forcing == 0:
@@ -317,8 +321,7 @@ def follow(
     if mode == STABILITY:
         if not evaluate(e, w, z, True):
             return 0
-        fill(e, w, z, out_t[0], scale, s.local, x.border)
-        if condense_intervals(s, n, m) == 0:
+        if fill(e, w, z, out_t[0], scale, s, x.border) == 0 or eliminate_intervals(s, n, m) == 0:
             return 0
         for k in range(x.re.size):
             x.re[k] = math.nan

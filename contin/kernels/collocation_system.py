@@ -1,16 +1,16 @@
 """The linearised boundary-value problem of a periodic orbit, condensed and solved.
 
 Unknowns are u at all nodes, the period T and a parameter p. The matrix has, for each mesh interval, m n collocation
-rows
-that touch only its own (m + 1) n values, T and p; then n periodicity rows, and two border rows (phase condition or
-forcing period, arclength). It is eliminated in three stages, border rows along with the others:
+rows that touch only its own (m + 1) n values, T and p; then n periodicity rows, and two border rows (phase condition
+or forcing period, arclength). It is eliminated in four stages, border rows along with the others:
 
-    1. in each interval, the values at the m - 1 inner nodes        -> one block [left | right | T | p] an interval
-    2. pairs of neighbouring blocks, the mesh point between them     -> half as many blocks, and so on (log2 N levels)
-    3. the last block with periodicity and borders                   -> a dense system in (u(0), T, p)
+    1. in each interval the outer pair of stages (`contin.kernels.stages`)          -> `local`
+    2. in each interval the inner stages                      -> one block [left | right | T | p] an interval
+    3. pairs of neighbouring blocks, the mesh point between them (`contin.kernels.condensation`), log2 N levels
+    4. the last block with periodicity and borders            -> a dense system in (u(0), T, p)
 
-Stages 1 and 2 are `eliminate` over all intervals at once, or `collocation_dense` one by one. The
-condensed blocks of stage 1 also give the multipliers.
+Stages 1 to 3 run over all intervals at once with n <= LANES, else over one after another (`collocation_dense`). The
+blocks of stage 2 also give the multipliers.
 """
 
 from collections import namedtuple
@@ -18,22 +18,22 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.collocation import LANES
-from contin.kernels.collocation_dense import (
-    condense_dense,
-    eliminate_intervals,
-    eliminate_right_dense,
-    next_level,
-    substitute_back_dense,
-)
-from contin.kernels.collocation_elimination import eliminate, eliminate_right, substitute_back
-from contin.kernels.compile import kernel, part, vector_kernel
+from contin.kernels.collocation_dense import eliminate_right_dense, substitute_back_dense
+from contin.kernels.collocation_elimination import eliminate_right, substitute_back
+from contin.kernels.compile import kernel
+from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.stages import new_stages
+from contin.kernels.stages_dense import expand_stages_dense, reduce_stages_dense
+from contin.kernels.stages_lanes import expand_stages, nodes_of_stages, reduce_stages
 
 Factors = namedtuple(
     "Factors",
     [
         # Shapes for n <= LANES; beyond, the axis of the N intervals (of pivots too) comes first, not last.
-        "local",  # (m n + 2, (m + 1) n + 2, N): columns [inner | left | right | T | p], last two rows the borders
+        "stages",  # `Stages`
+        "local",  # ((m - 1) n + 2, (m - 1) n + 2, N): columns [inner stages | left | T | p], rows [inner stages |
+        # right end | borders]; the right end's own block is the identity
         "local_pivots",
         "levels",  # (2 n + 2, 3 n + 2, N): columns [middle | left | right | T | p]
         "level_pivots",
@@ -46,8 +46,9 @@ Factors = namedtuple(
         "last_border_right",  # (2, n)
         "last_pivots",
         "work",  # (max(N, (m + 1) n + 2),)
-        "panel",  # (4, m n + 2)
-        "right_local",  # (m n + 2, N)
+        "panel",  # (4, max(m n, 2 n) + 2)
+        "right_local",  # (m n, N) right-hand sides of the collocation equations
+        "right_inner",  # ((m - 1) n + 2, N) those of `local`
         "right_levels",  # (2 n + 2, N)
         "right_blocks",  # (n + 2, N)
         "right_last",  # (n + 2,)
@@ -69,8 +70,9 @@ def new_factors(n, m, intervals):
         return np.zeros((intervals, count) if dense else (count, intervals), np.int64)
 
     return Factors(
-        matrices(m * n + 2, (m + 1) * n + 2),
-        exchanges((m - 1) * n),
+        new_stages(n, m, intervals, dense),
+        matrices((m - 1) * n + 2, (m - 1) * n + 2),
+        exchanges((m - 2) * n),
         matrices(2 * n + 2, 3 * n + 2),
         exchanges(n),
         matrices(n + 2, 2 * n + 2),
@@ -81,9 +83,10 @@ def new_factors(n, m, intervals):
         np.zeros((n, n)),
         np.zeros((2, n)),
         np.zeros(n + 2, np.int64),
-        np.zeros(max(intervals, (m + 1) * n + 2)),
-        np.zeros((4, m * n + 2)),
-        np.zeros((m * n + 2, intervals)),
+        np.zeros(max(intervals, (m + 1) * n + 2, 3 * n + 2)),
+        np.zeros((4, max(m * n, 2 * n) + 2)),
+        np.zeros((m * n, intervals)),
+        np.zeros(((m - 1) * n + 2, intervals)),
         np.zeros((2 * n + 2, intervals)),
         np.zeros((n + 2, intervals)),
         np.zeros(n + 2),
@@ -95,7 +98,7 @@ def new_factors(n, m, intervals):
 
 @kernel
 def factorise(s, n, m, border, sign_of_end):
-    """Factor s.local (filled); border (2, 2) are the border rows' coefficients of T and p.
+    """Factor what `contin.kernels.filling.fill` has left; border (2, 2) are the border rows' coefficients of T and p.
 
     u(1) = sign_of_end * u(0) (1: periodic, -1: antiperiodic). Returns the sign of the determinant up to a factor that
     depends on the number of intervals only; 0 where the matrix is singular.
@@ -104,7 +107,7 @@ def factorise(s, n, m, border, sign_of_end):
     s_last = s.last
     s_last_right_block = s.last_right_block
     s_last_border_right = s.last_border_right
-    sign = condense_dense(s, n, m) if n > LANES else condense(s, n, m)
+    sign = condense(s, n, m)
     if sign == 0:
         return 0
     for r in range(n + 2):
@@ -126,97 +129,9 @@ def factorise(s, n, m, border, sign_of_end):
     return sign * part
 
 
-@part
-def condense_intervals(s, n, m):
-    """The first stage alone, for the multipliers. Returns the sign of the pivots, 0 where one vanishes."""
-    if n > LANES:
-        return eliminate_intervals(s, n, m)
-    return eliminate(s.local, (m - 1) * n, m * n, 0, s.local.shape[2], s.local_pivots, s.work)
-
-
-@part
-def condense(s, n, m):
-    """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
-    s_local = s.local
-    s_work = s.work
-    s_blocks = s.blocks
-    s_nodes = s.nodes
-    s_depth = s.depth
-    s_levels = s.levels
-    s_here = s.here
-    intervals = s_local.shape[2]
-    inner = (m - 1) * n
-    sign = condense_intervals(s, n, m)
-    if sign == 0:
-        return 0
-    for r in range(n + 2):
-        for c in range(2 * n + 2):
-            for i in range(np.uint64(intervals)):
-                s_blocks[r, c, i] = s_local[inner + r, inner + c, i]
-    for i in range(intervals + 1):
-        s_here[i] = i
-    count = intervals
-    first = 0
-    level = 0
-    while count > 1:
-        pairs = count // 2
-        next_level(s_depth, s_nodes, s_here, level, first, count)
-        _pair_up(s_blocks, s_levels, n, pairs, first)
-        part = eliminate(s_levels, n, 2 * n, first, first + pairs, s.level_pivots, s_work)
-        if part == 0:
-            return 0
-        sign *= part
-        for r in range(n + 2):
-            for c in range(2 * n + 2):
-                for j in range(np.uint64(pairs)):
-                    s_blocks[r, c, j] = s_levels[n + r, n + c, np.uint64(first) + j]
-        if count % 2 == 1:
-            for r in range(n + 2):
-                for c in range(2 * n + 2):
-                    s_blocks[r, c, pairs] = s_blocks[r, c, count - 1]
-        first += pairs
-        count = pairs + count % 2
-        level += 1
-    s_depth[0, 69] = level
-    for r in range(n + 2):
-        for c in range(2 * n + 2):
-            s.end[r, c] = s_blocks[r, c, 0]
-    return sign
-
-
-@vector_kernel
-def _pair_up(blocks, levels, n, pairs, first):
-    """Rows of two neighbouring blocks, with the columns of the mesh point between them in front."""
-    start, one, two = np.uint64(first), np.uint64(1), np.uint64(2)
-    lanes = np.uint64(pairs)
-    for c in range(n):
-        for r in range(n):
-            for j in range(lanes):
-                levels[r, c, start + j] = blocks[r, n + c, two * j]
-                levels[r, n + c, start + j] = blocks[r, c, two * j]
-                levels[r, 2 * n + c, start + j] = 0.0
-            for j in range(lanes):
-                levels[n + r, c, start + j] = blocks[r, c, two * j + one]
-                levels[n + r, n + c, start + j] = 0.0
-                levels[n + r, 2 * n + c, start + j] = blocks[r, n + c, two * j + one]
-        for q in range(2):
-            for j in range(lanes):
-                levels[2 * n + q, c, start + j] = blocks[n + q, n + c, two * j] + blocks[n + q, c, two * j + one]
-                levels[2 * n + q, n + c, start + j] = blocks[n + q, c, two * j]
-                levels[2 * n + q, 2 * n + c, start + j] = blocks[n + q, n + c, two * j + one]
-    for c in range(2 * n, 2 * n + 2):
-        for r in range(n):
-            for j in range(lanes):
-                levels[r, n + c, start + j] = blocks[r, c, two * j]
-                levels[n + r, n + c, start + j] = blocks[r, c, two * j + one]
-        for r in range(n, n + 2):
-            for j in range(lanes):
-                levels[n + r, n + c, start + j] = blocks[r, c, two * j] + blocks[r, c, two * j + one]
-
-
 @kernel
 def solve(s, n, m, jump, border, sign_of_end, has_local, out):
-    """Solve with the factors: s.right_local (rows of the intervals, destroyed), u(1) - sign_of_end u(0) = jump (n,),
+    """Solve with the factors: s.right_local (rows of the intervals), u(1) - sign_of_end u(0) = jump (n,),
     border (2,).
 
     out : node values (node-major), then T, then p. Where has_local is False the intervals' right-hand sides are zero.
@@ -247,120 +162,106 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
 @kernel
 def clear_right(s, n, m):
     """Right-hand sides of the intervals: zero."""
-    s_right_local = s.right_local
-    s_right_levels = s.right_levels
-    s_right_last = s.right_last
+    outer, right_inner, right_levels, right_last = s.stages.outer, s.right_inner, s.right_levels, s.right_last
     for i in range(s.points.shape[1] - 1):
-        for r in range(m * n + 2):
-            s_right_local[r, i] = 0.0
-        for r in range(2 * n + 2):
-            s_right_levels[r, i] = 0.0
+        for r in range(2 * n):
+            outer[r, i] = 0.0
+        for r in range((m - 2) * n):
+            right_inner[r, i] = 0.0
+        for r in range(n):
+            right_levels[r, i] = 0.0
     for r in range(n + 2):
-        s_right_last[r] = 0.0
+        right_last[r] = 0.0
 
 
 @kernel
 def reduce_right(s, n, m):
     """Eliminate s.right_local (collocation rows; those of the borders are taken as zero) into s.right_last (n + 2,)."""
-    s_local = s.local
-    s_depth = s.depth
-    s_right_local = s.right_local
-    s_local_pivots = s.local_pivots
-    s_right_blocks = s.right_blocks
-    s_right_levels = s.right_levels
-    s_levels = s.levels
-    s_level_pivots = s.level_pivots
-    s_right_last = s.right_last
-    s_work = s.work
+    local, levels, depth = s.local, s.levels, s.depth
+    right_inner, right_blocks, right_levels, right_last = s.right_inner, s.right_blocks, s.right_levels, s.right_last
     dense = n > LANES
     intervals = s.points.shape[1] - 1
-    inner = (m - 1) * n
-    level_count = s_depth[0, 69]
-    for q in range(2):
-        for i in range(intervals):
-            s_right_local[m * n + q, i] = 0.0
+    inner = (m - 2) * n
     if dense:
-        eliminate_right_dense(s_local, inner, 0, intervals, s_local_pivots, s_right_local, s_work)
+        reduce_stages_dense(s.stages, n, m, s.right_local, right_inner)
+        eliminate_right_dense(local, inner, 0, intervals, s.local_pivots, right_inner, s.work)
     else:
-        eliminate_right(s_local, inner, 0, intervals, s_local_pivots, s_right_local)
+        reduce_stages(s.stages, n, m, s.right_local, right_inner)
+        eliminate_right(local, inner, 0, intervals, s.local_pivots, right_inner)
     for r in range(n + 2):
         for i in range(intervals):
-            s_right_blocks[r, i] = s_right_local[inner + r, i]
-    for level in range(level_count):
-        first = s_depth[0, level]
-        pairs = s_depth[1, level]
-        count = s_depth[2, level]
+            right_blocks[r, i] = right_inner[inner + r, i]
+    for level in range(depth[0, 69]):
+        first = depth[0, level]
+        pairs = depth[1, level]
+        count = depth[2, level]
         for j in range(pairs):
             k = first + j
             for r in range(n):
-                s_right_levels[r, k] = s_right_blocks[r, 2 * j]
-                s_right_levels[n + r, k] = s_right_blocks[r, 2 * j + 1]
+                right_levels[r, k] = right_blocks[r, 2 * j]
+                right_levels[n + r, k] = right_blocks[r, 2 * j + 1]
             for q in range(2):
-                s_right_levels[2 * n + q, k] = s_right_blocks[n + q, 2 * j] + s_right_blocks[n + q, 2 * j + 1]
+                right_levels[2 * n + q, k] = right_blocks[n + q, 2 * j] + right_blocks[n + q, 2 * j + 1]
         if dense:
-            eliminate_right_dense(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels, s_work)
+            eliminate_right_dense(levels, n, first, first + pairs, s.level_pivots, right_levels, s.work)
         else:
-            eliminate_right(s_levels, n, first, first + pairs, s_level_pivots, s_right_levels)
+            eliminate_right(levels, n, first, first + pairs, s.level_pivots, right_levels)
         for r in range(n + 2):
             for j in range(pairs):
-                s_right_blocks[r, j] = s_right_levels[n + r, first + j]
+                right_blocks[r, j] = right_levels[n + r, first + j]
             if count % 2 == 1:
-                s_right_blocks[r, pairs] = s_right_blocks[r, count - 1]
+                right_blocks[r, pairs] = right_blocks[r, count - 1]
     for r in range(n + 2):
-        s_right_last[r] = s_right_blocks[r, 0]
+        right_last[r] = right_blocks[r, 0]
 
 
 @kernel
 def expand(s, n, m, period, parameter, out):
     """Everything between u(0) and u(1), which stand in s.points, from the reduced right-hand sides: out as `solve`."""
-    s_local = s.local
-    s_depth = s.depth
-    s_right_local = s.right_local
-    s_right_levels = s.right_levels
-    s_levels = s.levels
-    s_points = s.points
-    s_known = s.known
-    s_nodes = s.nodes
-    s_work = s.work
+    local, levels, depth, nodes = s.local, s.levels, s.depth, s.nodes
+    right_inner, right_levels, points, known = s.right_inner, s.right_levels, s.points, s.known
     dense = n > LANES
-    intervals = s_points.shape[1] - 1
-    inner = (m - 1) * n
-    level_count = s_depth[0, 69]
-    for level in range(level_count - 1, -1, -1):
-        first = s_depth[0, level]
-        beyond = first + s_depth[1, level]
+    intervals = points.shape[1] - 1
+    inner = (m - 2) * n
+    for level in range(depth[0, 69] - 1, -1, -1):
+        first = depth[0, level]
+        beyond = first + depth[1, level]
         for k in range(n):
             for j in range(first, beyond):
-                s_known[k, j] = s_points[k, s_nodes[0, j]]
-                s_known[n + k, j] = s_points[k, s_nodes[2, j]]
+                known[k, j] = points[k, nodes[0, j]]
+                known[n + k, j] = points[k, nodes[2, j]]
         for j in range(first, beyond):
-            s_known[2 * n, j] = period
-            s_known[2 * n + 1, j] = parameter
+            known[2 * n, j] = period
+            known[2 * n + 1, j] = parameter
         if dense:
-            substitute_back_dense(s_levels, n, first, beyond, s_known, s_right_levels, s_work)
+            substitute_back_dense(levels, n, first, beyond, known, right_levels, s.work)
         else:
-            substitute_back(s_levels, n, first, beyond, s_known, s_right_levels)
+            substitute_back(levels, n, first, beyond, known, right_levels)
         for k in range(n):
             for j in range(first, beyond):
-                s_points[k, s_nodes[1, j]] = s_right_levels[k, j]
+                points[k, nodes[1, j]] = right_levels[k, j]
     for k in range(n):
         for i in range(intervals):
-            s_known[k, i] = s_points[k, i]
-            s_known[n + k, i] = s_points[k, i + 1]
+            known[k, i] = points[k, i]
     for i in range(intervals):
-        s_known[2 * n, i] = period
-        s_known[2 * n + 1, i] = parameter
+        known[n, i] = period
+        known[n + 1, i] = parameter
     if dense:
-        substitute_back_dense(s_local, inner, 0, intervals, s_known, s_right_local, s_work)
+        substitute_back_dense(local, inner, 0, intervals, known, right_inner, s.work)
+        expand_stages_dense(s.stages, n, m, points, right_inner, period, parameter)
     else:
-        substitute_back(s_local, inner, 0, intervals, s_known, s_right_local)
-    for i in range(intervals):
-        for k in range(n):
-            out[i * m * n + k] = s_points[k, i]
-        for r in range(inner):
-            out[i * m * n + n + r] = s_right_local[r, i]
-    nodes = intervals * m * n
+        substitute_back(local, inner, 0, intervals, known, right_inner)
+        expand_stages(s.stages, n, m, points, right_inner, period, parameter)
     for k in range(n):
-        out[nodes + k] = s_points[k, intervals]
-    out[nodes + n] = period
-    out[nodes + n + 1] = parameter
+        for i in range(intervals):
+            out[i * m * n + k] = points[k, i]
+    for j in range(1, m):
+        nodes_of_stages(s.stages, n, m, j, points, known)
+        for k in range(n):
+            for i in range(intervals):
+                out[(i * m + j) * n + k] = known[k, i]
+    last = intervals * m * n
+    for k in range(n):
+        out[last + k] = points[k, intervals]
+    out[last + n] = period
+    out[last + n + 1] = parameter

@@ -19,89 +19,20 @@ import math
 import numpy as np
 
 from contin.kernels.collocation import LANES
-from contin.kernels.collocation_dense import eliminate_dense
-from contin.kernels.compile import allocating, allocating_vector_kernel, vector_kernel
+from contin.kernels.compile import allocating, allocating_vector_kernel, kernel, vector_kernel
 from contin.kernels.eigen import eigenvalues
 
 KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
 
-@allocating_vector_kernel
+@kernel
 def transitions(local, n, m, out):
-    """M_i (N, n, n) = -right^-1 left from the condensed blocks [left | right] of `Factors`.
-
-    False where one is singular.
-    """
-    inner = (m - 1) * n
-    dense = n > LANES
-    a = np.empty((1, n, 2 * n))  # [right | left]
-    pivots = np.empty((1, n), np.int64)
-    panel = np.empty((4, n))
+    """M_i (N, n, n) from the condensed intervals `local` of `Factors`: minus their blocks of the left end."""
+    inner = (m - 2) * n
     for i in range(out.shape[0]):
         for r in range(n):
             for c in range(n):
-                if dense:
-                    a[0, r, c] = local[i, inner + r, inner + n + c]
-                    a[0, r, n + c] = -local[i, inner + r, inner + c]
-                else:
-                    a[0, r, c] = local[inner + r, inner + n + c, i]
-                    a[0, r, n + c] = -local[inner + r, inner + c, i]
-        if dense:
-            if eliminate_dense(a, 0, n, n, pivots, panel) == 0:
-                return False
-        elif not _eliminate_small(a):
-            return False
-        _substitute(a)
-        for r in range(n):
-            for c in range(n):
-                out[i, r, c] = a[0, r, n + c]
-    return True
-
-
-@vector_kernel
-def _eliminate_small(a):
-    """Eliminate below the diagonal of the left half of a (1, n, 2 n); False where a pivot vanishes."""
-    n, width = a.shape[1], np.uint64(a.shape[2])
-    for k in range(n):
-        p = k
-        for r in range(k + 1, n):
-            if abs(a[0, r, k]) > abs(a[0, p, k]):
-                p = r
-        if not abs(a[0, p, k]) > 0.0:
-            return False
-        if p != k:
-            for c in range(np.uint64(k), width):
-                swap = a[0, k, c]
-                a[0, k, c] = a[0, p, c]
-                a[0, p, c] = swap
-        for r in range(k + 1, n):
-            factor = a[0, r, k] / a[0, k, k]
-            for c in range(np.uint64(k + 1), width):
-                a[0, r, c] -= factor * a[0, k, c]
-    return True
-
-
-@vector_kernel
-def _substitute(a):
-    """The right half of a (1, n, 2 n) becomes the solution with the triangular left half; four rows at once."""
-    n, width = a.shape[1], np.uint64(a.shape[2])
-    first = np.uint64(n)
-    for k in range(n - 1, -1, -1):
-        r = k + 1
-        while r + 4 <= n:
-            f0, f1, f2, f3 = a[0, k, r], a[0, k, r + 1], a[0, k, r + 2], a[0, k, r + 3]
-            for c in range(first, width):
-                x = f0 * a[0, r, c] + f1 * a[0, r + 1, c] + f2 * a[0, r + 2, c] + f3 * a[0, r + 3, c]
-                a[0, k, c] -= x
-            r += 4
-        while r < n:
-            factor = a[0, k, r]
-            for c in range(first, width):
-                a[0, k, c] -= factor * a[0, r, c]
-            r += 1
-        inverse = 1.0 / a[0, k, k]
-        for c in range(first, width):
-            a[0, k, c] *= inverse
+                out[i, r, c] = -local[i, inner + r, inner + c] if n > LANES else -local[inner + r, inner + c, i]
 
 
 @allocating

@@ -1,13 +1,16 @@
 """Condensed linear algebra of orbits against dense matrices, and multipliers against exact products."""
 
+from math import comb, factorial
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contin.kernels.collocation import LANES
+from contin.kernels.collocation import Equations, new_points
 from contin.kernels.collocation_basis import basis, interpolation
 from contin.kernels.collocation_system import factorise, new_factors, solve
+from contin.kernels.filling import fill
 from contin.kernels.floquet import multipliers, transitions
 
 
@@ -26,62 +29,92 @@ def test_basis_differentiates_and_integrates_polynomials_of_its_degree_exactly(m
     np.testing.assert_allclose(interpolation(m, x) @ at_nodes, p(x), rtol=1e-11)
 
 
-def dense_system(a, border, n, m, sign_of_end, right, jump, border_right):
-    """The whole matrix and right-hand side that the condensed elimination stands for."""
-    intervals = a.shape[2]
-    inner, nodes = (m - 1) * n, (intervals * m + 1) * n
+def random_problem(generator, n, m, intervals):
+    """Equations, values at the Gauss points, and z of a made-up orbit: everything that the matrix is made of."""
+    scheme = basis(m)
+    e = Equations(
+        0, 0, 0, 1, n, m, 0, scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(n)
+    )  # fmt: skip
+    w = new_points(n, m, intervals, np.zeros(1))
+    for values in (w.f, w.fu, w.fp, w.phase):
+        values[:] = generator.normal(size=values.shape)
+    w.h[:] = generator.dirichlet(np.full(intervals, 3.0))
+    nodes = (intervals * m + 1) * n
+    z = np.concatenate([generator.normal(size=nodes), [generator.uniform(1.0, 3.0 * intervals)], w.h, [0.3]])
+    tangent, scale = generator.normal(size=z.size), generator.uniform(0.3, 3.0, z.size)
+    return e, w, z, tangent, scale
+
+
+def dense_system(e, w, z, tangent, scale, sign_of_end, right, jump, border_right):
+    """The whole matrix in the values at the nodes, and right-hand side, that the condensed elimination stands for."""
+    scheme, n, m, intervals = basis(e.m), e.n, e.m, w.h.size
+    nodes = (intervals * m + 1) * n
+    period = z[nodes]
     big, rhs = np.zeros((nodes + 2, nodes + 2)), np.zeros(nodes + 2)
     for i in range(intervals):
-        left = i * m * n
-        columns = [
-            *range(left + n, left + n + inner),
-            *range(left, left + n),
-            *range(left + m * n, left + (m + 1) * n),
-            nodes,
-            nodes + 1,
-        ]
-        big[left : left + m * n, columns] += a[: m * n, :, i]
-        rhs[left : left + m * n] = right[: m * n, i]
-        big[nodes : nodes + 2, columns] += a[m * n :, :, i]
+        columns = np.arange(i * m * n, (i * m + m + 1) * n)
+        for c in range(m):
+            rows = (i * m + c) * n + np.arange(n)
+            collocation = -period * w.h[i] * np.kron(scheme.values[c], w.fu[c, :, :, i])
+            big[np.ix_(rows, columns)] = np.kron(scheme.slopes[c], np.eye(n)) + collocation
+            big[rows, nodes], big[rows, nodes + 1] = -w.h[i] * w.f[c, :, i], -w.h[i] * period * w.fp[c, :, i]
+            rhs[rows] = right[c * n : (c + 1) * n, i]
+        big[nodes, columns] += np.kron(scheme.values.T, np.eye(n)) @ w.phase[:, :, i].ravel()
     k = np.arange(n)
     big[nodes - n + k, nodes - n + k] = 1.0
     big[nodes - n + k, k] -= sign_of_end
     rhs[nodes - n : nodes] = jump
-    big[nodes:, nodes:] += border
+    unknowns = np.append(np.arange(nodes + 1), z.size - 1)
+    big[nodes + 1] = (tangent / scale)[unknowns]
     rhs[nodes:] = border_right
     return big, rhs
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.integers(1, 9), st.integers(2, 5), st.integers(2, 11), st.sampled_from([1.0, -1.0]), st.integers(0, 10**6))
+@given(st.integers(1, 9), st.integers(2, 7), st.integers(2, 11), st.sampled_from([1.0, -1.0]), st.integers(0, 10**6))
 def test_condensed_elimination_solves_the_whole_system_and_gives_the_sign_of_its_determinant(
     n, m, intervals, end, seed
 ):
     generator = np.random.default_rng(seed)
-    a = generator.normal(size=(m * n + 2, (m + 1) * n + 2, intervals))
-    a[m * n :, (m + 1) * n :] = 0.0
-    border, border_right = generator.normal(size=(2, 2)), generator.normal(size=2)
-    right, jump = generator.normal(size=(m * n + 2, intervals)), generator.normal(size=n)
-    big, rhs = dense_system(a, border, n, m, end, right, jump, border_right)
-    if np.linalg.cond(big) > 1e9:
+    e, w, z, tangent, scale = random_problem(generator, n, m, intervals)
+    border, border_right = np.zeros((2, 2)), generator.normal(size=2)
+    right, jump = generator.normal(size=(m * n, intervals)), generator.normal(size=n)
+    big, rhs = dense_system(e, w, z, tangent, scale, end, right, jump, border_right)
+    condition = np.linalg.cond(big)
+    if condition > 1e9:
         return
     s = new_factors(n, m, intervals)
-    axis_first = n > LANES  # larger systems keep the intervals in front
-
-    def stored(matrices):
-        return np.moveaxis(matrices, -1, 0) if axis_first else matrices
-
-    s.local[:], s.right_local[:] = stored(a), right
-    sign = factorise(s, n, m, border, end)
+    s.right_local[:] = right
+    sign = fill(e, w, z, tangent, scale, s, border) * factorise(s, n, m, border, end)
     out = np.empty(len(rhs))
     solve(s, n, m, jump, border_right, end, True, out)
     exact = np.linalg.solve(big, rhs)
-    np.testing.assert_allclose(out, exact, atol=1e-13 * np.linalg.cond(big) * np.abs(exact).max())
-    flipped = a.copy()
-    flipped[m * n + 1] *= -1.0  # one row with the other sign
-    s.local[:] = stored(flipped)
-    turned = factorise(s, n, m, border * np.array([[1.0], [-1.0]]), end)
-    assert sign * turned == -1
+    np.testing.assert_allclose(out, exact, atol=1e-12 * condition * np.abs(exact).max())
+    other = tangent + generator.normal(size=tangent.size)  # the sign changes with that of the whole determinant
+    border = np.zeros((2, 2))
+    again = fill(e, w, z, other, scale, s, border) * factorise(s, n, m, border, end)
+    turned, _ = dense_system(e, w, z, other, scale, end, right, jump, border_right)
+    assert sign * again == np.linalg.slogdet(big)[0] * np.linalg.slogdet(turned)[0]
+
+
+@pytest.mark.parametrize(("n", "m"), [(1, 2), (3, 4), (4, 7), (5, 3), (11, 4)])
+def test_transitions_of_a_linear_equation_are_those_of_gauss_collocation(n, m):
+    """u' = A u: M = R(h T A) with the diagonal Pade approximant R of exp (Hairer and Wanner, section IV.3)."""
+    generator = np.random.default_rng(n)
+    e, w, z, tangent, scale = random_problem(generator, n, m, 3)
+    matrix = generator.normal(size=(n, n))
+    w.fu[:] = matrix[None, :, :, None]
+    s, border = new_factors(n, m, 3), np.zeros((2, 2))
+    assert fill(e, w, z, tangent, scale, s, border) != 0
+    assert factorise(s, n, m, border, 1.0) != 0
+    out = np.empty((3, n, n))
+    transitions(s.local, n, m, out)
+    powers = [comb(m, k) * factorial(2 * m - k) / factorial(2 * m) for k in range(m + 1)]
+    for i, h in enumerate(w.h):
+        x = h * z[3 * m * n + n] * matrix
+        above = sum(powers[k] * np.linalg.matrix_power(x, k) for k in range(m + 1))
+        below = sum(powers[k] * np.linalg.matrix_power(-x, k) for k in range(m + 1))
+        np.testing.assert_allclose(out[i], np.linalg.solve(below, above), rtol=1e-9, atol=1e-10)
 
 
 def test_multipliers_of_1e12_and_1e_minus_12_keep_nine_digits_each():
@@ -106,24 +139,6 @@ def test_a_complex_pair_of_multipliers_survives_beside_a_tiny_one():
     assert multipliers(np.array([step] * count), 0, np.full((3, 3), np.nan), re, im)
     found = sorted(re + 1j * im, key=lambda v: v.imag)
     np.testing.assert_allclose(found, [np.exp(-1j * angle), 1e-9, np.exp(1j * angle)], rtol=1e-10)
-
-
-@pytest.mark.parametrize("n", [1, 3, 5, 6, 11])
-def test_transitions_solve_with_the_condensed_blocks(n):
-    """M = -right^-1 left, also where the rows have to be exchanged."""
-    m, intervals = 2, 3
-    generator = np.random.default_rng(n)
-    left, right = generator.normal(size=(2, intervals, n, n))
-    right[0] = np.roll(np.eye(n), 1, axis=0) + 1e-3 * right[0]
-    s, out = new_factors(n, m, intervals), np.empty((intervals, n, n))
-    local = s.local if n > LANES else np.moveaxis(s.local, -1, 0)
-    inner = (m - 1) * n
-    local[:, inner : inner + n, inner : inner + n] = left
-    local[:, inner : inner + n, inner + n : inner + 2 * n] = right
-    assert transitions(s.local, n, m, out)
-    np.testing.assert_allclose(right @ out, -left, atol=1e-11)
-    local[1, inner, inner + n : inner + 2 * n] = 0.0
-    assert not transitions(s.local, n, m, out)
 
 
 def test_ten_multipliers_over_ten_orders_of_magnitude_keep_nine_digits_each():

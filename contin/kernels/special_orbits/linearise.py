@@ -1,10 +1,11 @@
 """The equations of special orbits at a point: solutions y, null functions v, G and its derivatives dG."""
 
-from contin.kernels.collocation import LANES, evaluate, fill, residual
-from contin.kernels.collocation_dense import condense_dense
-from contin.kernels.collocation_system import condense, reduce_right
+from contin.kernels.collocation import evaluate, residual
+from contin.kernels.collocation_system import reduce_right
 from contin.kernels.compile import call4, kernel, part
+from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_solve
+from contin.kernels.filling import fill
 from contin.kernels.special_orbits.columns import (
     right_side,
     second_column,
@@ -26,11 +27,9 @@ def linearise(e, c, w, s, f, o, q, extra):
     second_column(e, c, w, o.z, o.fq)
     turn(f.across, f.along, w.fp, o.fq, o.fr)
     residual(e, w, o.z, s.right_local, o.jump, o.border)
-    fill(e, w, o.z, o.zero, o.units, s.local, o.corner)
-    by_r = period_row(e, c, w, f, o)
-    sign = condense_dense(s, e.n, e.m) if e.n > LANES else condense(s, e.n, e.m)
-    if sign == 0:
+    if fill(e, w, o.z, o.zero, o.units, s, o.corner) == 0 or condense(s, e.n, e.m) == 0:
         return FAILED
+    by_r = period_row(e, c, w, f, o)
     if not final_factors(e, c, w, s, f, o):
         return FAILED
     solutions(e, c, w, s, f, o, extra, by_r)

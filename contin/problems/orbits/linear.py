@@ -76,9 +76,9 @@ class OrbitLinear:
 
         profile = self.profile
         n, m, count = profile.n, profile.m, profile.intervals
-        right, jump, border = np.zeros((m * n + 2, count)), np.empty(n), np.zeros(2)
+        right, jump, border = np.zeros((m * n, count)), np.empty(n), np.zeros(2)
         residual(self.problem.equations, self._points, self.z, right, jump, border)
-        local = -right[: m * n].T.reshape(count, m, n) / self.sizes
+        local = -right.T.reshape(count, m, n) / self.sizes
         return np.concatenate([local.ravel(), -jump / self.sizes, [-border[0] / self._phase_size]])
 
     @cached_property
@@ -91,9 +91,9 @@ class OrbitLinear:
     def _phase_row(self) -> Array:
         profile = self.profile
         row = np.zeros(profile.u.shape)
-        phase = self._points.phase  # (m + 1, n, N)
+        phase = np.einsum("cj,cki->jik", basis(profile.m).values, self._points.phase)  # (m + 1, N, n)
         for j in range(profile.m + 1):
-            row[j : j + (profile.intervals - 1) * profile.m + 1 : profile.m] += phase[j].T
+            row[j : j + (profile.intervals - 1) * profile.m + 1 : profile.m] += phase[j]
         return row.ravel()
 
     @cached_property

@@ -1,0 +1,183 @@
+"""Elimination of the outer pair of stages (`contin.kernels.stages`), one interval i after another, rows as vectors."""
+
+import numpy as np
+
+from contin.kernels.collocation_dense import eliminate_dense, substitute_dense
+from contin.kernels.compile import vector_kernel
+
+
+@vector_kernel
+def invert_pair_dense(e, w, period, g, i, panel):
+    """g.inverse[i] from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0: one vanishes."""
+    n, m = e.n, e.m
+    fu, pair, inverse = w.fu, g.pair, g.inverse
+    factor = -period * w.h[i]
+    width = np.uint64(2 * n)
+    one = np.uint64(n)
+    for a in range(2):
+        c = a * (m - 1)
+        x, y = g.differences[c, 1], g.differences[c, m]
+        for k in range(n):
+            r = a * n + k
+            for q in range(np.uint64(4 * n)):
+                pair[0, r, q] = 0.0
+            for q in range(one):
+                pair[0, r, np.uint64(a * n) + q] = factor * fu[c, k, q, i]
+            pair[0, r, k] += x
+            pair[0, r, n + k] += y
+            pair[0, r, 2 * n + r] = 1.0
+    sign = eliminate_dense(pair, 0, 2 * n, 2 * n, g.pivots, panel)
+    if sign == 0:
+        return 0
+    substitute_dense(pair)
+    for r in range(2 * n):
+        for q in range(width):
+            inverse[i, r, q] = pair[0, r, width + q]
+    return sign
+
+
+@vector_kernel
+def fill_columns_dense(e, w, period, g, i, start):
+    """g.columns[i], and g.timing[i] from them and the inverse."""
+    n, m = e.n, e.m
+    h = w.h[i]
+    columns, inverse, timing = g.columns, g.inverse, g.timing
+    far = (m - 1) * n
+    for c in range(m):
+        t = period * (start + h * e.gauss[c])
+        for k in range(n):
+            columns[i, c * n + k, 0] = -h * w.f[c, k, i]
+            columns[i, c * n + k, 1] = -h * period * w.fp[c, k, i]
+            if e.forcing != 0:
+                columns[i, c * n + k, 0] -= h * t * w.ft[c, k, i]
+    for r in range(2 * n):
+        for x in range(2):
+            total = 0.0
+            for q in range(np.uint64(n)):
+                total += inverse[i, r, q] * columns[i, q, x]
+                total += inverse[i, r, np.uint64(n) + q] * columns[i, np.uint64(far) + q, x]
+            timing[i, r, x] = total
+
+
+@vector_kernel
+def fill_borders_dense(e, w, nodes_of_arc, g, i):
+    """g.borders[i]; nodes_of_arc (m + 1, n, N): the arclength row's coefficients of the values at the nodes."""
+    n, m = e.n, e.m
+    borders, nodes = g.borders, g.nodes
+    for x in range(m + 1):
+        for k in range(n):
+            borders[i, 0, x, k] = w.phase[x - 1, k, i] if x > 0 and e.forcing == 0 else 0.0
+            total = 0.0
+            for j in range(m + 1):
+                total += nodes[j, x] * nodes_of_arc[j, k, i]
+            borders[i, 1, x, k] = total
+
+
+@vector_kernel
+def fill_local_dense(e, w, period, g, i, local):
+    """What is left for the inner stages: local[i] of `Factors`."""
+    n, m = e.n, e.m
+    fu = w.fu
+    factor = -period * w.h[i]
+    inner = (m - 2) * n
+    inverse, differences, nodes, borders, product = g.inverse, g.differences, g.nodes, g.borders, g.product
+    one = np.uint64(n)
+    for d in range(m - 1):  # columns of u_0, then of the inner stages
+        first = np.uint64(inner if d == 0 else (d - 1) * n)
+        stage = 0 if d == 0 else d + 1
+        x, y = differences[0, stage], differences[m - 1, stage]
+        for s in range(2 * n):
+            for q in range(one):
+                product[s, q] = x * inverse[i, s, q] + y * inverse[i, s, one + q]
+        for c in range(1, m):
+            last = c == m - 1
+            x = -nodes[m, 1] if last else differences[c, 1]
+            y = -nodes[m, m] if last else differences[c, m]
+            same = -nodes[m, stage] if last else differences[c, stage]
+            for k in range(n):
+                r = (c - 1) * n + k
+                if c == d:
+                    for q in range(one):
+                        local[i, r, first + q] = factor * fu[c, k, q, i] - x * product[k, q] - y * product[n + k, q]
+                else:
+                    for q in range(one):
+                        local[i, r, first + q] = -x * product[k, q] - y * product[n + k, q]
+                local[i, r, first + np.uint64(k)] += same
+        for p in range(2):
+            r = inner + n + p
+            for q in range(one):
+                local[i, r, first + q] = borders[i, p, stage, q]
+            for k in range(n):
+                x, y = borders[i, p, 1, k], borders[i, p, m, k]
+                for q in range(one):
+                    local[i, r, first + q] -= x * product[k, q] + y * product[n + k, q]
+
+
+@vector_kernel
+def fill_timing_dense(e, g, i, local):
+    """The columns of T and p of local[i]."""
+    n, m = e.n, e.m
+    inner = (m - 2) * n
+    timing, columns, differences, nodes, borders = g.timing, g.columns, g.differences, g.nodes, g.borders
+    for q in range(2):
+        for c in range(1, m):
+            x = -nodes[m, 1] if c == m - 1 else differences[c, 1]
+            y = -nodes[m, m] if c == m - 1 else differences[c, m]
+            for k in range(n):
+                value = columns[i, c * n + k, q] if c < m - 1 else 0.0
+                local[i, (c - 1) * n + k, inner + n + q] = value - x * timing[i, k, q] - y * timing[i, n + k, q]
+        for p in range(2):
+            total = 0.0
+            for k in range(n):
+                total += borders[i, p, 1, k] * timing[i, k, q] + borders[i, p, m, k] * timing[i, n + k, q]
+            local[i, inner + n + p, inner + n + q] = -total
+
+
+@vector_kernel
+def reduce_stages_dense(g, n, m, right, reduced):
+    """Right-hand sides `right` (m n, N) -> g.outer and `reduced` ((m - 1) n + 2, N), those of `local`."""
+    outer, inverse, differences, nodes, borders, v = g.outer, g.inverse, g.differences, g.nodes, g.borders, g.vector
+    inner, far = (m - 2) * n, (m - 1) * n
+    for i in range(right.shape[1]):
+        for k in range(n):
+            v[0, k] = right[k, i]
+            v[0, n + k] = right[far + k, i]
+        for r in range(2 * n):
+            total = 0.0
+            for q in range(np.uint64(2 * n)):
+                total += inverse[i, r, q] * v[0, q]
+            v[1, r] = total
+            outer[r, i] = total
+        for k in range(n):
+            for c in range(1, m - 1):
+                x = differences[c, 1] * v[1, k] + differences[c, m] * v[1, n + k]
+                reduced[(c - 1) * n + k, i] = right[c * n + k, i] - x
+            reduced[inner + k, i] = nodes[m, 1] * v[1, k] + nodes[m, m] * v[1, n + k]
+        for p in range(2):
+            total = 0.0
+            for k in range(n):
+                total += borders[i, p, 1, k] * v[1, k] + borders[i, p, m, k] * v[1, n + k]
+            reduced[inner + n + p, i] = -total
+
+
+@vector_kernel
+def expand_stages_dense(g, n, m, points, inner_values, period, parameter):
+    """g.values from u at the mesh points (n, N + 1), the inner stages' values ((m - 2) n, ..), T, p and g.outer."""
+    values, outer, inverse, differences, timing, v = g.values, g.outer, g.inverse, g.differences, g.timing, g.vector
+    inner, far = (m - 2) * n, (m - 1) * n
+    for i in range(values.shape[1]):
+        for r in range(inner):
+            values[n + r, i] = inner_values[r, i]
+        for k in range(n):
+            for a in range(2):
+                row = a * (m - 1)
+                x = differences[row, 0] * points[k, i]
+                for d in range(1, m - 1):
+                    x += differences[row, d + 1] * values[d * n + k, i]
+                v[0, a * n + k] = x
+        for s in range(2 * n):
+            total = 0.0
+            for q in range(np.uint64(2 * n)):
+                total += inverse[i, s, q] * v[0, q]
+            x = outer[s, i] - timing[i, s, 0] * period - timing[i, s, 1] * parameter - total
+            values[s if s < n else far + s - n, i] = x
