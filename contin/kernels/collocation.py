@@ -41,7 +41,7 @@ Points = namedtuple(
         "u",  # (m + 1, n, N) node values, interval by interval
         "at",  # (m, n, N) values at the Gauss points
         "f",  # (m, n, N)
-        "fu",  # (m, n, n, N)
+        "fu",  # (m, n, n, N); with n > LANES (N, m, n, n)
         "fp",  # (m, n, N)
         "ft",  # (m, n, N) time derivative (forced systems)
         "phase",  # (m, n, N) row of the phase condition, on the values at the Gauss points
@@ -61,7 +61,7 @@ def new_points(n, m, intervals, p):
         np.zeros((m + 1, n, intervals)),
         np.zeros((m, n, intervals)),
         np.zeros((m, n, intervals)),
-        np.zeros((m, n, n, intervals)),
+        np.zeros((intervals, m, n, n) if n > LANES else (m, n, n, intervals)),
         np.zeros((m, n, intervals)),
         np.zeros((m, n, intervals)),
         np.zeros((m, n, intervals)),
@@ -156,7 +156,10 @@ def evaluate(e, w, z, with_jacobian):
                 for k in range(n):
                     for q in range(n):
                         value = w_J[k, q]
-                        w_fu[c, k, q, i] = value
+                        if n > LANES:
+                            w_fu[i, c, k, q] = value
+                        else:
+                            w_fu[c, k, q, i] = value
                         total += value
                     value = w_J[k, n + e_active]
                     w_fp[c, k, i] = value

@@ -1,4 +1,4 @@
-"""The same elimination as `collocation_system` for larger systems, one dense matrix after another.
+"""Elimination and inversion of larger matrices, one dense matrix after another.
 
 For more than a few states a matrix no longer fits beside the others in the fast cache, and its rows are long enough to
 be vectors themselves. So matrices are a[i, :, :] here (lane by lane contiguous), and columns are eliminated four at a
@@ -8,6 +8,7 @@ time: the update of the rest reads and writes every row once for four pivots, tw
 import numpy as np
 
 from contin.kernels.compile import vector_kernel
+from contin.kernels.vector import subtract_four
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
@@ -19,7 +20,7 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
     Multipliers are stored below the diagonal, pivots (N, count); panel (4, rows) is memory.
     Returns the sign of the product of all pivots and row exchanges; 0 where a pivot vanishes or is NaN.
     """
-    rows = a.shape[1]
+    rows, width = a.shape[1], a.shape[2]
     sign = 1
     first = 0
     while first < count:
@@ -30,13 +31,12 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
         sign *= part
         if end - first == 4:
             _pivot_rows(a, i, first)
-            r = end
-            while r + 2 < rows:
-                _update_three(a, i, r, first)
-                r += 3
-            while r < rows:
-                _update_one(a, i, r, first)
-                r += 1
+            place = i * rows * width
+            below, rest = place + end * width, rows - end
+            subtract_four(
+                a, below + end, width, rest, a, place + first * width + end, width, a, below + first, width, 1,
+                width - end,
+            )  # fmt: skip
         else:
             for k in range(np.uint64(first), np.uint64(end)):
                 for r in range(k + np.uint64(1), np.uint64(rows)):
@@ -141,50 +141,81 @@ def _pivot_rows(a, i, first):
 
 
 @vector_kernel
-def _update_three(a, i, r, first):
-    """Subtract from the rest of three rows their multiples of the four pivot rows."""
-    e0, e1, e2, e3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
-    f0, f1, f2, f3 = a[i, r + 1, first], a[i, r + 1, first + 1], a[i, r + 1, first + 2], a[i, r + 1, first + 3]
-    g0, g1, g2, g3 = a[i, r + 2, first], a[i, r + 2, first + 1], a[i, r + 2, first + 2], a[i, r + 2, first + 3]
-    for c in range(np.uint64(first + 4), np.uint64(a.shape[2])):
-        u0, u1, u2, u3 = a[i, first, c], a[i, first + 1, c], a[i, first + 2, c], a[i, first + 3, c]
-        x = a[i, r, c] - e0 * u0 - e1 * u1 - e2 * u2 - e3 * u3
-        y = a[i, r + 1, c] - f0 * u0 - f1 * u1 - f2 * u2 - f3 * u3
-        z = a[i, r + 2, c] - g0 * u0 - g1 * u1 - g2 * u2 - g3 * u3
-        a[i, r, c] = x
-        a[i, r + 1, c] = y
-        a[i, r + 2, c] = z
+def invert_dense(a, i, pivots, panel):
+    """a[i] (d, d) becomes its inverse, in place (Gauss-Jordan, four columns at a time, row exchanges).
+
+    pivots (., d), panel (4, d) are memory. Returns the sign of the determinant; 0 where a pivot vanishes. Cost: 2 d^3
+    operations.
+    """
+    d = a.shape[1]
+    sign = 1
+    first = 0
+    while first < d:
+        end = min(first + 4, d)
+        part = _panel(a, i, first, end, d, pivots, panel)
+        if part == 0:
+            return 0
+        sign *= part
+        _take_factors(a, i, first, end, panel)
+        _solve_rows(a, i, first, end, panel)
+        if end - first == 4:
+            place, stride = i * d * d, panel.shape[1]
+            above, row = place + end * d, place + first * d
+            subtract_four(a, place, d, first, a, row, d, panel, 0, 1, stride, d)
+            subtract_four(a, above, d, d - end, a, row, d, panel, end, 1, stride, d)
+        else:
+            for r in range(d):
+                if r < first or r >= end:
+                    for k in range(first, end):
+                        x = panel[k - first, r]
+                        for c in range(np.uint64(d)):
+                            a[i, r, c] -= x * a[i, k, c]
+        first = end
+    for k in range(d - 1, -1, -1):
+        p = pivots[i, k]
+        if p != k:
+            for r in range(d):
+                swap = a[i, r, k]
+                a[i, r, k] = a[i, r, p]
+                a[i, r, p] = swap
+    return sign
 
 
 @vector_kernel
-def _update_one(a, i, r, first):
-    f0, f1, f2, f3 = a[i, r, first], a[i, r, first + 1], a[i, r, first + 2], a[i, r, first + 3]
-    for c in range(np.uint64(first + 4), np.uint64(a.shape[2])):
-        x = a[i, r, c] - f0 * a[i, first, c] - f1 * a[i, first + 1, c]
-        a[i, r, c] = x - f2 * a[i, first + 2, c] - f3 * a[i, first + 3, c]
+def _take_factors(a, i, first, end, panel):
+    """Columns first .. end - 1 of a[i], as they were before `_panel` factored them, into `panel`; of the pivot rows L
+    and U. Then these columns are those of the identity.
+    """
+    for r in range(a.shape[1]):
+        for j in range(end - first - 1, -1, -1):
+            x = a[i, r, first + j]
+            if r >= end:
+                x *= a[i, first + j, first + j]
+                for t in range(j):
+                    x += a[i, r, first + t] * a[i, first + t, first + j]
+            panel[j, r] = x
+    for r in range(a.shape[1]):
+        for c in range(first, end):
+            a[i, r, c] = 1.0 if r == c else 0.0
 
 
 @vector_kernel
-def substitute_dense(a):
-    """The right half of a (1, n, 2 n) becomes the solution with the triangular left half; four rows at once."""
-    n, width = a.shape[1], np.uint64(a.shape[2])
-    first = np.uint64(n)
-    for k in range(n - 1, -1, -1):
-        r = k + 1
-        while r + 4 <= n:
-            f0, f1, f2, f3 = a[0, k, r], a[0, k, r + 1], a[0, k, r + 2], a[0, k, r + 3]
-            for c in range(first, width):
-                x = f0 * a[0, r, c] + f1 * a[0, r + 1, c] + f2 * a[0, r + 2, c] + f3 * a[0, r + 3, c]
-                a[0, k, c] -= x
-            r += 4
-        while r < n:
-            factor = a[0, k, r]
-            for c in range(first, width):
-                a[0, k, c] -= factor * a[0, r, c]
-            r += 1
-        inverse = 1.0 / a[0, k, k]
-        for c in range(first, width):
-            a[0, k, c] *= inverse
+def _solve_rows(a, i, first, end, panel):
+    """The pivot rows of a[i] are solved with L and U, which `_take_factors` has left in `panel`."""
+    width = np.uint64(a.shape[2])
+    for k in range(first, end):
+        for t in range(first, k):
+            x = panel[t - first, k]
+            for c in range(width):
+                a[i, k, c] -= x * a[i, t, c]
+    for k in range(end - 1, first - 1, -1):
+        for t in range(k + 1, end):
+            x = panel[t - first, k]
+            for c in range(width):
+                a[i, k, c] -= x * a[i, t, c]
+        x = 1.0 / panel[k - first, k]
+        for c in range(width):
+            a[i, k, c] *= x
 
 
 @vector_kernel

@@ -21,6 +21,7 @@ import numpy as np
 from contin.kernels.collocation import LANES
 from contin.kernels.compile import allocating, allocating_vector_kernel, kernel, vector_kernel
 from contin.kernels.eigen import eigenvalues
+from contin.kernels.vector import add_four, subtract_four
 
 KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
@@ -89,7 +90,7 @@ def sweep(m_all, skip, q, r_product):
     columns = np.uint64(d)
     y = np.empty((d, d))
     r = np.zeros((d, d))
-    s = np.empty(d)
+    s = np.empty((4, d))
     for a in range(d):
         for b in range(d):
             r_product[a, b] = 1.0 if a == b else 0.0
@@ -98,18 +99,11 @@ def sweep(m_all, skip, q, r_product):
         for a in range(d):
             for b in range(columns):
                 q[a, b] = y[a, b]
-        for _ in range(2):  # modified Gram-Schmidt, again where much of a column was cancelled
+        for _ in range(2):  # Gram-Schmidt, again where much of a column was cancelled
             lost = _orthonormalise(q, r, s)
             if not lost > 0.0:
                 return False
-            for a in range(d):  # r_product becomes r r_product; both are triangular, and rows below a are untouched
-                x = r[a, a]
-                for b in range(columns):
-                    r_product[a, b] *= x
-                for c in range(a + 1, d):
-                    x = r[a, c]
-                    for b in range(np.uint64(c), columns):
-                        r_product[a, b] += x * r_product[c, b]
+            _times_triangular(r, r_product)
             if lost > KEPT:
                 break
     return True
@@ -118,68 +112,121 @@ def sweep(m_all, skip, q, r_product):
 @vector_kernel
 def _times(m_all, i, skip, q, y):
     """y = M_i q without the first `skip` rows and columns of M_i; four rows of q at once."""
-    d = q.shape[0]
+    n, d = m_all.shape[1], q.shape[0]
     columns = np.uint64(d)
     for a in range(d):
         for b in range(columns):
             y[a, b] = 0.0
-        c = 0
+    first = i * n * n + skip * n + skip
+    c = 0
+    while c + 4 <= d:
+        add_four(y, 0, d, d, q, c * d, d, m_all, first + c, n, 1, d)
+        c += 4
+    for k in range(c, d):
+        for a in range(d):
+            x = m_all[i, skip + a, skip + k]
+            for b in range(columns):
+                y[a, b] += x * q[k, b]
+
+
+@vector_kernel
+def _times_triangular(r, product):
+    """product = r product, both (d, d) upper triangular; four rows at once."""
+    d = r.shape[0]
+    columns = np.uint64(d)
+    first = 0
+    while first < d:
+        end = min(first + 4, d)
+        for a in range(first, end):  # rows below are still the old ones
+            x = r[a, a]
+            for b in range(np.uint64(a), columns):
+                product[a, b] *= x
+            for c in range(a + 1, end):
+                x = r[a, c]
+                for b in range(np.uint64(c), columns):
+                    product[a, b] += x * product[c, b]
+        c = end
         while c + 4 <= d:
-            k = skip + c
-            f0, f1 = m_all[i, skip + a, k], m_all[i, skip + a, k + 1]
-            f2, f3 = m_all[i, skip + a, k + 2], m_all[i, skip + a, k + 3]
-            for b in range(columns):
-                y[a, b] += f0 * q[c, b] + f1 * q[c + 1, b] + f2 * q[c + 2, b] + f3 * q[c + 3, b]
+            add_four(product, first * d + c, d, end - first, product, c * d + c, d, r, first * d + c, d, 1, d - c)
             c += 4
-        while c < d:
-            x = m_all[i, skip + a, skip + c]
-            for b in range(columns):
-                y[a, b] += x * q[c, b]
-            c += 1
+        for k in range(c, d):
+            for a in range(first, end):
+                x = r[a, k]
+                for b in range(np.uint64(k), columns):
+                    product[a, b] += x * product[k, b]
+        first = end
 
 
 @vector_kernel
 def _orthonormalise(q, r, s):
-    """Columns of q (d, d) become orthonormal, old q = new q r; s (d,) is memory.
+    """Columns of q (d, d) become orthonormal, old q = new q r; s (4, d) is memory. Four columns at once.
 
     Returns the least part of its length that a column kept, 0 where they are dependent.
     """
     d = q.shape[0]
-    columns = np.uint64(d)
     least = 1.0
-    for k in range(d):
-        first = np.uint64(k)
-        for b in range(first, columns):
-            s[b] = 0.0
-        a = 0
-        while a + 4 <= d:  # four rows at once
-            f0, f1, f2, f3 = q[a, k], q[a + 1, k], q[a + 2, k], q[a + 3, k]
-            for b in range(first, columns):
-                s[b] += f0 * q[a, b] + f1 * q[a + 1, b] + f2 * q[a + 2, b] + f3 * q[a + 3, b]
-            a += 4
-        while a < d:
-            x = q[a, k]
-            for b in range(first, columns):
-                s[b] += x * q[a, b]
-            a += 1
-        if not s[k] > 0.0:
-            return 0.0
-        norm = math.sqrt(s[k])
-        whole = s[k]
-        for a in range(k):
-            whole += r[a, k] * r[a, k]
-        least = min(least, norm / math.sqrt(whole))
-        r[k, k] = norm
-        inverse = 1.0 / norm
-        for b in range(np.uint64(k + 1), columns):
-            s[b] *= inverse
-            r[k, b] = s[b]
-        for a in range(d):
-            x = q[a, k] * inverse
-            q[a, k] = x
-            for b in range(np.uint64(k + 1), columns):
-                q[a, b] -= x * s[b]
+    first = 0
+    while first < d:
+        end = min(first + 4, d)
+        for k in range(first, end):
+            kept = _next_column(q, r, k, end)
+            if not kept > 0.0:
+                return 0.0
+            least = min(least, kept)
+        if end < d:
+            _project(q, r, s, first, end)
+        first = end
     return least
+
+
+@vector_kernel
+def _next_column(q, r, k, end):
+    """Column k becomes a unit vector, columns k + 1 .. end - 1 orthogonal to it; returns the part that it had kept."""
+    d = q.shape[0]
+    square = 0.0
+    for a in range(d):
+        square += q[a, k] * q[a, k]
+    if not square > 0.0:
+        return 0.0
+    whole = square
+    for a in range(k):
+        whole += r[a, k] * r[a, k]
+    norm = math.sqrt(square)
+    r[k, k] = norm
+    inverse = 1.0 / norm
+    for a in range(d):
+        q[a, k] *= inverse
+    for b in range(k + 1, end):
+        x = 0.0
+        for a in range(d):
+            x += q[a, k] * q[a, b]
+        r[k, b] = x
+        for a in range(d):
+            q[a, b] -= x * q[a, k]
+    return norm / math.sqrt(whole)
+
+
+@vector_kernel
+def _project(q, r, s, first, end):
+    """Columns from `end` on become orthogonal to columns first .. end - 1 (four)."""
+    d = q.shape[0]
+    rest = d - end
+    for j in range(4):
+        for b in range(np.uint64(rest)):
+            s[j, b] = 0.0
+    a = 0
+    while a + 4 <= d:
+        add_four(s, 0, d, 4, q, a * d + end, d, q, a * d + first, 1, d, rest)
+        a += 4
+    for row in range(a, d):
+        for j in range(4):
+            x = q[row, first + j]
+            for b in range(np.uint64(rest)):
+                s[j, b] += x * q[row, np.uint64(end) + b]
+    for j in range(4):
+        for b in range(np.uint64(rest)):
+            r[first + j, np.uint64(end) + b] = s[j, b]
+    subtract_four(q, end, d, d, s, 0, d, q, first, d, 1, rest)
 
 
 @allocating

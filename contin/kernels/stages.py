@@ -30,12 +30,12 @@ Stages = namedtuple(
         # With n <= LANES the axis of the N intervals is the last one, beyond the first one, as in `Factors`.
         "nodes",  # (m + 1, m + 1): values at the nodes from (u_0, v)
         "differences",  # (m, m + 1): D
-        "columns",  # (m n, 2, N) coefficients of T and p at the Gauss points
+        "columns",  # (2, m n, N) coefficients of T and p at the Gauss points
         "borders",  # (2, m + 1, n, N) the border rows' coefficients of (u_0, v)
-        "pair",  # (2 n, 4 n, N) [outer pair | identity]; beyond LANES memory for one interval
-        "pivots",
+        "pair",  # (2 n, 4 n, N) [outer pair | identity]; not used beyond LANES
+        "pivots",  # (2 n, N)
         "inverse",  # (2 n, 2 n, N) Z
-        "timing",  # (2 n, 2, N) Z times the pair's rows of `columns`
+        "timing",  # (2, 2 n, N) Z times the pair's rows of `columns`
         "product",  # (2 n, n or N) memory
         "outer",  # (2 n, N) Z times the pair's right-hand sides
         "values",  # (m n, N) stage values of a solution
@@ -52,10 +52,11 @@ def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
     def lanes(*shape: int) -> np.ndarray:
         return np.zeros((intervals, *shape) if dense else (*shape, intervals))
 
-    pair = (1, 2 * n, 4 * n) if dense else (2 * n, 4 * n, intervals)
+    pair = (0, 0, 0) if dense else (2 * n, 4 * n, intervals)
+    pivots = (intervals, 2 * n) if dense else (2 * n, intervals)
     return Stages(
-        nodes, scheme.slopes @ nodes, lanes(m * n, 2), lanes(2, m + 1, n), np.zeros(pair),
-        np.zeros((1, 2 * n) if dense else (2 * n, intervals), np.int64), lanes(2 * n, 2 * n), lanes(2 * n, 2),
+        nodes, scheme.slopes @ nodes, lanes(2, m * n), lanes(2, m + 1, n), np.zeros(pair),
+        np.zeros(pivots, np.int64), lanes(2 * n, 2 * n), lanes(2, 2 * n),
         np.zeros((2 * n, n if dense else intervals)), np.zeros((2 * n, intervals)), np.zeros((m * n, intervals)),
         np.zeros((2, max(2, m) * n)),
     )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contin.kernels.collocation_dense import eliminate_dense, substitute_dense
+from contin.kernels.collocation_dense import invert_dense
 from contin.kernels.compile import vector_kernel
 
 
@@ -10,30 +10,21 @@ from contin.kernels.compile import vector_kernel
 def invert_pair_dense(e, w, period, g, i, panel):
     """g.inverse[i] from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0: one vanishes."""
     n, m = e.n, e.m
-    fu, pair, inverse = w.fu, g.pair, g.inverse
+    fu, inverse = w.fu, g.inverse
     factor = -period * w.h[i]
-    width = np.uint64(2 * n)
     one = np.uint64(n)
     for a in range(2):
         c = a * (m - 1)
         x, y = g.differences[c, 1], g.differences[c, m]
         for k in range(n):
             r = a * n + k
-            for q in range(np.uint64(4 * n)):
-                pair[0, r, q] = 0.0
             for q in range(one):
-                pair[0, r, np.uint64(a * n) + q] = factor * fu[c, k, q, i]
-            pair[0, r, k] += x
-            pair[0, r, n + k] += y
-            pair[0, r, 2 * n + r] = 1.0
-    sign = eliminate_dense(pair, 0, 2 * n, 2 * n, g.pivots, panel)
-    if sign == 0:
-        return 0
-    substitute_dense(pair)
-    for r in range(2 * n):
-        for q in range(width):
-            inverse[i, r, q] = pair[0, r, width + q]
-    return sign
+                value = factor * fu[i, c, k, q]
+                inverse[i, r, q] = 0.0 if a == 1 else value
+                inverse[i, r, one + q] = 0.0 if a == 0 else value
+            inverse[i, r, k] += x
+            inverse[i, r, n + k] += y
+    return invert_dense(inverse, i, g.pivots, panel)
 
 
 @vector_kernel
@@ -46,17 +37,17 @@ def fill_columns_dense(e, w, period, g, i, start):
     for c in range(m):
         t = period * (start + h * e.gauss[c])
         for k in range(n):
-            columns[i, c * n + k, 0] = -h * w.f[c, k, i]
-            columns[i, c * n + k, 1] = -h * period * w.fp[c, k, i]
+            columns[i, 0, c * n + k] = -h * w.f[c, k, i]
+            columns[i, 1, c * n + k] = -h * period * w.fp[c, k, i]
             if e.forcing != 0:
-                columns[i, c * n + k, 0] -= h * t * w.ft[c, k, i]
+                columns[i, 0, c * n + k] -= h * t * w.ft[c, k, i]
     for r in range(2 * n):
         for x in range(2):
             total = 0.0
             for q in range(np.uint64(n)):
-                total += inverse[i, r, q] * columns[i, q, x]
-                total += inverse[i, r, np.uint64(n) + q] * columns[i, np.uint64(far) + q, x]
-            timing[i, r, x] = total
+                total += inverse[i, r, q] * columns[i, x, q]
+                total += inverse[i, r, np.uint64(n) + q] * columns[i, x, np.uint64(far) + q]
+            timing[i, x, r] = total
 
 
 @vector_kernel
@@ -98,7 +89,7 @@ def fill_local_dense(e, w, period, g, i, local):
                 r = (c - 1) * n + k
                 if c == d:
                     for q in range(one):
-                        local[i, r, first + q] = factor * fu[c, k, q, i] - x * product[k, q] - y * product[n + k, q]
+                        local[i, r, first + q] = factor * fu[i, c, k, q] - x * product[k, q] - y * product[n + k, q]
                 else:
                     for q in range(one):
                         local[i, r, first + q] = -x * product[k, q] - y * product[n + k, q]
@@ -124,12 +115,12 @@ def fill_timing_dense(e, g, i, local):
             x = -nodes[m, 1] if c == m - 1 else differences[c, 1]
             y = -nodes[m, m] if c == m - 1 else differences[c, m]
             for k in range(n):
-                value = columns[i, c * n + k, q] if c < m - 1 else 0.0
-                local[i, (c - 1) * n + k, inner + n + q] = value - x * timing[i, k, q] - y * timing[i, n + k, q]
+                value = columns[i, q, c * n + k] if c < m - 1 else 0.0
+                local[i, (c - 1) * n + k, inner + n + q] = value - x * timing[i, q, k] - y * timing[i, q, n + k]
         for p in range(2):
             total = 0.0
             for k in range(n):
-                total += borders[i, p, 1, k] * timing[i, k, q] + borders[i, p, m, k] * timing[i, n + k, q]
+                total += borders[i, p, 1, k] * timing[i, q, k] + borders[i, p, m, k] * timing[i, q, n + k]
             local[i, inner + n + p, inner + n + q] = -total
 
 
@@ -179,5 +170,5 @@ def expand_stages_dense(g, n, m, points, inner_values, period, parameter):
             total = 0.0
             for q in range(np.uint64(2 * n)):
                 total += inverse[i, s, q] * v[0, q]
-            x = outer[s, i] - timing[i, s, 0] * period - timing[i, s, 1] * parameter - total
+            x = outer[s, i] - timing[i, 0, s] * period - timing[i, 1, s] * parameter - total
             values[s if s < n else far + s - n, i] = x

@@ -58,25 +58,25 @@ def fill_columns(e, w, period, g):
     for c in range(m):
         for k in range(n):
             for i in range(lanes):
-                columns[c * n + k, 0, i] = -h[i] * f[c, k, i]
-                columns[c * n + k, 1, i] = -h[i] * period * fp[c, k, i]
+                columns[0, c * n + k, i] = -h[i] * f[c, k, i]
+                columns[1, c * n + k, i] = -h[i] * period * fp[c, k, i]
     if e.forcing != 0:
         start = 0.0
         for i in range(h.size):
             for c in range(m):
                 t = period * (start + h[i] * e.gauss[c])
                 for k in range(n):
-                    columns[c * n + k, 0, i] -= h[i] * t * ft[c, k, i]
+                    columns[0, c * n + k, i] -= h[i] * t * ft[c, k, i]
             start += h[i]
     far = (m - 1) * n
     for r in range(2 * n):
         for x in range(2):
             for i in range(lanes):
-                timing[r, x, i] = inverse[r, 0, i] * columns[0, x, i] + inverse[r, n, i] * columns[far, x, i]
+                timing[x, r, i] = inverse[r, 0, i] * columns[x, 0, i] + inverse[r, n, i] * columns[x, far, i]
             for q in range(1, n):
                 for i in range(lanes):
-                    total = inverse[r, q, i] * columns[q, x, i] + inverse[r, n + q, i] * columns[far + q, x, i]
-                    timing[r, x, i] += total
+                    total = inverse[r, q, i] * columns[x, q, i] + inverse[r, n + q, i] * columns[x, far + q, i]
+                    timing[x, r, i] += total
 
 
 @vector_kernel
@@ -126,11 +126,11 @@ def fill_local(e, w, period, g, local):
     for x in range(2):
         for s in range(2 * n):
             for i in range(lanes):
-                product[s, i] = g.timing[s, x, i]
+                product[s, i] = g.timing[x, s, i]
         _spread_column(n, m, product, g, -1, 0, inner + n + x, local)
         for r in range(inner):
             for i in range(lanes):
-                local[r, inner + n + x, i] += g.columns[n + r, x, i]
+                local[r, inner + n + x, i] += g.columns[x, n + r, i]
 
 
 @vector_kernel
@@ -215,7 +215,7 @@ def expand_stages(g, n, m, points, inner_values, period, parameter):
     for s in range(2 * n):
         r = s if s < n else far + s - n
         for i in range(lanes):
-            values[r, i] = outer[s, i] - g.timing[s, 0, i] * period - g.timing[s, 1, i] * parameter
+            values[r, i] = outer[s, i] - g.timing[0, s, i] * period - g.timing[1, s, i] * parameter
         for q in range(n):
             for i in range(lanes):
                 values[r, i] -= inverse[s, q, i] * product[q, i] + inverse[s, n + q, i] * product[n + q, i]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contin.kernels.collocation import Equations, new_points
+from contin.kernels.collocation import LANES, Equations, new_points
 from contin.kernels.collocation_basis import basis, interpolation
 from contin.kernels.collocation_system import factorise, new_factors, solve
 from contin.kernels.filling import fill
@@ -50,12 +50,13 @@ def dense_system(e, w, z, tangent, scale, sign_of_end, right, jump, border_right
     scheme, n, m, intervals = basis(e.m), e.n, e.m, w.h.size
     nodes = (intervals * m + 1) * n
     period = z[nodes]
+    fu = w.fu if n > LANES else np.moveaxis(w.fu, -1, 0)
     big, rhs = np.zeros((nodes + 2, nodes + 2)), np.zeros(nodes + 2)
     for i in range(intervals):
         columns = np.arange(i * m * n, (i * m + m + 1) * n)
         for c in range(m):
             rows = (i * m + c) * n + np.arange(n)
-            collocation = -period * w.h[i] * np.kron(scheme.values[c], w.fu[c, :, :, i])
+            collocation = -period * w.h[i] * np.kron(scheme.values[c], fu[i, c])
             big[np.ix_(rows, columns)] = np.kron(scheme.slopes[c], np.eye(n)) + collocation
             big[rows, nodes], big[rows, nodes + 1] = -w.h[i] * w.f[c, :, i], -w.h[i] * period * w.fp[c, :, i]
             rhs[rows] = right[c * n : (c + 1) * n, i]
@@ -103,7 +104,7 @@ def test_transitions_of_a_linear_equation_are_those_of_gauss_collocation(n, m):
     generator = np.random.default_rng(n)
     e, w, z, tangent, scale = random_problem(generator, n, m, 3)
     matrix = generator.normal(size=(n, n))
-    w.fu[:] = matrix[None, :, :, None]
+    w.fu[:] = matrix if n > LANES else matrix[None, :, :, None]
     s, border = new_factors(n, m, 3), np.zeros((2, 2))
     assert fill(e, w, z, tangent, scale, s, border) != 0
     assert factorise(s, n, m, border, 1.0) != 0

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from contin.kernels.collocation import LANES
 from contin.kernels.compile import allocating, call4, call5, kernel, vector_kernel
 
 
@@ -128,7 +129,13 @@ def right_side(e, c, w, o, to, period, v_period, y_period, y_p, y_q, y_s, y_r, r
                 right[r, i] = x + v_period * (fs[g, k, i] * y_s + fr[g, k, i] * y_r)
             for j in range(n):
                 for i in range(lanes):
-                    right[r, i] += (period * bend[g, k, j, i] + v_period * fu[g, k, j, i]) * at[to, g, j, i]
+                    right[r, i] += period * bend[g, k, j, i] * at[to, g, j, i]
+                if n > LANES:
+                    for i in range(lanes):
+                        right[r, i] += v_period * fu[i, g, k, j] * at[to, g, j, i]
+                else:
+                    for i in range(lanes):
+                        right[r, i] += v_period * fu[g, k, j, i] * at[to, g, j, i]
     if e.forcing != 0:
         time = bend.shape[2] - 1
         start = 0.0

@@ -101,13 +101,21 @@ class OrbitLinear:
         """(nu + 1, nu + 2) sparse, scaled."""
         profile, w = self.profile, self._points
         h, period = profile.h, profile.period
-        fu = np.moveaxis(w.fu, -1, 0)  # (N, m, n, n)
+        fu = self._state_derivatives
         f, fp, ft = (np.moveaxis(a, -1, 0) for a in (w.f, w.fp, w.ft))  # (N, m, n)
         by_period = f + (0.0 if self.problem.autonomous else period * self._times[:, :, None] * ft)
         local = self._local(fu, -h * period, True)
         column_t = -h[:, None, None] * by_period
         column_p = -(h * period)[:, None, None] * fp
         return self._assemble(local, column_t, column_p, periodic=True, phase=True)
+
+    @property
+    def _state_derivatives(self) -> Array:
+        """f_u at the Gauss points, (N, m, n, n)."""
+        from contin.kernels.collocation import LANES
+
+        fu = self._points.fu
+        return np.asarray(fu if self.profile.n > LANES else np.moveaxis(fu, -1, 0))
 
     @cached_property
     def _times(self) -> Array:
@@ -226,7 +234,7 @@ class OrbitLinear:
         """f_z at the Gauss points, (N, m, n, n + p_size); only the columns of u, the active parameter and t."""
         w, n = self._points, self.profile.n
         first = np.zeros((self.profile.intervals, self.profile.m, n, n + self.problem.system.p_size))
-        first[:, :, :, :n] = np.moveaxis(w.fu, -1, 0)
+        first[:, :, :, :n] = self._state_derivatives
         first[:, :, :, n + self.problem.active] = np.moveaxis(w.fp, -1, 0)
         if not self.problem.autonomous:
             first[:, :, :, -1] = np.moveaxis(w.ft, -1, 0)
@@ -243,8 +251,8 @@ class OrbitLinear:
 
     def variational(self, rho: complex) -> Any:
         """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
-        profile, w = self.profile, self._points
-        local = self._local(np.moveaxis(w.fu, -1, 0), -profile.h * profile.period, True)
+        profile = self.profile
+        local = self._local(self._state_derivatives, -profile.h * profile.period, True)
         if isinstance(rho, complex):
             local = local.astype(complex)
         return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)
