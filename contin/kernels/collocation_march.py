@@ -5,7 +5,7 @@ iterations) and factorises again where that converges slowly. Tangent, test func
 factors. Layout of z and equations: `contin.kernels.collocation`; test functions (columns of `tests`):
 
     0  dp/ds                        zero at folds of cycles
-    1  sign det M / |y|             zero at branch points; M y = (a fixed jump of u over a period)
+    1  sign det M / |y|             zero at branch points; M y = (a fixed jump of u over a period), y = (u(0), T, p)
     2  pairs, 3  flips              of the nontrivial multipliers, see `tests_of_stability`
 
 Memory comes from Python (`new_scratch` and the like) and slices of arrays are avoided: numba compiles each of them as a
@@ -20,8 +20,8 @@ import numpy as np
 from contin.kernels.algebraic import TESTS
 from contin.kernels.collocation import evaluate, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
-from contin.kernels.collocation_steps import advance, along, direct, distance, length, predict
-from contin.kernels.collocation_system import factorise, new_factors, solve
+from contin.kernels.collocation_steps import advance, along, direct, distance, predict
+from contin.kernels.collocation_system import factorise, new_factors, solve, solve_start
 from contin.kernels.compile import call3, kernel, part
 from contin.kernels.condensation import eliminate_intervals
 from contin.kernels.filling import fill
@@ -227,8 +227,12 @@ def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, 
     for k in range(n):
         jump[k] = sizes[k] * math.cos(1.0 + k)
     right[1] = 0.0
-    solve(s, n, m, jump, right, 1.0, False, step)
-    exponent = -math.log(length(step, scale, nodes)) - reference
+    solve_start(s, n, jump, right)
+    start = s.right_last
+    square = (start[n] / scale[nodes]) ** 2 + (start[n + 1] / scale[scale.size - 1]) ** 2
+    for k in range(n):
+        square += (start[k] / sizes[k]) ** 2 / n
+    exponent = -0.5 * math.log(square) - reference
     tests[1] = sign * math.exp(min(max(exponent, -700.0), 700.0))
     d = x.re.size
     for k in range(d):

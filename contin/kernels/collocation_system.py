@@ -136,27 +136,39 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
 
     out : node values (node-major), then T, then p. Where has_local is False the intervals' right-hand sides are zero.
     """
-    s_right_last = s.right_last
-    s_last_right_block = s.last_right_block
-    s_last_border_right = s.last_border_right
-    s_points = s.points
-    intervals = s_points.shape[1] - 1
+    points, start = s.points, s.right_last
+    intervals = points.shape[1] - 1
     if has_local:
         reduce_right(s, n, m)
     else:
         clear_right(s, n, m)
+    _solve_last(s, n, jump, border)
+    for k in range(n):
+        points[k, 0] = start[k]
+        points[k, intervals] = sign_of_end * start[k] + jump[k]
+    expand(s, n, m, start[n], start[n + 1], out)
+
+
+@kernel
+def solve_start(s, n, jump, border):
+    """As `solve` without right-hand sides of the intervals, for (u(0), T, p) alone, into s.right_last (n + 2,)."""
+    for r in range(n + 2):
+        s.right_last[r] = 0.0
+    _solve_last(s, n, jump, border)
+
+
+@kernel
+def _solve_last(s, n, jump, border):
+    """s.right_last, the reduced right-hand sides of the intervals, becomes (u(0), T, p)."""
+    right, block, below = s.right_last, s.last_right_block, s.last_border_right
     for q in range(2):
-        s_right_last[n + q] += border[q]
+        right[n + q] += border[q]
     for c in range(n):
         for r in range(n):
-            s_right_last[r] -= s_last_right_block[r, c] * jump[c]
+            right[r] -= block[r, c] * jump[c]
         for q in range(2):
-            s_right_last[n + q] -= s_last_border_right[q, c] * jump[c]
-    lu_solve(s.last, s.last_pivots, s_right_last)
-    for k in range(n):
-        s_points[k, 0] = s_right_last[k]
-        s_points[k, intervals] = sign_of_end * s_right_last[k] + jump[k]
-    expand(s, n, m, s_right_last[n], s_right_last[n + 1], out)
+            right[n + q] -= below[q, c] * jump[c]
+    lu_solve(s.last, s.last_pivots, right)
 
 
 @kernel

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CONTROLS: Final = 10  # numbers that steer the kernel
 PROBE_TOLERANCE: Final = 1e-10
 ALIGNED: Final = 0.99  # cosine of two tangents at one point, up to rounding
-LONGEST_CHUNK: Final = 120
+LONGEST_CHUNK: Final = 300
 DWELLING: Final = 0.2  # part of the period spent slowly from which growing periods are watched closely
 
 
@@ -174,10 +174,10 @@ def _resolve(family: OrbitProblem, out: _Rows, row: int) -> None:
 
 
 def _chunk(profile: Profile) -> int:
-    """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
+    """Steps in one kernel call, which cannot be interrupted: some 0.2 s."""
     n = profile.n
     step = 1e-6 * profile.intervals * (2.0 + 0.8 * n + 0.007 * n**3)  # seconds
-    return int(np.clip(0.05 / step, 10, LONGEST_CHUNK))
+    return int(np.clip(0.2 / step, 10, LONGEST_CHUNK))
 
 
 def _error_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
