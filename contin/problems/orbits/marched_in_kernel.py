@@ -183,7 +183,7 @@ def _chunk(profile: Profile) -> int:
 def _error_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
     """The error of the mesh at which a march returns."""
     error, _ = estimate(profile, family.sizes(profile.vector(), scale))
-    return max(family.tolerance, (3.0 if family.intervals is None else 10.0) * error)
+    return max(family.tolerance, (3.0 if family.intervals is None else 30.0) * error)
 
 
 def _period_limit(family: OrbitProblem, profile: Profile, scale: Array) -> float:
