@@ -54,6 +54,60 @@ def eliminate(a, count, candidates, low, high, pivots, work):
 
 
 @vector_kernel
+def invert(a, pivots, work):
+    """All a[:, :, i] (d, d) become their inverses, in place (Gauss-Jordan). pivots (d, lanes) and work are memory.
+
+    Returns the sign of the product of the determinants; 0 where a pivot vanishes or is NaN.
+    """
+    d, _, lanes = a.shape
+    sign = 1
+    end = np.uint64(lanes)
+    for k in range(d):
+        for i in range(end):
+            work[i] = abs(a[k, k, i])
+        for r in range(k + 1, d):
+            for i in range(end):
+                work[i] = max(work[i], abs(a[r, k, i]))
+        small = 0
+        for i in range(end):
+            pivots[k, i] = k
+            small += 0 if abs(a[k, k, i]) >= THRESHOLD * work[i] else 1
+        if small > 0:
+            sign *= _exchange(a, k, d, 0, lanes, pivots, work)
+        negative = 0
+        for i in range(end):
+            work[i] = 1.0 / a[k, k, i]
+            a[k, k, i] = work[i]
+            negative += 1 if work[i] < 0.0 else 0
+            if not abs(work[i]) < np.inf:
+                return 0
+        if negative % 2 == 1:
+            sign = -sign
+        for c in range(d):
+            if c != k:
+                for i in range(end):
+                    a[k, c, i] *= work[i]
+        for r in range(d):
+            if r == k:
+                continue
+            for c in range(d):
+                if c != k:
+                    for i in range(end):
+                        a[r, c, i] -= a[r, k, i] * a[k, c, i]
+            for i in range(end):
+                a[r, k, i] *= -work[i]
+    for k in range(d - 1, -1, -1):
+        for i in range(lanes):
+            p = pivots[k, i]
+            if p != k:
+                for r in range(d):
+                    swap = a[r, k, i]
+                    a[r, k, i] = a[r, p, i]
+                    a[r, p, i] = swap
+    return sign
+
+
+@vector_kernel
 def _exchange(a, k, candidates, low, high, pivots, largest):
     """Bring the largest candidate to row k in the lanes where the natural pivot is small; (-1)^exchanges."""
     sign = 1

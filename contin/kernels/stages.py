@@ -32,7 +32,6 @@ Stages = namedtuple(
         "differences",  # (m, m + 1): D
         "columns",  # (2, m n, N) coefficients of T and p at the Gauss points
         "borders",  # (2, m + 1, n, N) the border rows' coefficients of (u_0, v)
-        "pair",  # (2 n, 4 n, N) [outer pair | identity]; not used beyond LANES
         "pivots",  # (2 n, N)
         "inverse",  # (2 n, 2 n, N) Z
         "timing",  # (2, 2 n, N) Z times the pair's rows of `columns`
@@ -52,10 +51,9 @@ def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:
     def lanes(*shape: int) -> np.ndarray:
         return np.zeros((intervals, *shape) if dense else (*shape, intervals))
 
-    pair = (0, 0, 0) if dense else (2 * n, 4 * n, intervals)
     pivots = (intervals, 2 * n) if dense else (2 * n, intervals)
     return Stages(
-        nodes, scheme.slopes @ nodes, lanes(2, m * n), lanes(2, m + 1, n), np.zeros(pair),
+        nodes, scheme.slopes @ nodes, lanes(2, m * n), lanes(2, m + 1, n),
         np.zeros(pivots, np.int64), lanes(2 * n, 2 * n), lanes(2, 2 * n),
         np.zeros((2 * n, n if dense else intervals)), np.zeros((2 * n, intervals)), np.zeros((m * n, intervals)),
         np.zeros((2, max(2, m) * n)),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contin.kernels.collocation_elimination import eliminate
+from contin.kernels.collocation_elimination import invert
 from contin.kernels.compile import vector_kernel
 
 
@@ -10,9 +10,7 @@ from contin.kernels.compile import vector_kernel
 def invert_pair(e, w, period, g, work):
     """g.inverse from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0 where one vanishes."""
     n, m = e.n, e.m
-    h, fu = w.h, w.fu
-    pair, inverse = g.pair, g.inverse
-    size = 2 * n
+    h, fu, inverse = w.h, w.fu, g.inverse
     lanes = np.uint64(h.size)
     for a in range(2):
         for b in range(2):
@@ -22,30 +20,11 @@ def invert_pair(e, w, period, g, work):
                     y = x if k == q else 0.0
                     if a == b:
                         for i in range(lanes):
-                            pair[a * n + k, b * n + q, i] = y - period * h[i] * fu[a * (m - 1), k, q, i]
+                            inverse[a * n + k, b * n + q, i] = y - period * h[i] * fu[a * (m - 1), k, q, i]
                     else:
                         for i in range(lanes):
-                            pair[a * n + k, b * n + q, i] = y
-    for r in range(size):
-        for c in range(size):
-            y = 1.0 if r == c else 0.0
-            for i in range(lanes):
-                pair[r, size + c, i] = y
-    sign = eliminate(pair, size, size, 0, h.size, g.pivots, work)
-    if sign == 0:
-        return 0
-    for r in range(size - 1, -1, -1):
-        for i in range(lanes):
-            work[i] = 1.0 / pair[r, r, i]
-        for c in range(size):
-            for i in range(lanes):
-                inverse[r, c, i] = pair[r, size + c, i]
-            for k in range(r + 1, size):
-                for i in range(lanes):
-                    inverse[r, c, i] -= pair[r, k, i] * inverse[k, c, i]
-            for i in range(lanes):
-                inverse[r, c, i] *= work[i]
-    return sign
+                            inverse[a * n + k, b * n + q, i] = y
+    return invert(inverse, g.pivots, work)
 
 
 @vector_kernel

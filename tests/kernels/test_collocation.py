@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from contin.kernels.collocation import LANES, Equations, new_points
 from contin.kernels.collocation_basis import basis, interpolation
+from contin.kernels.collocation_dense import invert_dense
+from contin.kernels.collocation_elimination import invert
 from contin.kernels.collocation_system import factorise, new_factors, solve
 from contin.kernels.filling import fill
 from contin.kernels.floquet import multipliers, transitions
@@ -152,3 +154,20 @@ def test_ten_multipliers_over_ten_orders_of_magnitude_keep_nine_digits_each():
     assert multipliers(cycle, 0, np.full((10, 10), np.nan), re, im)
     np.testing.assert_allclose(np.sort(re)[::-1], exact, rtol=1e-9)
     np.testing.assert_allclose(im, 0.0)
+
+
+@pytest.mark.parametrize("d", [2, 4, 6, 8, 10, 14, 22])
+def test_inverses_in_place_also_where_rows_have_to_be_exchanged(d):
+    generator = np.random.default_rng(d)
+    a = generator.normal(size=(5, d, d))
+    a[1] = np.roll(np.eye(d), 1, axis=0) + 1e-3 * a[1]
+    signs = np.linalg.slogdet(a)[0]
+    lanes = np.ascontiguousarray(np.moveaxis(a, 0, -1))
+    assert invert(lanes, np.zeros((d, 5), np.int64), np.zeros(5)) == np.prod(signs)
+    one_by_one = a.copy()
+    found = [invert_dense(one_by_one, i, np.zeros((5, d), np.int64), np.zeros((4, d))) for i in range(5)]
+    np.testing.assert_array_equal(found, signs)
+    for inverse in (np.moveaxis(lanes, -1, 0), one_by_one):
+        np.testing.assert_allclose(inverse @ a, np.broadcast_to(np.eye(d), a.shape), atol=1e-9)
+    a[2, :, 0] = 0.0
+    assert invert_dense(a, 2, np.zeros((5, d), np.int64), np.zeros((4, d))) == 0
