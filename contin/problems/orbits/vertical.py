@@ -23,6 +23,7 @@ from contin.problems.orbits.saddles import extent_of
 STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
 GROWN = 1e5  # ... and the amplitude up to which orbits are followed then
 CONSTANT = 1e-9  # of the range: all that the parameter moves along a vertical family
+NOISE = 1e-5  # dp/ds (scaled) of an orbit there, zero but for rounding, at which the family is lost
 DRIFTED = (1e-8, 1e-4)  # ... distance from the Hopf point that may be the mesh's error
 LARGE = 0.2  # extent of orbits that cannot be so near to their Hopf point otherwise
 EXPLAINED = 0.5  # part of that distance which a finer mesh takes away
@@ -33,11 +34,12 @@ FEWEST = 10  # rows that tell a family
 def unbounded(problem: Any, origin: Sample, frame: Frame) -> End | None:
     """The end of a family of orbits that grow for ever at one parameter value, or until no mesh resolves them."""
     profile = problem.profile(origin.z)
-    if problem.origin is not None and _drifts(problem, profile, origin, frame):
+    hidden = "" if problem.origin is None else _hidden_by(problem, profile, origin, frame)
+    if hidden:
         name, at = problem.parameters[0], problem.origin[0]
         text = (
-            f"the orbits of this family all exist at {name} = {at:.10g}; from period {profile.period:.6g} on the error "
-            f"of the mesh hides that ({_range(problem, profile)})"
+            f"the orbits of this family all exist at {name} = {at:.10g}; from period {profile.period:.6g} on {hidden} "
+            f"hides that ({_range(problem, profile)})"
         )
         return End("bound", text, {"value": at})
     if abs(float(origin.tangent[-1])) > STILL:
@@ -52,15 +54,22 @@ def unbounded(problem: Any, origin: Sample, frame: Frame) -> End | None:
     return End("bound", text, {"value": at})
 
 
-def _drifts(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> bool:
-    """True where the parameter has left its value at the Hopf point, and goes back on a finer mesh."""
-    moved, width = profile.parameter - problem.origin[0], float(frame.scale[-1])
-    if not DRIFTED[0] * width < abs(moved) < DRIFTED[1] * width:
-        return False
+def _hidden_by(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> str:
+    """What keeps a large orbit from being seen at the parameter of the Hopf point, "" where it is, or is not there.
+
+    Rounding, where the parameter still stands there but the tangent says that it moves; the error of the mesh, where it
+    has left that value and goes back on a finer mesh.
+    """
+    moved, width = abs(profile.parameter - problem.origin[0]), float(frame.scale[-1])
     if extent_of(profile, problem.sizes(origin.z, frame.scale)) < LARGE:
-        return False
+        return ""
+    if moved <= CONSTANT * width:
+        return "rounding" if abs(float(origin.tangent[-1])) > NOISE else ""
+    if not DRIFTED[0] * width < moved < DRIFTED[1] * width:
+        return ""
     finer = _on_finer_mesh(problem, profile, origin, frame)
-    return finer is not None and abs(float(finer[-1]) - problem.origin[0]) < EXPLAINED * abs(moved)
+    explained = finer is not None and abs(float(finer[-1]) - problem.origin[0]) < EXPLAINED * moved
+    return "the error of the mesh" if explained else ""
 
 
 def _on_finer_mesh(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
