@@ -104,15 +104,15 @@ def test_interruption_keeps_what_was_computed_and_the_diagram_says_so():
     assert sum(len(b) for b in diagram) > 2
 
 
-def test_interruption_between_branches_keeps_the_branches_before():
+def test_interruption_between_branches_keeps_the_branches_before(monkeypatch):
     whole = explore(FORK, {"x": 0.0}, {"p": -1.0}, R)
     assert not whole.stopped
 
-    def ahead(seed):
+    def known(explorer, diagram, seed):
         if seed.born:
             raise KeyboardInterrupt
 
-    whole.explorer.ahead = ahead
+    monkeypatch.setattr(type(whole.explorer), "_known", known)
     first = Seed(whole["start"].problem, whole["start"].z[0])
     cut = whole.explorer.explore([("start", first)], reserve=[first])
     assert [b.name for b in cut] == ["start"]

@@ -175,8 +175,10 @@ def _connection(
         f"+- {error:.1e}, "
         f"saddle{'s' if len(saddles) > 1 else ''} {', '.join(described)}"
     )
+    z = origin.z.copy()
+    z[-1] = limit  # the last orbit stands for the connecting one
     point = Verified(
-        "HOM", origin.z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
+        "HOM", z, float(abs(limit - profile.parameter)), error, origin.eigenvalues, origin.unstable,
         normal_form={"at": {name: limit}} | ({"kind": kind} if kind == "heteroclinic" else {}),
     )  # fmt: skip
     return End(kind, text, data), point

@@ -23,6 +23,7 @@ WORTHWHILE = 0.6  # part of the error that a new mesh of as many intervals leave
 MARGIN = 0.4  # the mesh is laid out for this part of the tolerance
 VARYING = 1e-3  # smallest modulus of a state of one sign, relative to its largest, below which it counts while small
 RELATIVE = 1e-2  # ... and how much an error relative to its own size counts
+CLOSED = 0.1  # change of such a state over a period, relative to its size, that a guess of a closed orbit may have
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,9 @@ def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
         profile.vector(), profile.n, profile.m, profile.intervals, scheme.top, scheme.error, sizes, density
     )
     low, high = np.abs(profile.u).min(axis=0), np.abs(profile.u).max(axis=0)
-    small = np.flatnonzero((np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
+    first, last = profile.u[0], profile.u[-1]  # of a connecting orbit they differ, and do not follow one another
+    closed = np.abs(last - first) <= CLOSED * np.maximum(np.abs(first), np.abs(last))
+    small = np.flatnonzero(closed & (np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
     if small.size:
         density = np.maximum(density, RELATIVE * _relative_density(profile, small))
         error = max(error, float(np.max(scheme.error * profile.h ** (profile.m + 1) * density)))

@@ -25,6 +25,7 @@ class Reach:
 HYPERBOLIC: Final = Reach(1e-5, 3e-4, 1e-8)
 SADDLE_NODE: Final = Reach(3e-4, 3e-3, 1e-7)  # approached like 1 / t; the strong directions damp the projections' error
 ADDED = 6  # intervals of a piece that is added
+LEAST = 0.3  # part of its neighbour below which a cut interval is none of its own
 
 
 def farther(curve: Any) -> Reach:
@@ -92,8 +93,16 @@ def _cut(profile: Profile, ends: tuple[Array, Array], sizes: Array, wanted: floa
 
 
 def piece_of(profile: Profile, start: float, end: float) -> Profile:
-    """The stretch between two scaled times, on the mesh that it had."""
-    inside = profile.mesh[(profile.mesh > start + 1e-9) & (profile.mesh < end - 1e-9)]
+    """The stretch between two scaled times, on the mesh that it had.
+
+    A cut interval of which little is left goes to its neighbour: on a very short one the top derivative, from which the
+    error of the mesh is estimated, is rounding divided by h^m.
+    """
+    inside = profile.mesh[(profile.mesh > start) & (profile.mesh < end)]
+    if len(inside) > 2 and inside[0] - start < LEAST * (inside[1] - inside[0]):
+        inside = inside[1:]
+    if len(inside) > 2 and end - inside[-1] < LEAST * (inside[-1] - inside[-2]):
+        inside = inside[:-1]
     edges = np.concatenate([[start], inside, [end]])
     h = np.diff(edges) / (end - start)
     empty = Profile(profile.m, np.empty((len(h) * profile.m + 1, profile.n)), 1.0, h, profile.parameter)
