@@ -23,9 +23,11 @@ import numpy as np
 from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils, event
+from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
 from contin.kernels.clock import CLOCK
+from contin.kernels.turns import WAITING, turn
 
 
 def user_cache_folder() -> Path:
@@ -77,7 +79,7 @@ def kernel_cache_folder() -> str:
 
 @contextmanager
 def telling(tell: Callable[[str], None]) -> Iterator[None]:
-    """Call `tell` with the name of its module whenever a kernel begins to be compiled, not loaded from the cache."""
+    """Call `tell` with the name of its module whenever a kernel begins to be compiled, here or by another process."""
 
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
         def on_start(self, event: Any) -> None:
@@ -87,7 +89,7 @@ def telling(tell: Callable[[str], None]) -> Iterator[None]:
         def on_end(self, event: Any) -> None:
             pass
 
-    with event.install_listener("numba:compile", Listener()):
+    with event.install_listener("numba:compile", Listener()), event.install_listener(WAITING, Listener()):
         yield
 
 
@@ -107,8 +109,12 @@ def _compiled(function: Callable[..., Any], **options: Any) -> Any:
         numba.config.CACHE_DIR = before
     load, template_of = dispatcher.compile, dispatcher.get_call_template
 
+    name = f"{function.__module__}.{function.__qualname__}"
+
     def compile_(signature: Any) -> Any:
-        with CLOCK.standing():
+        if dispatcher.signatures:
+            return load(signature)
+        with CLOCK.standing(), global_compiler_lock, turn(kernel_cache_folder(), name, dispatcher):
             return load(signature)
 
     def get_call_template(args: Sequence[types.Type], kws: Mapping[str, types.Type]) -> Any:

@@ -90,7 +90,7 @@ def test_compiling_is_told_once_and_loading_not_and_neither_is_computing_time(tm
     package = tmp_path / "contin" / "kernels"
     package.mkdir(parents=True)
     (tmp_path / "contin" / "__init__.py").touch()
-    for name in ("__init__.py", "compile.py", "clock.py"):
+    for name in ("__init__.py", "compile.py", "clock.py", "turns.py"):
         shutil.copy(SOURCES / name, package / name)
     (package / "sample.py").write_text(KERNELS)
     environment = os.environ | {"CONTIN_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}

@@ -76,7 +76,7 @@ def test_edited_callee_in_another_file_is_seen(tmp_path):
     package = tmp_path / "contin"
     (package / "kernels").mkdir(parents=True)
     (package / "__init__.py").touch()
-    for name in ("__init__.py", "compile.py", "clock.py"):
+    for name in ("__init__.py", "compile.py", "clock.py", "turns.py"):
         shutil.copy(SOURCES / name, package / "kernels" / name)
     (package / "kernels" / "caller.py").write_text(CALLER)
     environment = os.environ | {"CONTIN_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
