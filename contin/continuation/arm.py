@@ -8,6 +8,7 @@ from typing import Final
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.continuation.defects import contained
 from contin.continuation.last_step import Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
@@ -61,7 +62,7 @@ class Arm:
                 chunk = _without_last(chunk)
             else:
                 corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner is not None)
+            resolved = self._resolved(chunk, before, corner is not None)
             if resolved is None:  # the last step jumped to another branch: again, shorter
                 chunk = _without_last(chunk)
                 resolved = resolve(self.course, chunk, before, self.scale, self.loop)
@@ -100,6 +101,19 @@ class Arm:
                 longer = travelled(chunk.z[0], chunk.z[-1], self.scale, problem.angle_periods)
                 if longer is not None:
                     origin, before = self._measure_in(longer, origin, before)
+
+    def _resolved(self, chunk: Chunk, before: Sample | None, corner: bool) -> tuple[Piece, End | None] | None:
+        """See `resolve`; where an error comes up in the last step, the arm ends before that step."""
+        errors: list[str] = []
+        resolved = None
+        with contained(errors.append):
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner)
+        if not errors:
+            return resolved
+        rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)
+        ready = resolve(self.course, rest, before, self.scale, self.loop)
+        assert ready is not None
+        return ready[0], End("corrector", f"after {self.course.position(rest.z[-1])}, {errors[0]}")
 
     def _measure_in(self, scale: Array, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
         """Take another metric from here on."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contin.continuation.curve import Stretch
+from contin.continuation.defects import contained
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Sample, Verified
 from contin.errors import InputError
@@ -76,6 +77,24 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
     yield from isolate(stretch, middle, b, depth + 1)
 
 
+def _verified(stretch: Stretch, type_: str, near: Sample) -> Verified | str:
+    """The problem's verification; one that fails with an error loses the label, not the branch."""
+    errors: list[str] = []
+    outcome: Verified | str = ""
+    with contained(errors.append):
+        outcome = stretch.problem.verify(type_, near, stretch.frame)
+    return f"{type_} not verified: {errors[0]}" if errors else outcome
+
+
+def _together(stretch: Stretch, a: Sample, b: Sample) -> list[Verified | str]:
+    """Events that coincide between a and b; one that fails with an error loses the labels, not the branch."""
+    errors: list[str] = []
+    items: list[Verified | str] = []
+    with contained(errors.append):
+        items = list(stretch.problem.verify_compound(a, b, stretch.frame))
+    return [f"not verified: {errors[0]}"] if errors else items
+
+
 def _where(stretch: Stretch, a: Sample, text: str) -> str:
     return f"{text} near {stretch.problem.parameters[0]} = {a.z[-1]:.10g}"
 
@@ -101,7 +120,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             first, last = stretch.length_of(low), stretch.length_of(high)
             slack = 0.01 * abs(last - first) + 1e-9
         near = low if abs(value(low)) < abs(value(high)) else high
-        verified = problem.verify(type_, near, stretch.frame)
+        verified = _verified(stretch, type_, near)
         if isinstance(verified, Verified):
             moved = float(np.linalg.norm((verified.z - near.z) / stretch.frame.scale))
             length = float(stretch.base.tangent @ ((verified.z - stretch.base.z) / stretch.frame.scale))
@@ -121,7 +140,7 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
     """`found`, or all that coincides with it: crossings in opposite senses leave signs and counts as they were."""
     if found.point.crowded:
         z = found.point.z
-        items = stretch.problem.verify_compound(replace(a, z=z), replace(b, z=z), stretch.frame)
+        items = _together(stretch, replace(a, z=z), replace(b, z=z))
         together = [item for item in items if isinstance(item, Verified)]
         if any(item.type == found.point.type for item in together):
             for item in together:
@@ -153,7 +172,7 @@ def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
 def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
     """What coincides at one place: a corner of a piecewise equation, or several smooth events."""
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
-    items = [corner] if corner is not None else list(stretch.problem.verify_compound(a, b, stretch.frame))
+    items = [corner] if corner is not None else _together(stretch, a, b)
     if not items:
         yield Note(_where(stretch, a, why), True)
     for item in items:
@@ -235,7 +254,7 @@ def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]
 
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterator[Found | Note]:
     """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
-    items = list(stretch.problem.verify_compound(low, high, stretch.frame))
+    items = _together(stretch, low, high)
     scale = stretch.frame.scale[-1]
     points = [item for item in items if isinstance(item, Verified) and item.error < ACCURATE * scale]
     for point in points:

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
+from contin.continuation.defects import DEFECT, contained
 from contin.continuation.departure import Departure, Seed, depart
 from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
@@ -70,7 +71,7 @@ def trace(
             continue
         arm, pieces = ready
         try:
-            for piece in followed(arm, seed.z):
+            for piece in until_defect(followed(arm, seed.z), arm):
                 pieces.append(piece)
                 notes.extend(piece.notes)
                 if watch is not None:
@@ -82,6 +83,8 @@ def trace(
             arm.end = End("stopped", f"stopped by the user at {_position(seed, pieces)}")
         assert arm.end is not None
         records[sense] = _ArmRecord(pieces, arm.end, arm.accepted)
+        if DEFECT in arm.end.text:
+            notes.append(arm.end.text)
         if arm.end.reason == "stopped":
             break
     return _assemble(departure, records, name, targets, notes, started)
@@ -101,6 +104,23 @@ def followed(arm: Arm, start: Array) -> Iterator[Piece]:
     return until_repeating(
         until_closed(until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start), arm, start), arm
     )
+
+
+def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
+    """The pieces up to an error that contin did not foresee, which ends the arm instead of losing the branch."""
+    last = arm.origin.z
+
+    def failed(text: str) -> None:
+        arm.end = End("corrector", f"after {arm.course.position(last)}, {text}")
+
+    while True:
+        piece = None
+        with contained(failed):
+            piece = next(pieces, None)
+        if piece is None:
+            return
+        last = piece.z[-1] if len(piece.z) else last
+        yield piece
 
 
 def _progress(
@@ -143,7 +163,8 @@ def _assemble(
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: dict[str, Any] = dict(problem.columns(z))
     if is_remarking(problem):
-        notes = [*notes, *problem.remarks(z)]
+        with contained(notes.append):
+            notes.extend(problem.remarks(z))
     notes = [*notes, *unrecorded(columns, z, problem)]
     columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.continuation.defects import noted
 from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
@@ -18,7 +19,7 @@ from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
 from contin.diagram.orbits import known_family, left_to_the_user, mirrored_families
-from contin.errors import ContinError, InputError
+from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
@@ -68,7 +69,10 @@ class Explorer:
         for seed in reserve:
             if diagram.stopped:
                 break
-            if self._known(diagram, seed) is None and self._work(diagram, deque([(f"all{number}", seed)])):
+            known = None
+            with noted(_teller(diagram, f"all{number}")):
+                known = self._known(diagram, seed)
+            if known is None and self._work(diagram, deque([(f"all{number}", seed)])):
                 number += 1
         return diagram
 
@@ -86,8 +90,10 @@ class Explorer:
                 diagram.notes.append(f"{reason}; not followed: {waiting}")
                 break
             name, seed = queue.popleft()
+            branch = None
             try:
-                branch = self._follow(diagram, name, seed, began + self.budget.seconds)
+                with noted(_teller(diagram, name)):
+                    branch = self._follow(diagram, name, seed, began + self.budget.seconds)
                 if branch is None:
                     continue
                 added.append(branch)
@@ -120,24 +126,21 @@ class Explorer:
             elif known.parent is not None and known.kind != "orbit":
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
-        try:
-            branch = trace(
-                seed,
-                self.bounds,
-                name=name,
-                settings=self.settings,
-                targets=self.targets,
-                watch=self.watch,
-                journal=self.journal,
-                deadline=deadline,
-            )
-        except ContinError as error:
-            diagram.notes.append(f"{name}: {error}")
-            return None
+        branch = trace(
+            seed,
+            self.bounds,
+            name=name,
+            settings=self.settings,
+            targets=self.targets,
+            watch=self.watch,
+            journal=self.journal,
+            deadline=deadline,
+        )
         diagram.branches.append(branch)
-        diagram.branches.extend(images(branch))
-        self._mirror_births(diagram, branch, seed)
-        diagram.branches.extend(mirrored_families(branch, diagram.branches))
+        with noted(_teller(diagram, f"images of {name}")):
+            diagram.branches.extend(images(branch))
+            self._mirror_births(diagram, branch, seed)
+            diagram.branches.extend(mirrored_families(branch, diagram.branches))
         diagram.notes.extend(f"{name}: {note}" for note in branch.notes)
         return branch
 
@@ -169,12 +172,10 @@ class Explorer:
         if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
             self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
             return []
-        try:
-            seeds = branch.problem.departures(point, self.parameter, self.orbits)
-        except ContinError as error:
-            diagram.notes.append(f"{branch.name}/{point.label}: {error}")
-            return []
         base = f"{branch.name}/{point.label}"
+        seeds: Sequence[Seed] = ()
+        with noted(_teller(diagram, base)):
+            seeds = branch.problem.departures(point, self.parameter, self.orbits)
         return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
 
     @staticmethod
@@ -213,3 +214,8 @@ class Explorer:
         queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
         replace(self, bounds=limits)._work(diagram, queue)
         return piece
+
+
+def _teller(diagram: Diagram, name: str) -> Callable[[str], None]:
+    """Notes what becomes of a branch."""
+    return lambda text: diagram.notes.append(f"{name}: {text}")

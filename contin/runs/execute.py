@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
+from contin.continuation.defects import DEFECT, contained, described
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.runs.engine import Engine
 from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
@@ -95,6 +94,8 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
             state.branches[branch.name] = branch
         state.phase = found.as_data()
         state.notes.extend(found.notes)
+        if any(DEFECT in note for note in found.notes):
+            state.complete = False
         if found.stopped:
             state.stop()
 
@@ -103,18 +104,19 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
 def _skipping(what: str, state: _State, wrong_input: bool = False) -> Iterator[None]:
     """A run that cannot be done is skipped with a note; `wrong_input`: so is one that asks for what is not there."""
     try:
-        yield
+        with contained(lambda text: state.skip(f"{what} skipped: {text}")):
+            yield
     except (NoSolutionError, NotFiniteError) as error:
         state.skip(f"{what} skipped: {error}")
     except InputError as error:
         if not wrong_input:
             raise
         state.skip(f"{what} skipped: {error}")
+    except (OSError, MemoryError) as error:
+        state.skip(f"{what} skipped: {described(error)}")
     except KeyboardInterrupt:
         state.stop()
         state.skip(f"{what}: stopped by the user")
-    except Exception as error:  # noqa: BLE001 - a defect of contin must not lose what the other runs found
-        state.skip(f"{what} skipped: {_defect(error)}")
 
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
@@ -127,13 +129,6 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
                 return
         for branch in engine.continuation(start, run):
             state.add(branch)
-
-
-def _defect(error: Exception) -> str:
-    """An error that contin did not foresee, with the place it came from, fit for a report."""
-    frames = traceback.extract_tb(error.__traceback__)
-    where = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
-    return f"an error inside contin{where}, please report it: {type(error).__name__}: {error}"
 
 
 def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> Any:

@@ -105,7 +105,7 @@ def test_a_point_that_cannot_be_left_skips_that_run_and_what_needs_it(error):
 def test_a_defect_in_one_run_does_not_lose_the_others_and_is_named_with_its_place():
     result = carried_out(Double({"a": ZeroDivisionError("division by zero")}), A, B, {**A, "name": "d"})
     assert list(result.branches) == ["d"]
-    assert result.notes[0].startswith("a skipped: an error inside contin at test_execute.py:")
+    assert result.notes[0].startswith("a skipped: an error inside contin at contin/runs/execute.py:")
     assert result.notes[0].endswith("please report it: ZeroDivisionError: division by zero")
     assert not result.complete
 

@@ -12,7 +12,7 @@ from contin.abi import NO_FUNCTION
 from contin.continuation.branch import Branch
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
-from contin.diagram.phase.diagram import PhaseDiagram
+from contin.diagram.phase.diagram import PhaseDiagram, Region
 from contin.diagram.phase.lines import Box
 from contin.diagram.phase.regions import regions_of
 from contin.diagram.phase.search import LociSearch
@@ -58,12 +58,16 @@ def phase(
     stopped = False
     try:
         search.run()
-        survey.run()
+        with search.surviving("the regions"):
+            survey.run()
     except KeyboardInterrupt:
         stopped = True
         search.note(_what_is_missing(survey))
     loci = tuple(_without_parent(b, search.loci) for b in search.loci)
-    regions, borders = regions_of(survey)
+    regions: tuple[Region, ...] = ()
+    borders: dict[tuple[int, int], frozenset[str]] = {}
+    with search.surviving("the names of the regions"):
+        regions, borders = regions_of(survey)
     notes = tuple(dict.fromkeys(search.notes))
     return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.continuation.defects import DEFECT, noted
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -35,7 +37,6 @@ from contin.diagram.phase.orbit_curves import (
 )  # fmt: skip
 from contin.diagram.phase.starts import brought, on_branch, on_curve, was_stopped
 from contin.diagram.phase.states import State, states_on
-from contin.errors import ContinError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
 
@@ -90,9 +91,11 @@ class LociSearch:
         for axis in (0, 1):
             for part in LINES:
                 low, high = self.box[1 - axis]
-                line = self._settled(axis, low + part * (high - low))
-                self.branches.extend(line.branches)
-                self._absorb(line.branches)
+                value = low + part * (high - low)
+                with self.surviving(f"the line at {self.parameters[1 - axis]} = {value:.6g}"):
+                    line = self._settled(axis, value)
+                    self.branches.extend(line.branches)
+                    self._absorb(line.branches)
         self._tori()
         self._unstable()
 
@@ -103,8 +106,9 @@ class LociSearch:
         line = self.line(axis, value, places)
         problem = replace(self.problem, base=self.held(axis, value))
         for place in places:
-            states = states_on(line.branches, place, high - low)
-            line.add(reached(problem, states, place, lasting=False).seeds)
+            with self.surviving(f"trajectories at {self._pair(axis, place, value)}"):
+                states = states_on(line.branches, place, high - low)
+                line.add(reached(problem, states, place, lasting=False).seeds)
         if axis == 0:
             self.settled += [(place, value, s) for place in places for s in states_on(line.branches, place, high - low)]
         elif self.orbits:
@@ -128,6 +132,9 @@ class LociSearch:
         self._tori()
         self._unstable()
         return len(self.loci) > before
+
+    def _pair(self, axis: int, place: float, value: float) -> str:
+        return f"{self.parameters[axis]} = {place:.6g}, {self.parameters[1 - axis]} = {value:.6g}"
 
     def _absorb(self, branches: Sequence[Branch]) -> None:
         new = [b for b in branches if b.image_of is None and id(b) not in self.absorbed]
@@ -178,6 +185,10 @@ class LociSearch:
             self._work(deque(self._follow(point)))
             self.on_unstable += self.spent - before
 
+    def surviving(self, what: str) -> AbstractContextManager[None]:
+        """An error inside costs only what is inside, and is noted."""
+        return noted(lambda text: self.note(f"{what}: {text}"))
+
     def note(self, text: str) -> None:
         """Something that the user should know, once."""
         if text not in self.notes:
@@ -199,7 +210,8 @@ class LociSearch:
         line.raise_if_stopped()
         if self.orbits:
             for locus in self.loci:
-                line.add(families_across(locus, axis, value, line.orbits))
+                with self.surviving(f"families of orbits across {locus.name}"):
+                    line.add(families_across(locus, axis, value, line.orbits))
         self._incomplete(line)
         for text in line.diagram.notes:
             if text.startswith("budget of"):
@@ -222,15 +234,18 @@ class LociSearch:
     def seeds(self, axis: int, value: float) -> list[Seed]:
         """Equilibria with the other parameter at `value`: the starts brought there, and points of known curves."""
         found: list[Seed] = []
-        for u, p in self.starts:
-            found.extend(brought(self.problem, (u, p), self.parameters, self.box, axis, value, self.settings))
+        for number, start in enumerate(self.starts):
+            with self.surviving(f"start {number + 1}"):
+                found.extend(brought(self.problem, start, self.parameters, self.box, axis, value, self.settings))
         for locus in self.loci:
             if not is_orbital(locus):
-                found.extend(on_curve(locus, self.problem, axis, value))
+                with self.surviving(f"branches across {locus.name}"):
+                    found.extend(on_curve(locus, self.problem, axis, value))
         for branch in self.branches:
             across = branch.parameters[0] == self.parameters[1 - axis]
             if across and branch.image_of is None and branch.kind != "orbit":
-                found.extend(on_branch(branch, self.parameters[axis], self.box[1 - axis], value))
+                with self.surviving(f"branches across {branch.name}"):
+                    found.extend(on_branch(branch, self.parameters[axis], self.box[1 - axis], value))
         return [seed for seed in found if not is_shorter(seed.problem, seed.z)]
 
     def _follow(self, point: SpecialPoint) -> list[SpecialPoint]:
@@ -249,37 +264,39 @@ class LociSearch:
             and is_known_point(self.loci, point, self.problem.system.state_names, self._place(point), self.box)
         ):
             return []
-        try:
+        seeds: Sequence[Seed] = ()
+        with noted(lambda text: self._refuse(point, text)):
             seeds = point.locus(self.parameters)
-        except ContinError as error:
-            self._refuse(point, str(error))
-            return []
         found: list[SpecialPoint] = []
         for seed in seeds:
-            orbital = is_orbital(seed)
-            if not (orbital or isinstance(seed.problem, LocusProblem)) or not self._wanted(seed, orbital):
-                continue
-            seed = replace(seed, problem=seed.problem.within(*self.box))
-            try:
-                branch = self._traced(seed, orbital)
-            except ContinError as error:
-                self._refuse(point, f"{point.type} at {self._where(point)}: {error}")
-                continue
-            if was_stopped(branch):
-                self.loci.extend([branch] if len(branch) > 1 else [])
-                raise KeyboardInterrupt
-            if "unfolding" in branch.columns:  # an isolated branch point: no curve of this model
-                self._refuse(point, f"the branch point at {self._where(point)} is isolated in this plane")
-                continue
-            if len(branch) < 2 or (repeats_curve if orbital else repeats)(branch, self.loci, self.box):
-                continue
-            self.loci.append(branch)
-            self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
-            for end in branch.ends:
-                if end.reason == "steps":
-                    self.note(f"{branch.name} was cut short: {end.text}")
-            found.extend(p for p in branch.points if p.type in CROSSING)
+            with noted(lambda text: self._refuse(point, f"{point.type} at {self._where(point)}: {text}")):
+                found.extend(self._curve(point, seed))
         return found
+
+    def _curve(self, point: SpecialPoint, seed: Seed) -> list[SpecialPoint]:
+        """Follow one curve through a point, if it is new; the codimension-two points on it."""
+        orbital = is_orbital(seed)
+        if not (orbital or isinstance(seed.problem, LocusProblem)) or not self._wanted(seed, orbital):
+            return []
+        problem: Any = seed.problem
+        branch = self._traced(replace(seed, problem=problem.within(*self.box)), orbital)
+        if was_stopped(branch):
+            self.loci.extend([branch] if len(branch) > 1 else [])
+            raise KeyboardInterrupt
+        if "unfolding" in branch.columns:  # an isolated branch point: no curve of this model
+            self._refuse(point, f"the branch point at {self._where(point)} is isolated in this plane")
+            return []
+        if len(branch) < 2:
+            self.notes.extend(f"{branch.name}: {note}" for note in branch.notes if DEFECT in note)
+            return []
+        if (repeats_curve if orbital else repeats)(branch, self.loci, self.box):
+            return []
+        self.loci.append(branch)
+        self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
+        for end in branch.ends:
+            if end.reason == "steps":
+                self.note(f"{branch.name} was cut short: {end.text}")
+        return [p for p in branch.points if p.type in CROSSING]
 
     def _traced(self, seed: Seed, orbital: bool) -> Branch:
         """The curve through a seed, named."""

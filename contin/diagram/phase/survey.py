@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -90,7 +91,8 @@ class Survey:
         assert self.plane is not None
         left = [k for k, visit in enumerate(self.visits) if visit is None]
         for row in common_rows([self.plane.faces[k] for k in left]):
-            self._visit_row([(left[k], point) for k, point in row])
+            with self.search.surviving("a line across several regions, which were not looked at"):
+                self._visit_row([(left[k], point) for k, point in row])
 
     def _visit_row(self, row: Sequence[tuple[int, Array]]) -> None:
         """Visit several faces with one line; `row` has their numbers and points."""
@@ -101,7 +103,8 @@ class Survey:
         line = self.search.line(0, height, [float(place[0]) for place in places])
         for (face, point), place in zip(row, places, strict=True):
             visit = self.visits[face] = Visit(point, (float(place[0]), height), line, float(width[0]))
-            self._look(visit)
+            with self._surviving(visit):
+                self._look(visit)
 
     def _look(self, visit: Visit, starts: Sequence[Array] | None = None) -> None:
         """Add the stable states that trajectories from here, or from these `starts`, settle on."""
@@ -112,6 +115,11 @@ class Survey:
             visit.rests += found.rests
             visit.aperiodic = max(visit.aperiodic, found.aperiodic)
 
+    def _surviving(self, visit: Visit) -> AbstractContextManager[None]:
+        names = self.search.parameters
+        where = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, visit.at, strict=True))
+        return self.search.surviving(f"states at {where}")
+
     def _share(self) -> None:
         """Stable states of one region are looked for in the others: trajectories start beside them there."""
         visits = [visit for visit in self.visits if visit is not None]
@@ -119,7 +127,8 @@ class Survey:
             for other in visits:
                 if other is not visit and len(other.states) > visit.offered.get(id(other), 0):
                     visit.offered[id(other)] = len(other.states)
-                    self._look(visit, within_basins(other.states))
+                    with self._surviving(visit):
+                        self._look(visit, within_basins(other.states))
         self.shared = True
 
     def _agree(self) -> None:
@@ -140,7 +149,8 @@ class Survey:
                 before = _equilibria(few)
                 for state in many.states:
                     if not state.is_orbit and _equilibria(few) < _equilibria(many):
-                        few.add(self._brought(many, state, few.at[1]))
+                        with self._surviving(few):
+                            few.add(self._brought(many, state, few.at[1]))
                 changed |= _equilibria(few) > before
             if not changed:
                 return
