@@ -18,7 +18,8 @@ def test_verbs_that_share_their_name_with_a_subpackage_stay_callable():
         "import contin, contin.continuation.branch, contin.diagram.diagram\n"
         "from contin.continuation.settings import Settings\n"
         "from contin.diagram.explore import Explorer\n"
-        "print(all(callable(getattr(contin, name)) for name in ('continuation', 'diagram', 'equilibrium', 'walk', 'load')))"  # noqa: E501
+        "verbs = ('continuation', 'diagram', 'equilibrium', 'walk', 'load')\n"
+        "print(all(callable(getattr(contin, name)) for name in verbs))"
     )
     assert run(code) == "True\n"
 

@@ -37,6 +37,7 @@ def equilibrium(
     """
     from contin.symbolic.corotating import frame_for
 
+    _need_parameters(model)
     u, p = model.start_point(start, dict(parameters or {}))
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
@@ -83,6 +84,7 @@ def periodic_orbit(
     """
     from contin.problems.orbits.samples import orbit_from_samples
 
+    _need_parameters(model)
     if isinstance(start, np.ndarray):
         if period is None and times is None:
             raise InputError(
@@ -138,11 +140,21 @@ def find_equilibria(
     """
     from contin.problems.deflation import find, make_box
 
+    _need_parameters(model)
     system = compiled(model)
     _, p = model.start_point(None, dict(parameters or {}))
     periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)
     wanted = box if box is not None else reach_of(model, parameters)
     return find(system, make_box(system.state_names, wanted, periods), p, starts)
+
+
+def _need_parameters(model: Any) -> None:
+    """A solution is one of a branch, whose last unknown is a parameter."""
+    if not model.parameter_names:
+        raise InputError(
+            f"model {model.name!r} has no parameters, and so no branches of solutions: declare one, such as "
+            "parameters: {p: 0}; trajectories need none (`contin simulate`)"
+        )
 
 
 def reach_of(model: Any, parameters: Mapping[str, Any] | None = None) -> dict[str, tuple[float, float]]:

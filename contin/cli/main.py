@@ -6,17 +6,17 @@ import time
 
 STARTED = time.perf_counter()  # before any import of ours: reports count imports too
 
-import sys  # noqa: E402
-import warnings  # noqa: E402
-from collections.abc import Sequence  # noqa: E402
-from pathlib import Path  # noqa: E402
-from typing import Annotated, Optional  # noqa: E402
+import sys
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
 
-import typer  # noqa: E402
+import typer
 
-from contin._version import __version__  # noqa: E402
-from contin.cli.interrupt import listen  # noqa: E402
-from contin.errors import ContinError  # noqa: E402
+from contin._version import __version__
+from contin.cli.interrupt import listen
+from contin.errors import ContinError
 
 BAD_INPUT = 2
 
@@ -31,11 +31,11 @@ app = typer.Typer(
 )
 
 Sets = Annotated[
-    Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+    list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value; wins over every file. May be repeated."),
 ]
 Json = Annotated[
-    Optional[str],  # noqa: UP045
+    str | None,
     typer.Option(
         "--json", metavar="OUT", help="Write the results as JSON to this file, or to standard output for '-'."
     ),
@@ -82,10 +82,10 @@ def diagram(
     parameter: Annotated[str, typer.Argument(help="Parameter to vary.")],
     low: Annotated[float, typer.Argument(metavar="LO")],
     high: Annotated[float, typer.Argument(metavar="HI")],
-    start: Annotated[Optional[list[str]], typer.Option("--start", help="Named start. May be repeated.")] = None,  # noqa: UP045
+    start: Annotated[list[str] | None, typer.Option("--start", help="Named start. May be repeated.")] = None,
     sets: Sets = None,
     json: Json = None,
-    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,
     orbits: Annotated[
         bool, typer.Option("--orbits", help="Add the orbit itself to every labelled point in the JSON.")
     ] = False,
@@ -107,10 +107,10 @@ def phase(
     second: Annotated[str, typer.Argument(metavar="Q", help="Parameter of the vertical axis.")],
     bottom: Annotated[float, typer.Argument(metavar="LO")],
     top: Annotated[float, typer.Argument(metavar="HI")],
-    start: Annotated[Optional[list[str]], typer.Option("--start", help="Named start. May be repeated.")] = None,  # noqa: UP045
+    start: Annotated[list[str] | None, typer.Option("--start", help="Named start. May be repeated.")] = None,
     sets: Sets = None,
     json: Json = None,
-    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,  # noqa: UP045
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,
     orbits: Annotated[bool, typer.Option(help="Periodic orbits and their curves, too.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
@@ -126,9 +126,9 @@ def phase(
 @app.command()
 def simulate(
     model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
-    start: Annotated[Optional[str], typer.Option("--start", help="Named start.")] = None,  # noqa: UP045
+    start: Annotated[str | None, typer.Option("--start", help="Named start.")] = None,
     states: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        list[str] | None,
         typer.Option("--state", metavar="NAME=VALUE", help="A state's initial value. May be repeated."),
     ] = None,
     sets: Sets = None,
@@ -140,13 +140,13 @@ def simulate(
     box: Annotated[float, typer.Option("--box", help="Stop where a state exceeds this.")] = 1e100,
     budget: Annotated[int, typer.Option("--budget", help="Most steps of the integrator.")] = 50_000_000,
     until: Annotated[
-        Optional[str],  # noqa: UP045
+        str | None,
         typer.Option("--until", metavar="CONDITION", help="Stop where it becomes true, e.g. 'x > 2 and y < 0'."),
     ] = None,
-    csv: Annotated[Optional[Path], typer.Option("--csv", help="Write the table.")] = None,  # noqa: UP045
-    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,  # noqa: UP045
-    x: Annotated[Optional[str], typer.Option("--x", "-x", help="Horizontal axis of the portrait.")] = None,  # noqa: UP045
-    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Its vertical axis.")] = None,  # noqa: UP045
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,
+    x: Annotated[str | None, typer.Option("--x", "-x", help="Horizontal axis of the portrait.")] = None,
+    y: Annotated[str | None, typer.Option("--y", "-y", help="Its vertical axis.")] = None,
     json: Json = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No table.")] = False,
 ) -> None:
@@ -169,24 +169,24 @@ def sweep(
     parameter: Annotated[str, typer.Argument(help="Parameter to step.")],
     low: Annotated[float, typer.Argument(metavar="LO")],
     high: Annotated[float, typer.Argument(metavar="HI")],
-    start: Annotated[Optional[str], typer.Option("--start", help="Named start.")] = None,  # noqa: UP045
+    start: Annotated[str | None, typer.Option("--start", help="Named start.")] = None,
     states: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        list[str] | None,
         typer.Option("--state", metavar="NAME=VALUE", help="A state's initial value. May be repeated."),
     ] = None,
     sets: Sets = None,
     measures: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        list[str] | None,
         typer.Option("--measure", metavar="NAME=FORMULA", help="A quantity to record. May be repeated."),
     ] = None,
     steps: Annotated[int, typer.Option("--steps", help="Steps each way.")] = 60,
-    window: Annotated[Optional[float], typer.Option("--window", help="Time over which settling is judged.")] = None,  # noqa: UP045
-    tolerance: Annotated[Optional[float], typer.Option("--tolerance", help="Change between windows.")] = None,  # noqa: UP045
-    longest: Annotated[Optional[float], typer.Option("--longest", help="Time at which waiting ends.")] = None,  # noqa: UP045
-    csv: Annotated[Optional[Path], typer.Option("--csv", help="Write the table.")] = None,  # noqa: UP045
-    plot: Annotated[Optional[Path], typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,  # noqa: UP045
-    over: Annotated[Optional[Path], typer.Option("--over", help="Draw over these results (.contin or .json).")] = None,  # noqa: UP045
-    y: Annotated[Optional[str], typer.Option("--y", "-y", help="Quantity to draw.")] = None,  # noqa: UP045
+    window: Annotated[float | None, typer.Option("--window", help="Time over which settling is judged.")] = None,
+    tolerance: Annotated[float | None, typer.Option("--tolerance", help="Change between windows.")] = None,
+    longest: Annotated[float | None, typer.Option("--longest", help="Time at which waiting ends.")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,
+    over: Annotated[Path | None, typer.Option("--over", help="Draw over these results (.contin or .json).")] = None,
+    y: Annotated[str | None, typer.Option("--y", "-y", help="Quantity to draw.")] = None,
     json: Json = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
@@ -208,16 +208,16 @@ def scan(
     file: Annotated[Path, typer.Argument(help="Scan file (YAML).")],
     json: Json = None,
     sets: Sets = None,
-    threads: Annotated[Optional[int], typer.Option("--threads", help="Default: one a core.")] = None,  # noqa: UP045
+    threads: Annotated[int | None, typer.Option("--threads", help="Default: one a core.")] = None,
     cluster: Annotated[
-        Optional[str],  # noqa: UP045
+        str | None,
         typer.Option("--cluster", metavar="tcp://HOST:PORT", help="A dask.distributed scheduler to share the runs."),
     ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Finish a scan that was killed, from the file of `outputs: save:`.")
     ] = False,
     over: Annotated[
-        Optional[Path],  # noqa: UP045
+        Path | None,
         typer.Option("--over", help="Draw the curves of these results (.contin or .json) over the picture."),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
@@ -253,13 +253,13 @@ def plot(
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help=".png, .pdf, .svg or .html (default: FILE.png).")
     ] = None,
-    x: Annotated[Optional[str], typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,  # noqa: UP045
-    y: Annotated[Optional[list[str]], typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,  # noqa: UP045
+    x: Annotated[str | None, typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,
+    y: Annotated[list[str] | None, typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,
     orbit: Annotated[
-        Optional[str],  # noqa: UP045
+        str | None,
         typer.Option("--orbit", help="Draw the orbit at a point, BRANCH.LABEL: time series and phase portrait."),
     ] = None,
-    over: Annotated[Optional[Path], typer.Option("--over", help="Curves to draw over a scan.")] = None,  # noqa: UP045
+    over: Annotated[Path | None, typer.Option("--over", help="Curves to draw over a scan.")] = None,
 ) -> None:
     """Draw saved results."""
     from contin.cli.plot import plot_file

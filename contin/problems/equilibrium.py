@@ -239,7 +239,8 @@ class EquilibriumProblem:
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
             self.system.jacobian_address, self.is_map, base.z, base.tangent, length, guess, self.base.copy(),
-            self.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im, np.zeros(2),  # noqa: E501
+            self.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im,
+            np.zeros(2),
         )  # fmt: skip
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 

@@ -33,7 +33,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         return hopf_seeds(problem, point, parameter)
     if point.type != "BP":
         raise InputError(
-            f"{point.branch}.{point.label}: only branch points and period doublings of maps have another branch of equilibria; this is {point.type}"  # noqa: E501
+            f"{point.branch}.{point.label}: only branch points and period doublings of maps have another branch of "
+            f"equilibria; this is {point.type}"
         )
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale

@@ -5,7 +5,7 @@ from math import exp
 import pytest
 
 import contin
-from contin.errors import NoSolutionError
+from contin.errors import InputError, NoSolutionError
 from tests.problems.follow import model
 
 
@@ -38,3 +38,10 @@ def test_where_newton_is_led_astray_the_message_names_the_nearest_equilibrium(fo
     system = model({"x": formula}, {"x": guess}, {"p": 1.0})
     with pytest.raises(NoSolutionError, match=rf"residual .* -> .*nearest equilibrium found is x = {root:g};"):
         contin.equilibrium(system)
+
+
+@pytest.mark.parametrize("verb", [contin.equilibrium, contin.periodic_orbit, contin.find_equilibria])
+def test_a_model_without_parameters_has_no_branches(verb):
+    model = contin.Model("fixed", states={"x": 1.0, "y": 0.0}, equations={"x": "y", "y": "(1 - x^2)*y - x"})
+    with pytest.raises(InputError, match="model 'fixed' has no parameters, and so no branches of solutions: declare"):
+        verb(model)

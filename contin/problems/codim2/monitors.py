@@ -92,7 +92,8 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
         if abs(cosine) < 1.0:
             sign = lyapunov(problem, z)
         return np.array([
-            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5, cosine,  # noqa: E501
+            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5,
+            cosine,
         ])  # fmt: skip
     shift = -1.0 if problem.locus == "PD" else 1.0
     v, psi = null_pair(matrix - shift * np.eye(problem.n), problem.curve.reference())

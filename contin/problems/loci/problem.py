@@ -132,8 +132,8 @@ class LocusProblem(TwoParameterProblem):
         re, im = np.empty(n), np.empty(n)
         count = kernel.probe(
             *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, length,
-            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t,  # noqa: E501
-            tests, re, im,
+            guess, curve.parameters(base.z), curve.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, z,
+            t, tests, re, im,
         )  # fmt: skip
         if count >= 0 and self.locus == "BP":
             tests[events.DEGENERACY] = degenerate.test(self, z)
@@ -185,9 +185,9 @@ class LocusProblem(TwoParameterProblem):
     def remarks(self, z: Array) -> Sequence[str]:
         if self.locus == "BP" and self._is_unfolded(z):
             return [
-                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always there): "  # noqa: E501
-                "with two parameters they are isolated, and the curve is that of the unfolded equations f + unfolding w "  # noqa: E501
-                "= 0, w the left null vector (column `unfolding`)"
+                "nothing forces these branch points (no symmetry, invariant subspace or solution that is always "
+                "there): with two parameters they are isolated, and the curve is that of the unfolded equations "
+                "f + unfolding w = 0, w the left null vector (column `unfolding`)"
             ]
         if self._carries_pair(z):
             return [

@@ -40,7 +40,8 @@ def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         raise InputError(f"{point.branch}.{point.label} is a corner of piecewise equations; its curve is not followed")
     if int(point.vectors.get("kernel", 1)) > 1:
         raise InputError(
-            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: its curve is not followed"  # noqa: E501
+            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: "
+            "its curve is not followed"
         )
     p = problem.full_parameters(point.z)
     sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)

@@ -24,6 +24,7 @@ DOUBTFUL = 1e-4  # ... above which the extrapolation is not tried
 NOISE = 1e-7  # ... below which it is accepted where two extrapolations differ by more than what remains
 LEVELS = 3  # rates of a saddle that are tried
 APART = 1.05  # ratio of two rates from which their terms are told apart
+LONGEST = 100.0  # period gained between two orbits, in units of a rate, beyond which one says nothing of the other
 CORRECTION = 0.1  # largest second term relative to the first
 LEFT_OUT = 0.1  # part of the second term that may still be missing
 SETTLED = 1e-3  # part of an orbit's extent that it would still gain (beside a continuum of orbits nothing else tells)
@@ -128,17 +129,17 @@ def _extrapolated(
 def _with_next(
     first: _Limit, next_: _Limit, slopes: Sequence[float], gained: float, moved: float, wanted: float
 ) -> _Limit:
-    """The first limit, or, where it is better known, p* = p - a - b from p - p* = a exp(-k t) + b exp(-l t).
+    """The first limit, or, where it is better known, p* = p - a - b from p - p* = a exp(-k t) + b exp(-k' t).
 
     The other leading rate of the saddle, or the square of the first term, makes the second one (Lin's method; Sandstede
     1993). The slopes of the two orbits give a and b, and their parameters say how well both fit.
     """
-    k, l = first.rate, min(next_.rate, 2.0 * first.rate)  # noqa: E741
-    if first.spiral or next_.spiral or l < APART * k:
+    k, faster = first.rate, min(next_.rate, 2.0 * first.rate)
+    if first.spiral or next_.spiral or faster < APART * k or faster * gained > LONGEST:
         return first
-    there = np.array([[k, l], [k * np.exp(k * gained), l * np.exp(l * gained)]])
+    there = np.array([[k, faster], [k * np.exp(k * gained), faster * np.exp(faster * gained)]])
     a, b = np.linalg.solve(there, [-slopes[0], -slopes[1]])
-    missed = abs(moved + a * np.expm1(k * gained) + b * np.expm1(l * gained))
+    missed = abs(moved + a * np.expm1(k * gained) + b * np.expm1(faster * gained))
     doubt = LEFT_OUT * abs(b)
     known = missed * max(1.0, abs(a + b) / abs(moved)) if moved != 0.0 else np.inf
     if abs(b) > CORRECTION * abs(a):

@@ -130,7 +130,10 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if type_ == "LPC" and is_at_birth(problem, solved.z, solved.error, frame):
         return ""
     if type_ == "LPC" and not solved.confirmed:
-        return f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to its error"  # noqa: E501
+        return (
+            f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to "
+            "its error"
+        )
     values = problem.multipliers(solved.z)
     gap = distance(nontrivial(problem, values), critical(type_, solved.theta))
     if not gap < UNCLEAR:

@@ -119,7 +119,10 @@ def profile_of(z: Array, n: int, m: int) -> Profile:
 
 
 def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) -> Array:
-    """The metric: z / scale has Euclidean length^2 = mean over time and states of (u / sizes)^2 + (T / period)^2 + (p / parameter)^2."""  # noqa: E501
+    """The metric, in which z has the length^2 <(u / sizes)^2> + (T / period)^2 + (p / parameter)^2.
+
+    z / scale has this Euclidean length; <> is the mean over time and states.
+    """
     n = len(sizes)
     nodes = np.sqrt(n) * sizes[None, :] / np.sqrt(node_weights(h, m))[:, None]
     return np.concatenate([nodes.ravel(), [period], np.ones(len(h)), [parameter]])

@@ -46,9 +46,11 @@ class Saddle:
         return found
 
     def at(self, problem: Any, parameter: float, sizes: Array) -> Saddle:
-        """The same equilibrium at another parameter value."""
+        """The same equilibrium at another parameter value; as it is here where it is no such saddle there."""
         found = equilibrium_near(problem, self.u, parameter, sizes)
-        return self if found is None else replace(found, visits=self.visits)
+        if found is None or np.sum(found.own.real > 0.0) != np.sum(self.own.real > 0.0):
+            return self
+        return replace(found, visits=self.visits)
 
     @property
     def quantity(self) -> float:

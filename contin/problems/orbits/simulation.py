@@ -75,12 +75,13 @@ def orbit_by_simulation(
 def _covered(orbit: PeriodicOrbit) -> int:
     """How often a response of several forcing periods repeats itself within them."""
     times = orbit.profile.times
-    extent = np.maximum(np.ptp(orbit.profile.u, axis=0), 1e-300)
+    u = orbit.profile.u
+    extent = np.maximum(np.ptp(u, axis=0), AT_REST * max(float(np.abs(u).max()), 1e-300))  # more than rounding
     for count in range(orbit.multiple, 1, -1):
         if orbit.multiple % count or orbit.winding.any():
             continue
         shifted = orbit.profile.at(np.mod(times + 1.0 / count, 1.0))
-        if float(np.max(np.abs(shifted - orbit.profile.u) / extent)) < REPEATED:
+        if float(np.max(np.abs(shifted - u) / extent)) < REPEATED:
             return count
     return 1
 

@@ -23,8 +23,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         return [_doubled(*in_another(problem, point, parameter))]
     if parameter != problem.parameters[0]:
         raise InputError(
-            f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter from "  # noqa: E501
-            "one of its orbits"
+            f"{point.branch}.{point.label}: a new family starts along {problem.parameters[0]}; vary another parameter "
+            "from one of its orbits"
         )
     if point.type == "BPC":
         return _crossing(problem, point)

@@ -122,6 +122,6 @@ def is_reciprocal(values: NDArray[np.complex128], tolerance: float = 1e-6) -> bo
     while len(left) > 1:
         value = left.pop()
         partner = int(np.argmin([abs(value * w - 1.0) for w in left]))
-        if abs(value * left.pop(partner) - 1.0) > tolerance:
+        if not abs(value * left.pop(partner) - 1.0) <= tolerance:  # NaN, too
             return False
     return not left

@@ -23,11 +23,9 @@ def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
     """The segments, with the states at scaled `times` in [0, 1] (each in the segment it falls into)."""
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
-    found = []
+    found, owners = [], segments_of(times, nodes.count)
     for i, u in enumerate(nodes.u):
-        first, last = i / nodes.count, (i + 1) / nodes.count
-        inside = times[(times >= first) & ((times < last) | (i == nodes.count - 1))]
-        wanted = np.minimum(inside * nodes.period, (i + 1) * length)
+        wanted = np.minimum(times[owners == i] * nodes.period, (i + 1) * length)
         atol = 1e-2 * RTOL * max(float(np.abs(nodes.u).max()), 1e-300)
         found.append(
             fly(
@@ -41,10 +39,18 @@ def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
 def states(problem: Any, z: Array, times: Array) -> Array:
     """u at scaled times in any order, (K, n); NaN where a trajectory does not get there."""
     order = np.argsort(times, kind="stable")
-    found = np.vstack([f.u for f in flights(problem, z, times[order])])
+    found = flights(problem, z, times[order])
+    owners = segments_of(times[order], len(found))
     out = np.full((len(times), problem.n), np.nan)
-    out[order[: len(found)]] = found
+    for i, flight in enumerate(found):
+        out[order[owners == i][: len(flight.u)]] = flight.u
     return out
+
+
+def segments_of(times: Array, count: int) -> NDArray[np.intp]:
+    """Which of `count` segments scaled times in [0, 1] fall into; 1 into the last."""
+    starts = np.arange(count) / count
+    return np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
 
 
 def sampled(problem: Any, z: Array) -> Profile:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import contin
 from contin.cli.main import main
 from contin.errors import InputError, NoSolutionError
+from contin.problems.orbits.simulation import _covered
 
 # r' = r (b + r^2), angle' = 1: for b < 0 an unstable cycle of radius sqrt(-b) and period 2 pi
 UNSTABLE = {
@@ -120,3 +122,20 @@ def test_response_that_has_settled_is_not_taken_for_a_subharmonic_one():
         equations={"x": "y", "y": "x - x^3 - d*y + g*cos(t)"},
     )  # fmt: skip
     assert contin.periodic_orbit(model).period == pytest.approx(2.0 * np.pi, rel=1e-12)
+
+
+@pytest.mark.parametrize("rest", [0.0, 1e-17])
+def test_a_state_at_rest_up_to_rounding_does_not_hide_that_a_response_repeats(rest):
+    """x = cos t through three periods of the forcing, beside a state that has died out."""
+    model = contin.Model(
+        "driven", states={"x": 1.0, "y": 0.0, "z": rest}, parameters={"d": 0.5}, forcing={"period": "2*pi"},
+        equations={"x": "y", "y": "-x - d*(y + sin(t))", "z": "-z"},
+    )  # fmt: skip
+    t = np.linspace(0.0, 6.0 * np.pi, 121)
+    noise = rest * np.random.default_rng(0).normal(size=t.size)
+    orbit = contin.periodic_orbit(model, np.column_stack([np.cos(t), -np.sin(t), 0.0 * t]), times=t)
+    u = orbit.profile.at(orbit.profile.times)
+    u[:, 2] = np.interp(orbit.profile.times, t / t[-1], noise)
+    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3)) == 3
+    u[:, 0] += 1e-3 * np.cos(2.0 * np.pi * orbit.profile.times)
+    assert _covered(replace(orbit, profile=replace(orbit.profile, u=u), multiple=3)) == 1

@@ -76,7 +76,7 @@ def test_family_of_an_oscillator_with_friction_is_not_said_to_be_vertical():
     ("multipliers", "answer"),
     [
         ([1, 1], True), ([1, 1, np.exp(0.3j), np.exp(-0.3j)], True), ([1, 1, 3, 1 / 3], True),
-        ([1, 1, 3, 0.5], False), ([1, 1, 0.5], False), ([1, 1, -2, -0.5], True),
+        ([1, 1, 3, 0.5], False), ([1, 1, 0.5], False), ([1, 1, -2, -0.5], True), ([1, 1, np.nan, 0.5], False),
     ],
 )  # fmt: skip
 def test_multipliers_of_hamiltonian_orbits_come_in_reciprocal_pairs(multipliers, answer):

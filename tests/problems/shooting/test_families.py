@@ -8,6 +8,7 @@ import pytest
 import contin
 from contin import api
 from contin.errors import NoSolutionError
+from contin.problems.shooting.sampling import states
 
 # in-phase orbit of the pair: (beta, eps) -> mu_c, computed independently (extended precision, both orders of crossing)
 IN_PHASE = {
@@ -153,3 +154,22 @@ def test_a_fold_at_a_corner_is_found_whatever_the_step(eps):
         found.append(branch["LPC1"].values["alpha"])
     assert np.ptp(found) < 1e-9
     assert found[0] == pytest.approx(FOLDS["one-constant"], abs=0.025 * eps)
+
+
+def test_states_of_a_segment_do_not_stand_in_for_those_of_one_that_escapes():
+    """r' = r (r^2 - 1), angle' = 1 from the unit circle in four segments, the second one from far outside."""
+    model = contin.Model(
+        "unstable", states={"x": 1.0, "y": 0.0}, parameters={"b": 1.0},
+        equations={"x": "-b*x - y + x*(x^2 + y^2)", "y": "x - b*y + y*(x^2 + y^2)"},
+    )  # fmt: skip
+    t = np.linspace(0.0, 2.0 * pi, 41)
+    circle = np.column_stack([np.cos(t), np.sin(t)])
+    seed = contin.periodic_orbit(model, circle, times=t, method="shooting", intervals=4).seed("b")
+    z = seed.z.copy()
+    z[2:4] = [0.0, 30.0]
+    times = np.array([0.9, 0.1, 0.3, 0.45, 0.6])
+    u = states(seed.problem, z, times)
+    assert np.all(np.isnan(u[2:4]))
+    kept = [0, 1, 4]
+    turned = 2.0 * pi * (times[kept] - times[1]) + np.arctan2(u[1, 1], u[1, 0])  # from whatever phase
+    np.testing.assert_allclose(u[kept], np.column_stack([np.cos(turned), np.sin(turned)]), atol=1e-8)

@@ -67,6 +67,7 @@ class ConnectionProblem(MarchedInPython):
         if met is not None:
             self._last["surface"] = met
             return None
+        self._last.pop("surface", None)
         sizes = self.sizes(z, scale)
         if self.curve.gauge.reference is None:
             self.curve.settle(z, sizes)
