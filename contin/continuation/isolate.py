@@ -16,7 +16,7 @@ from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Sample, Verified
-from contin.errors import InputError
+from contin.errors import InputError, NotFiniteError
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
@@ -162,7 +162,7 @@ def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     expected = expected / np.linalg.norm(expected)
     try:
         tangents = stretch.problem.tangents(point.z, scale)
-    except InputError:  # the equations are singular at the point itself, where curves meet
+    except (InputError, NotFiniteError):  # the equations are singular at the point itself, where curves meet
         return replace(near, tangent=expected)
     best = max(tangents, key=lambda t: abs(float(t @ expected)))
     alignment = float(best @ expected)

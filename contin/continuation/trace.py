@@ -23,6 +23,7 @@ from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
+from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 
 Watcher = Callable[[Mapping[str, Any]], None]
@@ -107,7 +108,7 @@ def followed(arm: Arm, start: Array) -> Iterator[Piece]:
 
 
 def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
-    """The pieces up to an error that contin did not foresee, which ends the arm instead of losing the branch."""
+    """The pieces up to an error, numerical or one that contin did not foresee: it ends the arm, and loses no piece."""
     last = arm.origin.z
 
     def failed(text: str) -> None:
@@ -115,8 +116,11 @@ def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
 
     while True:
         piece = None
-        with contained(failed):
-            piece = next(pieces, None)
+        try:
+            with contained(failed):
+                piece = next(pieces, None)
+        except (NoSolutionError, NotFiniteError) as error:
+            failed(str(error))
         if piece is None:
             return
         last = piece.z[-1] if len(piece.z) else last

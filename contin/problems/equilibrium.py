@@ -17,6 +17,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.errors import NotFiniteError
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
@@ -185,6 +186,8 @@ class EquilibriumProblem:
         return np.append(np.sqrt(self.n) * states, width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        if not np.all(np.isfinite(self.linearise(z)[1])):
+            raise NotFiniteError(f"no branch passes here: {self.describe_failure(z)}")
         return special.branch_tangents(self.scaled(scale), z / scale)
 
     def march(
@@ -317,6 +320,8 @@ class EquilibriumProblem:
         if text:
             return str(text)
         _, matrix = self.linearise(z)
+        if not np.all(np.isfinite(matrix)):
+            return "The equations have no derivatives here."
         values = np.linalg.svd(matrix, compute_uv=False)
         if values[-1] < 1e-9 * values[0]:
             return (

@@ -5,7 +5,8 @@ import pytest
 
 import contin
 from contin.continuation.defects import contained, noted
-from contin.errors import InputError, NoSolutionError
+from contin.continuation.departure import Seed
+from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.problems.equilibrium import EquilibriumProblem
 from tests.problems.follow import labels, model
 
@@ -90,3 +91,29 @@ def test_one_failing_start_leaves_the_branches_of_the_others(monkeypatch):
     assert [b.name for b in found.branches] == [whole.branches[0].name]
     assert labels(found.branches[0]) == labels(whole.branches[0])
     assert any("start/BP1: an error inside contin at contin/" in note for note in found.notes)
+
+
+def test_states_without_derivatives_start_no_branch_and_say_so():
+    """x' = p x - x sqrt(x^2 + y^2), and so y: at rest the derivative of the size does not exist (0/0)."""
+    rest = model(
+        {"x": "p*x - x*sqrt(x^2 + y^2)", "y": "p*y - y*sqrt(x^2 + y^2)"}, {"x": 0.6, "y": 0.8}, {"p": 1.0}
+    )
+    problem = contin.equilibrium(rest).problem("p")
+    with pytest.raises(NotFiniteError, match="no branch passes here"):
+        contin.continuation(Seed(problem, np.array([0.0, 0.0, 1.0])), "p", RANGE)
+
+
+def test_an_arm_that_leaves_the_domain_of_the_equations_keeps_its_rows(monkeypatch):
+    march, calls = EquilibriumProblem.march, []
+
+    def failing(self, *arguments):
+        calls.append(1)
+        if len(calls) == 3:
+            raise NotFiniteError("the logarithm of a negative number")
+        return march(self, *arguments)
+
+    monkeypatch.setattr(EquilibriumProblem, "march", failing)
+    monkeypatch.setattr(EquilibriumProblem, "maximum_chunk", 20)
+    branch = contin.continuation(FOLD, "p", RANGE, direction="up", settings={"max_step": 0.01})
+    assert len(branch) == 41
+    assert branch.ends[1].text.endswith(", the logarithm of a negative number")

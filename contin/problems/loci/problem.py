@@ -15,6 +15,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.errors import NotFiniteError
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
 from contin.problems.two_parameters import TwoParameterProblem
@@ -63,6 +64,8 @@ class LocusProblem(TwoParameterProblem):
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         _, jacobian = self.curve.linearise(z)
+        if not np.all(np.isfinite(jacobian)):
+            raise NotFiniteError(f"no curve passes here: {self.describe_failure(z)}")
         return [np.linalg.svd(jacobian * scale / scale[:-1, None])[2][-1]]
 
     def march(

@@ -22,6 +22,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.errors import NotFiniteError
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseMarch
@@ -145,6 +146,8 @@ class CycleProblem:
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         _, jacobian = self.linearise(z)
+        if not np.all(np.isfinite(jacobian)):
+            raise NotFiniteError(f"no branch passes here: {self.describe_failure(z)}")
         _, singular, right = np.linalg.svd(jacobian * scale / scale[:-1, None])
         if singular[-1] > SINGULAR * singular[0]:
             return [right[-1]]
