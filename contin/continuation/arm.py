@@ -154,12 +154,7 @@ class Arm:
 
 def _without_last(chunk: Chunk) -> Chunk:
     """The chunk before its last step, which is to be repeated with a quarter of its length."""
-    m = len(chunk) - 1
-    return replace(
-        chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
-        eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT,
-        next_step=float(chunk.lengths[m]) / 4,
-    )  # fmt: skip
+    return chunk.cut(len(chunk) - 1, Stop.LIMIT, float(chunk.lengths[-1]) / 4)
 
 
 def _renormalised(before: Sample, origin: Sample) -> Sample:

@@ -8,7 +8,7 @@ between two of them. Lengths and angles are measured in scaled unknowns z / scal
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, Final, Protocol, TypeGuard, runtime_checkable
 
@@ -73,6 +73,14 @@ class Chunk:
 
     def sample(self, row: int) -> Sample:
         return Sample(self.z[row], self.tangents[row], self.tests[row], int(self.unstable[row]), self.eigenvalues[row])
+
+    def cut(self, rows: int, stop: Stop, next_step: float) -> Chunk:
+        """The first rows, as a march that stopped there would have given them."""
+        return replace(
+            self, z=self.z[:rows], tangents=self.tangents[:rows], tests=self.tests[:rows],
+            unstable=self.unstable[:rows], eigenvalues=self.eigenvalues[:rows], lengths=self.lengths[:rows],
+            stop=stop, next_step=next_step,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -66,11 +65,7 @@ def one_corner_a_step(problem: Any, chunk: Chunk) -> Chunk:
         length = float(chunk.lengths[k + 1])
         places = (length * before[k] / (before[k] - after[k]))[crossed[k]]
         if np.ptp(places) > APART:
-            m = int(k) + 1
-            return replace(
-                chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
-                eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT, next_step=length / 4.0,
-            )  # fmt: skip
+            return chunk.cut(int(k) + 1, Stop.LIMIT, length / 4.0)
     return chunk
 
 

@@ -173,7 +173,7 @@ def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result
             wanted = generator.randint(0, 2)  # chunks on the disk: on a busy machine a clock tells too little
             while process.is_alive() and _kept(tmp_path / "out.contin") < wanted:
                 time.sleep(0.01)
-            time.sleep(generator.uniform(0.0, 0.2 * duration))
+            time.sleep(generator.uniform(0.0, min(0.2 * duration, 1.0)))
             process.kill()  # SIGKILL: nothing of it can be caught
             process.join()
             resume = ["--resume"]

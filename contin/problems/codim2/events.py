@@ -9,7 +9,7 @@ critical ones, and the normal form are computed from exact derivatives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -213,12 +213,7 @@ def with_degeneracy(problem: Any, chunk: Chunk) -> Chunk:
         value = degenerate.test(problem, chunk.z[row])
         chunk.tests[row, DEGENERACY] = value
         if value * previous < 0.0:
-            end = row + 1
-            return replace(
-                chunk, z=chunk.z[:end], tangents=chunk.tangents[:end], tests=chunk.tests[:end],
-                unstable=chunk.unstable[:end], eigenvalues=chunk.eigenvalues[:end], lengths=chunk.lengths[:end],
-                stop=Stop.EVENT, next_step=float(chunk.lengths[row]),
-            )  # fmt: skip
+            return chunk.cut(row + 1, Stop.EVENT, float(chunk.lengths[row]))
         previous = value
     return chunk
 

@@ -61,11 +61,7 @@ def cut_at_start(problem: Any, chunk: Chunk, loop: Sample | None, scale: Array) 
     for k in np.flatnonzero((ahead[:-1] < 0.0) & (ahead[1:] >= 0.0)):
         step = float(chunk.lengths[k + 1])
         if _passes(lambda z: in_phase(problem, loop, z, scale), chunk.z[k], chunk.z[k + 1], scale, NEAR * step):
-            m = int(k) + 2
-            return replace(
-                chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
-                eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LOOP, next_step=step,
-            )  # fmt: skip
+            return chunk.cut(int(k) + 2, Stop.LOOP, step)
     return chunk
 
 

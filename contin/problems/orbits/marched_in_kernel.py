@@ -5,7 +5,6 @@ One kernel (`contin.kernels.collocation_march.follow`) marches, corrects, measur
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -19,37 +18,17 @@ from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import WORTHWHILE, estimate
 from contin.problems.orbits.planar import applies, resolve
+from contin.problems.orbits.rows import Rows
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
 
 CONTROLS: Final = 10  # numbers that steer the kernel
+TESTS: Final = 4  # ... and test functions that it fills
 PROBE_TOLERANCE: Final = 1e-10
 ALIGNED: Final = 0.99  # cosine of two tangents at one point, up to rounding
 LONGEST_CHUNK: Final = 300
 DWELLING: Final = 0.2  # part of the period spent slowly from which growing periods are watched closely
-
-
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """What the kernel fills."""
-
-    z: Array
-    t: Array
-    tests: Array
-    unstable: NDArray[np.int64]
-    re: Array
-    im: Array
-    lengths: Array
-    errors: Array
-    info: Array
-
-    @classmethod
-    def of(cls, rows: int, size: int, n: int) -> _Rows:
-        return cls(
-            np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, 4)), np.zeros(rows, np.int64),
-            np.full((rows, n), np.nan), np.zeros((rows, n)), np.zeros(rows), np.zeros(rows), np.zeros(6),
-        )  # fmt: skip
 
 
 def march(
@@ -61,7 +40,7 @@ def march(
 
     profile = family.profile(origin.z)
     limit = min(limit, _chunk(profile))
-    out = _Rows.of(limit + 1, origin.z.size, family.n)
+    out = Rows.of(limit + 1, origin.z.size, TESTS, family.n)
     out.z[0], out.t[0] = origin.z, origin.tangent
     controls = np.array([
         step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
@@ -71,7 +50,7 @@ def march(
     ])  # fmt: skip
     reason = _call(family, MARCH, out, frame.scale, controls, limit, bounds, before, loop)
     z, t, info = out.z, out.t, out.info
-    stop, m = STOPS[reason], int(info[0]) + 1
+    stop, m = STOPS[reason], len(out)
     if stop in (Stop.EVENT, Stop.DIP):
         for row in range(max(m - 2, 0), m):
             _measure(family, out, row, Frame(frame.scale, float(info[3])))
@@ -86,10 +65,8 @@ def march(
         nearby = family.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
         p = family.full_parameters(np.array([nearby.parameter]))
         detail = next((text for u in nearby.u if (text := family.system.explain(u, p))), "")
-    return Chunk(
-        z[:m], t[:m], out.tests[:m], out.unstable[:m], out.re[:m] + 1j * out.im[:m], out.lengths[:m], stop,
-        float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
-    )  # fmt: skip
+    info[0] = m - 1
+    return out.chunk(stop, float(info[3]), int(info[4]), detail)
 
 
 def probe(
@@ -98,7 +75,7 @@ def probe(
     """The orbit with <tangent, (z - z0) / scale> = length next to a guess, measured; None where Newton fails."""
     from contin.kernels.collocation_march import PROBE
 
-    out = _Rows.of(2, z0.size, family.n)
+    out = Rows.of(2, z0.size, TESTS, family.n)
     out.z[0], out.t[0], out.z[1] = z0, tangent, guess
     out.info[3] = frame.reference
     count = _call(family, PROBE, out, frame.scale, _tolerance(tolerance, length))
@@ -113,7 +90,7 @@ def corrected(family: OrbitProblem, sample: Sample, frame: Frame, tolerance: flo
     """The orbit on the hyperplane through the sample, normal to its tangent; no measuring."""
     from contin.kernels.collocation_march import CORRECT
 
-    out = _Rows.of(2, sample.z.size, family.n)
+    out = Rows.of(2, sample.z.size, TESTS, family.n)
     out.z[0], out.t[0], out.z[1] = sample.z, sample.tangent, sample.z
     return out.z[1] if _call(family, CORRECT, out, frame.scale, _tolerance(tolerance)) == 0 else None
 
@@ -122,7 +99,7 @@ def multipliers(family: OrbitProblem, z: Array) -> NDArray[np.complex128]:
     """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
     from contin.kernels.collocation_march import STABILITY
 
-    out = _Rows.of(1, z.size, family.n)
+    out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
     _call(family, STABILITY, out, np.ones_like(z), np.zeros(CONTROLS))
     resolve(family, z, out.re[0], out.im[0])
@@ -137,7 +114,7 @@ def _tolerance(tolerance: float, length: float = 0.0) -> Array:
 
 
 def _call(
-    family: OrbitProblem, mode: int, out: _Rows, scale: Array, controls: Array, limit: int = 0,
+    family: OrbitProblem, mode: int, out: Rows, scale: Array, controls: Array, limit: int = 0,
     bounds: tuple[float, float] = (0.0, 0.0), before: Sample | None = None, loop: Sample | None = None,
 ) -> int:  # fmt: skip
     from contin.kernels import collocation_march as kernel
@@ -153,13 +130,13 @@ def _call(
         mode, family.equations, points, factors, scratch, scale, family.sizes(out.z[0], scale),
         np.array(bounds, dtype=float), controls, limit, scheme.top, scheme.error,
         out.z[0] if before is None else before.z, out.t[0].copy() if before is None else before.tangent,
-        np.zeros(kernel.TESTS) if before is None else before.tests,  # type: ignore[attr-defined]
+        np.zeros(TESTS) if before is None else before.tests,
         none if loop is None else loop.z, none if loop is None else loop.tangent,
-        out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, out.errors, out.info,
+        out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, np.zeros(len(out.z)), out.info,
     ))  # fmt: skip
 
 
-def _measure(family: OrbitProblem, out: _Rows, row: int, frame: Frame) -> None:
+def _measure(family: OrbitProblem, out: Rows, row: int, frame: Frame) -> None:
     """Tests and multipliers of a row anew: the march takes them from factors of a point nearby."""
     exact = probe(family, out.z[row], out.t[row], 0.0, out.z[row], frame, PROBE_TOLERANCE)
     if exact is not None and float(exact.tangent @ out.t[row]) > ALIGNED:
@@ -167,7 +144,7 @@ def _measure(family: OrbitProblem, out: _Rows, row: int, frame: Frame) -> None:
         out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
 
 
-def _resolve(family: OrbitProblem, out: _Rows, row: int) -> None:
+def _resolve(family: OrbitProblem, out: Rows, row: int) -> None:
     """Planar orbits have a formula for their multiplier."""
     count = resolve(family, out.z[row], out.re[row], out.im[row], out.tests[row])
     out.unstable[row] = out.unstable[row] if count is None else count

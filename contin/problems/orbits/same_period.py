@@ -7,7 +7,6 @@ along, not solved for. Cost: a sparse factorisation a Newton step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,19 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
-from contin.errors import InputError
+from contin.problems.orbits.birth import cut_at_birth
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.loci.renewal import renew
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits, OfPeriodicOrbits
-
-ALIKE = 1e-7  # relative distance of parameters below which two points are one
+from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits, OfOnePeriod
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +59,8 @@ class PeriodCurve(CurveOfPeriodicOrbits):
 
 
 @dataclass(frozen=True, eq=False)
-class SamePeriodProblem(MarchedInPython, OfPeriodicOrbits):
-    """See `PeriodCurve` for the unknowns and equations; no special points are looked for."""
+class SamePeriodProblem(OfOnePeriod, MarchedInPython):
+    """See `PeriodCurve` for the unknowns and equations."""
 
     curve: PeriodCurve
 
@@ -82,30 +77,17 @@ class SamePeriodProblem(MarchedInPython, OfPeriodicOrbits):
         equations, jacobian = self.curve.linearise(z, scale)
         return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
 
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        """No tests; the number of unstable multipliers, and all of them."""
-        values = self.multipliers(z)
-        return np.empty(0), int(np.sum(np.abs(values[1:]) > 1.0)), values
-
-    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return ()
-
-    def watch(self, type_: str) -> int | None:
-        return None
-
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return ""
-
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return ()
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_at_birth(self, chunk, frame, settings)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
+        end = self.at_birth(origin.z, frame.scale)
+        if end is not None:
+            return Renewal(frame.scale, origin, before, None, end)
         return renew(self, origin, before, frame, settings)
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        raise InputError(f"{point.branch}.{point.label}: no other curves start from orbits of one period")

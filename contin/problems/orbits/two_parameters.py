@@ -10,12 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
+from contin.continuation.branch import End, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.problem import Frame, Sample, Verified
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
+
+SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
+ALIKE = 1e-7  # relative distance of parameters below which two points are one
 
 
 class CurveOfOrbits:
@@ -102,6 +106,18 @@ class OfPeriodicOrbits(OrbitCurveProblem):
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return np.asarray(self.curve.at(z).multipliers(self.curve.orbit(z)))
 
+    def has_shrunk(self, z: Array, scale: Array) -> bool:
+        """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
+        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
+        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
+        return small and self.curve.orbits.autonomous and not self.curve.orbits.winding.any()
+
+    def at_birth(self, z: Array, scale: Array) -> End | None:
+        """The end of a curve whose orbits have shrunk to a Hopf point."""
+        if not self.has_shrunk(z, scale):
+            return None
+        return End("hopf", f"the orbit shrank to a Hopf point at {self.place(z)}")
+
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
         curve = self.curve
@@ -123,3 +139,30 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         if parameter not in names:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
         return [Seed(*self.curve.at(point.z).freed(parameter, self.curve.orbit(point.z)))]
+
+
+class OfOnePeriod(OfPeriodicOrbits):
+    """Orbits of one period, of autonomous systems; no special points are looked for."""
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """No tests; the number of unstable multipliers, and all of them."""
+        values = self.multipliers(z)
+        return np.empty(0), int(np.sum(np.abs(values[1:]) > 1.0)), values
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        return ()
+
+    def watch(self, type_: str) -> int | None:
+        return None
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+        return ""
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+        return ()
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
+
+    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+        raise InputError(f"{point.branch}.{point.label}: no other curves start from orbits of one period")

@@ -82,12 +82,7 @@ def cut_where_oblique(problem: Any, chunk: Chunk, scale: Array) -> Chunk:
     for row in range(1, len(chunk) - 1):
         z = chunk.z[row]
         if obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale)) < LOST_SECTION:
-            m = row + 1
-            return replace(
-                chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m], unstable=chunk.unstable[:m],
-                eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.LIMIT,
-                next_step=float(chunk.lengths[row]),
-            )  # fmt: skip
+            return chunk.cut(row + 1, Stop.LIMIT, float(chunk.lengths[row]))
     return chunk
 
 

@@ -27,6 +27,23 @@ def test_orbits_with_a_period_that_depends_on_their_size_lie_on_a_line(method):
     assert [end.reason for end in curve.ends] == ["bound", "bound"]
 
 
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_orbits_of_one_period_end_where_they_are_born(method):
+    """As above: the line comes to the Hopf curve p = 0 at q = 1/2, beyond which the same orbits would follow again."""
+    x, y = amplitude("x", "y", "p - x^2 - y^2", "(1 + q + x^2 + y^2)")
+    model = Model("sheared", states={"x": 0, "y": 0}, parameters={"p": -0.5, "q": 0.0}, equations={"x": x, "y": y})
+    line = contin.continuation(contin.equilibrium(model), "p", (-0.5, 1))
+    options = {"values": {"p": [0.5]}, "settings": {"method": method}}
+    family = contin.continuation(line["HB1"].switch(), "p", (-0.5, 1), **options)
+    box = {"p": (-0.5, 1), "q": (-0.4, 0.8)}
+    curve = contin.continuation(family["UZ1"].locus(("p", "q")), ("p", "q"), box)
+    p = curve.columns["p"]
+    assert np.all(np.diff(p) > 0.0) or np.all(np.diff(p) < 0.0)
+    assert sorted(end.reason for end in curve.ends) == ["bound", "hopf"]
+    assert p.min() == pytest.approx(0.0, abs=1e-6)
+    np.testing.assert_allclose(p + curve.columns["q"], 0.5, atol=1e-9)
+
+
 def test_relay_oscillations_of_one_period_lie_where_their_half_turn_says():
     """x'' + 2 d x' + w2 x = k sign(x'): half a turn of the damped oscillator takes pi/sqrt(w2 - d^2)."""
     model = Model(

@@ -76,12 +76,8 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     curve.critical["last"] = _place(curve, rows[-1].z), values[high]
     if not found:
         return chunk
-    m = len(rows)
-    return replace(
-        chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=np.array([row.tests for row in rows]),
-        unstable=chunk.unstable[:m], eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m], stop=Stop.EVENT,
-        next_step=float(chunk.lengths[m - 1]),
-    )  # fmt: skip
+    shorter = chunk.cut(len(rows), Stop.EVENT, float(chunk.lengths[len(rows) - 1]))
+    return replace(shorter, tests=np.array([row.tests for row in rows]))
 
 
 def _passes_pole(curve: Any, a: Sample, b: Sample) -> bool:

@@ -20,9 +20,9 @@ from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.loci import frames
-from contin.problems.orbits.loci.rows import Rows
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.rows import Rows
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 
 _NO_WALLS = np.empty((0, 3))

@@ -102,8 +102,8 @@ class OrbitLocusProblem(OfSpecialOrbits):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        if self.has_shrunk(origin.z, frame.scale):
-            end = End("hopf", f"the orbit shrank to a Hopf point at {self.place(origin.z)}")
+        end = self.at_birth(origin.z, frame.scale)
+        if end is not None:
             return Renewal(frame.scale, origin, before, loop, end)
         if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):
             text = "came together with orbits of half the period, at their degenerate period doubling near "

@@ -15,9 +15,8 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import events
 from contin.problems.orbits.multipliers import nontrivial, without
-from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.problems.orbits.two_parameters import SMALL, OfPeriodicOrbits
 
-SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 HALVES = 100
 
 
@@ -41,12 +40,6 @@ class OfSpecialOrbits(OfPeriodicOrbits):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
-
-    def has_shrunk(self, z: Array, scale: Array) -> bool:
-        """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
-        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
-        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
-        return small and self.curve.orbits.autonomous and not self.curve.orbits.winding.any()
 
     def has_met_half(self, z: Array, scale: Array) -> bool:
         """True where the orbit is one of half its period, but for a difference that does not matter."""

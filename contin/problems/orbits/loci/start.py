@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
@@ -29,29 +31,32 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
 
         return connections_of_family(problem, point, parameters)
     if point.type == "UZ" and problem.autonomous:
-        return [_same_period(problem, point, parameters)]
+        from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
+
+        return [seed_of(PeriodCurve, SamePeriodProblem, problem, point.z, point, parameters)]
     if point.type not in CURVES:
         raise InputError(
             f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC, HOM have. "
             "With one other parameter the orbit itself is followed from here"
         )
-    first, second = indices(problem.system, parameters)
-    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
-    curve = OrbitCurve(point.type, orbits, second)
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]
+
+
+def seed_of(
+    curve_of: Callable[[Any, int], Any], problem_of: Callable[[Any], Any], orbits: Any, orbit: Array,
+    point: SpecialPoint, parameters: Sequence[str], further: float = 0.0,
+) -> Seed:  # fmt: skip
+    """The curve in two parameters through an orbit.
+
+    curve_of : the curve's equations, from the orbits in the first parameter and the index of the second one.
+    problem_of : the problem of such a curve.
+    """
+    first, second = indices(orbits.system, parameters)
+    orbits, orbit = orbits.freed(orbits.system.parameter_names[first], orbit)
+    curve = curve_of(orbits, second)
     z = curve.join(orbit, float(orbits.base[second]), further)
-    return [Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label))]
-
-
-def _same_period(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
-    """The orbits that have this one's period."""
-    from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
-
-    first, second = indices(problem.system, parameters)
-    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
-    curve = PeriodCurve(orbits, second)
-    z = curve.join(orbit, float(orbits.base[second]))
-    return Seed(SamePeriodProblem(curve), z, parent=Parent(point.branch, point.label))
+    return Seed(problem_of(curve), z, parent=Parent(point.branch, point.label))
 
 
 def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -59,19 +64,24 @@ def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Se
 
     Curves of tori go on, beyond R1 and R2, as curves of neutral saddles.
     """
+    return seeds_through(OrbitCurve, OrbitLocusProblem, problem, point, parameters)
+
+
+def seeds_through(
+    curve_of: Callable[[str, Any, int], Any], problem_of: Callable[[Any], Any], problem: Any, point: SpecialPoint,
+    parameters: Sequence[str],
+) -> list[Seed]:  # fmt: skip
+    """As `loci_through`; `curve_of` takes the type of the curve first, else as `seed_of`."""
     if point.type == "GPD":
         return folds_of_doubled(problem, point, parameters)
-    first, second = indices(problem.system, parameters)
-    name = problem.system.parameter_names[first]
-    orbits, orbit = problem.curve.at(point.z).freed(name, problem.curve.orbit(point.z))
+    orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     seeds: list[Seed] = []
     for type_ in meeting(point.type, problem.locus):
         if type_ == "NS" and problem.locus != "NS":
             seeds += tori_beside(problem, point, parameters)
-            continue
-        curve = OrbitCurve(type_, orbits, second)
-        z = curve.join(orbit, float(orbits.base[second]), further_through(problem, point, type_))
-        seeds.append(Seed(OrbitLocusProblem(curve), z, parent=Parent(point.branch, point.label)))
+        else:
+            further = further_through(problem, point, type_)
+            seeds.append(seed_of(partial(curve_of, type_), problem_of, orbits, orbit, point, parameters, further))
     return seeds
 
 

@@ -122,12 +122,7 @@ def cut_where_wrong(problem: Any, chunk: Chunk, scale: Array) -> Chunk:
         if chunk.lengths[row] < SHORT:
             found = problem.curve.linearise(chunk.z[row], scale)
             if found is None or float(np.linalg.norm(found.residual)) > WRONG:
-                m = row
-                return replace(
-                    chunk, z=chunk.z[:m], tangents=chunk.tangents[:m], tests=chunk.tests[:m],
-                    unstable=chunk.unstable[:m], eigenvalues=chunk.eigenvalues[:m], lengths=chunk.lengths[:m],
-                    stop=Stop.CORRECTOR, next_step=float(chunk.lengths[row]),
-                )  # fmt: skip
+                return chunk.cut(row, Stop.CORRECTOR, float(chunk.lengths[row]))
     return chunk
 
 

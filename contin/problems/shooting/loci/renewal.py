@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased
@@ -18,8 +17,8 @@ from contin.problems.shooting.renewal import misplaced
 def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
     """Metric and phase for the next chunk, or the end of the curve."""
     curve, scale = problem.curve, frame.scale
-    if problem.has_shrunk(origin.z, scale):
-        end = End("hopf", f"the orbit shrank to a Hopf point at {problem.place(origin.z)}")
+    end = problem.at_birth(origin.z, scale)
+    if end is not None:
         return Renewal(scale, origin, before, None, end)
     orbits, orbit, metric = curve.at(origin.z), curve.orbit(origin.z), curve.orbit(scale)
     nodes, sizes = Nodes.of(orbit, orbits.n), orbits.sizes(orbit, metric)

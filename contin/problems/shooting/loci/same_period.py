@@ -5,20 +5,19 @@ z is that of `CurveByShooting`; T is carried along, not solved for. See `contin.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Sample, Verified
-from contin.errors import InputError
+from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.settings import Settings
+from contin.problems.orbits.birth import cut_at_birth
+from contin.problems.orbits.two_parameters import OfOnePeriod
 from contin.problems.shooting.loci.curve import CurveByShooting, Equations
 from contin.problems.shooting.loci.expansion import Expansion
-from contin.problems.shooting.loci.problem import ShotLocusProblem
+from contin.problems.shooting.loci.shot import OfShotOrbits
 from contin.problems.shooting.problem import ShootingProblem
 
 
@@ -55,27 +54,14 @@ class ShotPeriodCurve(CurveByShooting):
 
 
 @dataclass(frozen=True, eq=False)
-class ShotPeriodProblem(ShotLocusProblem):
-    """See `ShotPeriodCurve`; no special points are looked for."""
+class ShotPeriodProblem(OfOnePeriod, OfShotOrbits):
+    """See `ShotPeriodCurve`."""
 
     curve: ShotPeriodCurve
 
-    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        """No tests; the number of unstable multipliers, and all of them."""
-        values = self.multipliers(z)
-        return np.empty(0), int(np.sum(np.abs(values[1:]) > 1.0)), values
-
-    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return ()
-
-    def watch(self, type_: str) -> int | None:
-        return None
-
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return ""
-
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return ()
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        raise InputError(f"{point.branch}.{point.label}: no other curves start from orbits of one period")
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = super().march(origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_at_birth(self, chunk, frame, settings)

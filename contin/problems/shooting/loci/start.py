@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.problems.loci.start import indices
-from contin.problems.orbits.loci.beside import folds_of_doubled, tori_beside
-from contin.problems.orbits.loci.start import CURVES, further_through, meeting
+from contin.problems.orbits.loci.start import CURVES, seed_of, seeds_through
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
@@ -24,7 +24,7 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     """The curve in two parameters through a fold, branch point, period doubling or torus bifurcation of a family."""
     name = f"{point.branch}.{point.label}"
     if point.type == "UZ" and problem.autonomous:
-        return [_same_period(problem, point, parameters)]
+        return [seed_of(ShotPeriodCurve, ShotPeriodProblem, problem, point.z, point, parameters)]
     if point.type not in CURVES:
         raise InputError(
             f"{name}: {point.type} of orbits by shooting has no curve in two parameters; LPC, PD, NS, BPC have. "
@@ -33,40 +33,12 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]
     further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
-    return [_seed(point.type, problem, point.z, point, parameters, further)]
+    return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, problem, point.z, point, parameters, further)]
 
 
 def loci_through(problem: ShotLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curves of other types through a point of a curve; its own where there is no other."""
-    if point.type == "GPD":
-        return folds_of_doubled(problem, point, parameters)
-    orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
-    seeds: list[Seed] = []
-    for type_ in meeting(point.type, problem.locus):
-        if type_ == "NS" and problem.locus != "NS":
-            seeds += tori_beside(problem, point, parameters)
-        else:
-            seeds.append(_seed(type_, orbits, orbit, point, parameters, further_through(problem, point, type_)))
-    return seeds
-
-
-def _seed(
-    type_: str, orbits: Any, orbit: Any, point: SpecialPoint, parameters: Sequence[str], further: float
-) -> Seed:  # fmt: skip
-    first, second = indices(orbits.system, parameters)
-    orbits, orbit = orbits.freed(orbits.system.parameter_names[first], orbit)
-    curve = ShootingCurve(type_, orbits, second)
-    z = curve.join(orbit, float(orbits.base[second]), further)
-    return Seed(ShotLocusProblem(curve), z, parent=Parent(point.branch, point.label))
-
-
-def _same_period(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
-    """The orbits that have this one's period."""
-    first, second = indices(problem.system, parameters)
-    orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
-    curve = ShotPeriodCurve(orbits, second)
-    z = curve.join(orbit, float(orbits.base[second]))
-    return Seed(ShotPeriodProblem(curve), z, parent=Parent(point.branch, point.label))
+    return seeds_through(ShootingCurve, ShotLocusProblem, problem, point, parameters)
 
 
 def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:

@@ -1,4 +1,4 @@
-"""The rows that the kernel of special orbits fills: points, tangents, test functions, multipliers."""
+"""The rows that the kernels of orbits and of special orbits fill: points, tangents, test functions, multipliers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from contin.continuation.problem import Chunk, Stop
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Row 0 is where a march begins, or the base of a correction; `info` as `follow_special` says."""
+    """Row 0 is where a march begins, or the base of a correction.
+
+    info : [last row, next step, evaluations, ...], the rest as the kernel says.
+    """
 
     z: Array
     t: Array
@@ -28,13 +31,17 @@ class Rows:
     def of(cls, rows: int, size: int, tests: int, n: int) -> Rows:
         return cls(
             np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, tests)), np.zeros(rows, np.int64),
-            np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(7),
+            np.full((rows, n), np.nan), np.zeros((rows, n)), np.zeros(rows), np.zeros(7),
         )  # fmt: skip
 
-    def chunk(self, stop: Stop) -> Chunk:
+    def __len__(self) -> int:
+        """Rows that were marched, with row 0."""
+        return int(self.info[0]) + 1
+
+    def chunk(self, stop: Stop, reference: float = 0.0, dipped: int = 0, detail: str = "") -> Chunk:
         """What was marched."""
-        m, info = int(self.info[0]) + 1, self.info
+        m, info = len(self), self.info
         return Chunk(
             self.z[:m], self.t[:m], self.tests[:m], self.unstable[:m], self.re[:m] + 1j * self.im[:m], self.lengths[:m],
-            stop, float(info[1]), 0.0, 0, int(info[2]),
+            stop, float(info[1]), reference, dipped, int(info[2]), detail,
         )  # fmt: skip

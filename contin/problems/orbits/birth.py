@@ -1,0 +1,66 @@
+"""The Hopf point that a curve of periodic orbits comes to: beyond it the same orbits follow again, half a turn on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.settings import Settings
+
+STEPS: Final = 12  # secants to the point
+ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
+TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
+
+
+def cut_at_birth(problem: Any, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+    """The chunk up to the point at which the amplitude of its orbits passes zero, which becomes the last row."""
+    if len(chunk) < 2 or problem.curve.orbits.winding.any():
+        return chunk
+    shapes = [_deviations(problem, z, frame.scale) for z in chunk.z]
+    for k in range(len(chunk) - 1):
+        if float(np.sum(shapes[k] * shapes[k + 1])) < 0.0:
+            last = _smallest(problem, chunk.sample(k), shapes[k], float(chunk.lengths[k + 1]), frame, settings)
+            if last is None:
+                return chunk
+            return _ending_in(chunk.cut(k + 2, Stop.LIMIT, chunk.next_step), last)
+    return chunk
+
+
+def _deviations(problem: Any, z: Array, scale: Array) -> Array:
+    """u - mean of u, relative to the states' sizes."""
+    curve = problem.curve
+    u = curve.profile(z).at(TIMES)
+    return np.asarray((u - u.mean(axis=0)) / curve.orbits.sizes(curve.orbit(z), curve.orbit(scale)))
+
+
+def _smallest(
+    problem: Any, base: Sample, shape: Array, length: float, frame: Frame, settings: Settings
+) -> Sample | None:
+    """The point within this arclength of the base at which the amplitude, negative beyond zero, vanishes."""
+    near = float(np.sum(shape * shape))
+    low, high = (0.0, near), (length, np.nan)
+    best = None
+    for _ in range(STEPS):
+        at = high[0] if np.isnan(high[1]) else low[0] + (high[0] - low[0]) * low[1] / (low[1] - high[1])
+        found = problem.probe(base, at, base.z + at * frame.scale * base.tangent, frame, settings)
+        if found is None:
+            break
+        amplitude = float(np.sum(shape * _deviations(problem, found.z, frame.scale)))
+        best = found
+        if abs(amplitude) < ACCURATE * near:
+            break
+        low, high = ((at, amplitude), high) if amplitude > 0.0 else (low, (at, amplitude))
+        if np.isnan(high[1]):
+            break
+    return best
+
+
+def _ending_in(chunk: Chunk, last: Sample) -> Chunk:
+    z, tangents, unstable = chunk.z.copy(), chunk.tangents.copy(), chunk.unstable.copy()
+    eigenvalues = chunk.eigenvalues.copy()
+    z[-1], tangents[-1], unstable[-1], eigenvalues[-1] = last.z, last.tangent, last.unstable, last.eigenvalues
+    return replace(chunk, z=z, tangents=tangents, unstable=unstable, eigenvalues=eigenvalues)
