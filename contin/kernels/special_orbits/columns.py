@@ -93,7 +93,7 @@ def second_derivatives(e, c, w, f, o, which, by_period, by_s):
     for j in range(columns):
         direction[j] = 0.0
     direction[n + e.active] = by_s * f.across[0]
-    direction[n + c.second] = by_s * f.across[1]
+    direction[n + c.second] += by_s * f.across[1]
     start = 0.0
     for i in range(intervals):
         for g in range(m):

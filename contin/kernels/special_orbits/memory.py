@@ -8,7 +8,8 @@ LPC, PD, NS, BPC = range(4)
 FAILED, NOT_FINITE = -1, -2
 TEST_COUNTS = (6, 6, 10, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
 
-Curve = namedtuple("Curve", ["kind", "gradient", "second"])  # gradient: address of (u, p, v, Df[v], D^2f[v, .])
+# gradient: address of (u, p, v, Df[v], D^2f[v, .]); second: index of q, that of p itself where no curve is followed
+Curve = namedtuple("Curve", ["kind", "gradient", "second"])
 
 Frame = namedtuple(
     "Frame",

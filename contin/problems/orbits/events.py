@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
 from contin.problems.orbits import planar
+from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.symmetry import symmetry_of
@@ -142,7 +143,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
     point = Verified(
         type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
-        vectors={"right": solved.right, "left": solved.left, "theta": solved.theta},
+        vectors={"right": solved.right, "theta": solved.theta},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
 
@@ -160,9 +161,19 @@ def _orientable(problem: Any, z: Array) -> bool:
 
 
 def _turns(problem: Any, fold: Any, frame: Frame) -> bool:
-    """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly)."""
-    column = OrbitLinear(problem, fold.z, frame.scale, fold.z).jacobian[:, [-1]].toarray()[:, 0]
-    left = fold.left[:, 0]
+    """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly).
+
+    w, the left null vector, is told by [F_u F_T F_p; right null vector], which is singular where w . F_p = 0.
+    """
+    linear = OrbitLinear(problem, fold.z, frame.scale, fold.z)
+    try:
+        regular = Bordered.with_borders(
+            linear.jacobian, np.empty((linear.nu + 1, 0)), np.pad(fold.right, ((0, 1), (0, 0)))
+        )
+    except RuntimeError:  # exactly singular
+        return False
+    column = linear.jacobian[:, [-1]].toarray()[:, 0]
+    left = regular.factors.solve(np.append(np.zeros(linear.nu + 1), 1.0), "T")[:-1]
     return bool(abs(float(left @ column)) > LEVEL * float(np.linalg.norm(left)) * float(np.linalg.norm(column)))
 
 

@@ -267,7 +267,7 @@ class OrbitLinear:
 
 def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
-    from contin.problems.orbits.defining import Bordered, crossing
+    from contin.problems.orbits.bordered import Bordered, crossing
 
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian

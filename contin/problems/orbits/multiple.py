@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.problems.orbits.defining import Bordered, crossing
+from contin.problems.orbits.bordered import Bordered, crossing
 from contin.problems.orbits.linear import OrbitLinear, embed
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.orbits.symmetry import moved_direction

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.defining import Bordered
+from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike

@@ -93,7 +93,7 @@ class ConnectionProblem(MarchedInPython):
 
     def _adjoint(self, jacobian: Any, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
-        from contin.problems.orbits.defining import Bordered
+        from contin.problems.orbits.bordered import Bordered
 
         if self.curve.node:
             return None

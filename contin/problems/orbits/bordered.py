@@ -1,0 +1,80 @@
+"""Singular sparse matrices with borders that make them regular, and the two families that cross at a branch point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.linear import OrbitLinear
+
+
+@dataclass(frozen=True, eq=False)
+class Bordered:
+    """B (rows, columns) with borders b (rows, corank) and c (columns, kernel), factorised:
+
+    [B b; c^* 0] [V; g] = [0; I] where B is singular if g is.
+    """
+
+    columns: int
+    rows: int
+    b: NDArray[Any]
+    c: NDArray[Any]
+    factors: Any
+
+    @classmethod
+    def of(cls, matrix: Any, kernel: int) -> Bordered:
+        """Borders that span nearly the null spaces, found by inverse iteration from random ones."""
+        rows, columns = matrix.shape
+        corank = kernel - (columns - rows)
+        generator = np.random.default_rng(7)
+        b, c = generator.normal(size=(rows, corank)), generator.normal(size=(columns, kernel))
+        bordered = cls.with_borders(matrix, np.linalg.qr(b)[0] if corank else b, np.linalg.qr(c)[0])
+        for _ in range(2):
+            v, _, w = bordered.solve()
+            bordered = cls.with_borders(matrix, np.linalg.qr(w)[0] if corank else b, np.linalg.qr(v)[0])
+        return bordered
+
+    @classmethod
+    def with_borders(cls, matrix: Any, b: NDArray[Any], c: NDArray[Any]) -> Bordered:
+        from scipy import sparse
+        from scipy.sparse.linalg import splu
+
+        blocks = [[matrix, sparse.csc_matrix(b)], [sparse.csc_matrix(c.conj().T), None]]
+        if b.shape[1] == 0:
+            blocks = [[matrix], [sparse.csc_matrix(c.conj().T)]]
+        whole = sparse.bmat(blocks, format="csc")
+        return cls(matrix.shape[1], matrix.shape[0], b, c, splu(whole))
+
+    def solve(self) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Right vectors V (columns, kernel), g (corank, kernel), left vectors W (rows, corank)."""
+        kernel, corank = self.c.shape[1], self.b.shape[1]
+        right = np.zeros((self.rows + kernel, kernel), self.c.dtype)
+        right[self.rows :] = np.eye(kernel)
+        solution = self.factors.solve(right)
+        if corank == 0:
+            return solution, np.zeros((0, kernel)), np.zeros((self.rows, 0))
+        left = np.zeros((self.columns + corank, corank), self.b.dtype)
+        left[self.columns :] = np.eye(corank)
+        adjoint = self.factors.solve(left, "H")
+        return solution[: self.columns], solution[self.columns :], adjoint[: self.rows]
+
+
+def crossing(linear: OrbitLinear, kernel: Array, left: Array) -> list[Array]:
+    """Unit tangents (scaled x) of the two families that cross at a branch point: roots of left . D^2F[t, t] = 0."""
+    second = [linear.hessian(kernel[:, k]) for k in range(2)]
+    c = np.array([[float(left @ (second[i] @ kernel[:, j])) for j in range(2)] for i in range(2)])
+    values, vectors = np.linalg.eigh(0.5 * (c + c.T))
+    if values[0] * values[1] >= 0.0:
+        return []
+    ratio = np.sqrt(-values[0] / values[1])
+    tangents = []
+    for sign in (1.0, -1.0):
+        t = kernel @ (vectors[:, 0] + sign * ratio * vectors[:, 1])
+        tangents.append(t / np.linalg.norm(t))
+    return tangents
