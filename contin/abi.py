@@ -7,14 +7,14 @@ Every function that the lowering makes returns nothing and takes pointers to con
     second     (u, p, v, w, out)         out = D^2 f(z)[v, w],       v, w in R^(n + m)
     third      (u, p, v, w, s, out)      out = D^3 f(z)[v, w, s]     (and so on for higher orders)
     observe    (u, p, out)               out[k] = k-th observable
-    switches   (u, p, out)               out[k] = k-th switching function (a piecewise equation changes formula at
-    its zeros)
+    switches   (u, p, out)               out[k] = k-th switching function: where it vanishes, a piecewise equation
+                                         changes formula
 
 u : (n,) states in the model's order.  p : (m,) parameters in the model's order.  A periodically forced model appends
-the
-time t to p, so p is (m + 1,) and J has a last column df/dt.  Nothing is checked on the far side: the caller owns shapes
-and lifetimes.  An address must not outlive the `CompiledSystem` it came from: calling it then is a segmentation fault,
-so problems and branches hold the compiled system, and processes and pickles carry the model's text and lower again.
+the time t to p, so p is (m + 1,) and J has a last column df/dt.  Nothing is checked on the far side: the caller owns
+shapes and lifetimes.  An address must not outlive the `CompiledSystem` it came from: calling it then is a segmentation
+fault, so problems and branches hold the compiled system, and processes and pickles carry the model's text and lower
+again.
 """
 
 from typing import Final, TypeAlias

@@ -76,10 +76,9 @@ def branch_point_system(model: Model, other: str, free: str) -> Model:
 
     States (u, w, b, free), 2n + 2; a, c are the parameters `across.1`, `across.2`. Branch points that something forces
     (a symmetry, an invariant subspace, a solution that is always there) form a curve in two parameters with b = 0;
-    others
-    are met at isolated parameters, and b, the unfolding parameter, leaves zero along the curve of this system: f has to
-    be perturbed by b w to keep them (Moore 1980; Govaerts, Numerical Methods for Bifurcations, sec. 8.2). (a, c) is a
-    direction of the parameters across the curve: on a forced curve both products vanish.
+    others are met at isolated parameters, and b, the unfolding parameter, leaves zero along the curve of this system: f
+    has to be perturbed by b w to keep them (Moore 1980; Govaerts, Numerical Methods for Bifurcations, sec. 8.2). (a, c)
+    is a direction of the parameters across the curve: on a forced curve both products vanish.
     """
     parts = _Parts(model)
     w, b = parts.vector("w"), symbol(UNFOLDING)

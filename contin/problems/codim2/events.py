@@ -1,9 +1,8 @@
 """Codimension-two points on curves of folds, Hopf points and branch points: what a change means, and its verification.
 
 A point is verified by Newton on its own defining system: the equations of the curve and one more, a smooth function
-that
-vanishes at points of the type (`codim2.functions`). Then eigenvalues, their number on the unstable side without the
-critical ones, and the normal form are computed from exact derivatives.
+that vanishes at points of the type (`codim2.functions`). Then eigenvalues, their number on the unstable side without
+the critical ones, and the normal form are computed from exact derivatives.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Test functions of codimension-two points at one point of a curve, in numpy: what `kernels.locus` computes in a march.
 
 Used where there is no kernel: maps, large systems and user functions. Maps:
-    folds and flips   2 quadratic (cubic) coefficient   3 <psi, v>   4 pairs of the other multipliers   5 another at
-    -1 (+1)
+    folds and flips   2 quadratic (cubic) coefficient   3 <psi, v>   4 pairs of the other multipliers
+                      5 another at -1 (+1)
     Neimark-Sacker    2 cos - 1   3 cos + 1   4 another at +1   5 another at -1   6 l1   7 pairs   8 cos + 1/2   9 cos
 """
 

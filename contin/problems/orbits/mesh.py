@@ -1,8 +1,7 @@
 """Mesh adaption: intervals placed so that each has the same error, and as many as the tolerance needs.
 
-The error of an interval is c h^(m + 1) |u^(m + 1)| (see `contin.kernels.collocation_mesh`), so the mesh is right
-where h is
-proportional to |u^(m + 1)|^(-1 / (m + 1)) (de Boor 1974; Russell and Christiansen 1978; AUTO does the same at a
+The error of an interval is c h^(m + 1) |u^(m + 1)| (see `contin.kernels.collocation_mesh`), so the mesh is right where
+h is proportional to |u^(m + 1)|^(-1 / (m + 1)) (de Boor 1974; Russell and Christiansen 1978; AUTO does the same at a
 fixed number).
 """
 
