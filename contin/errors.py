@@ -36,5 +36,9 @@ class NoSolutionError(ContinError, ArithmeticError):
     """No solution was found from the given start; the text has the residual history and the nearest one found."""
 
 
+class AtRestError(NoSolutionError):
+    """There is no periodic orbit because the trajectory comes to rest."""
+
+
 class FormatVersionError(InputError):
     """A file was written for a newer format than this version of contin reads."""

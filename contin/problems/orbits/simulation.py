@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.errors import NoSolutionError
+from contin.errors import AtRestError, NoSolutionError
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
@@ -122,7 +122,7 @@ def find_return(
         still = float(np.max(np.where(periods > 0, 0.0, extent / largest))) < AT_REST
         if still and not _turns(extent, periods):
             names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
-            raise NoSolutionError(
+            raise AtRestError(
                 f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit "
                 "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point."
             )

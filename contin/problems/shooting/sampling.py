@@ -143,13 +143,21 @@ def why_not(problem: Any, z: Array) -> str:
                 "The orbit touches a switching surface there without crossing it (a grazing orbit): the return map has "
                 "no derivative, and the family cannot be followed through by Newton's method."
             )
-    sliding = _slides_beside(problem, z)
-    if sliding is not None:
-        return f"Trajectories right beside the orbit stop: {sliding}."
-    return (
+    return sliding(problem, z) or (
         "Try a smaller settings.step or min_step, or settings.intervals: several segments (multiple shooting), where "
         "the orbit is very unstable."
     )
+
+
+def sliding(problem: Any, z: Array) -> str | None:
+    """That trajectories slide along a surface on the orbit, or right beside it, in words; None where none does."""
+    for flight in flights(problem, z, np.empty(0)):
+        if flight.outcome == "sliding":
+            return f"The trajectory from there stops at t = {flight.end_time:.6g}: {flight.why}."
+        if flight.outcome != "done" or flight.touched:
+            return None
+    beside = _slides_beside(problem, z)
+    return None if beside is None else f"Trajectories right beside the orbit stop: {beside}."
 
 
 def _slides_beside(problem: Any, z: Array) -> str | None:

@@ -22,6 +22,7 @@ from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.touching import Touch, touches, vertex
 from contin.problems.shooting.phase import rebased
+from contin.problems.shooting.sampling import sliding
 
 NEAR: Final = 1e-3  # clearance, relative to the surface function's largest value, from which a touching orbit is near
 DEPTHS: Final = (1e-5, 1e-4, 1e-3)  # (scaled) beyond the surface at which the curve is taken up again
@@ -131,9 +132,9 @@ def why_not(problem: Any, z: Array) -> str | None:
     touch = nearly_touched(problem, z)
     if touch is None:
         return None
-    reason = str(problem.curve.at(z).describe_failure(problem.curve.orbit(z)))
-    if "slides" in reason:
-        return reason
+    slides = sliding(problem.curve.at(z), problem.curve.orbit(z))
+    if slides is not None:
+        return slides
     name = problem.system.pieces.name(touch.surface)
     return (
         f"The orbits come to touch {name} there (a grazing orbit), where the return map has no second derivative: no "
