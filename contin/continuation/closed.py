@@ -15,6 +15,7 @@ from contin.continuation.piece import Piece
 from contin.continuation.problem import is_adaptive, is_planar
 
 BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
+WIDELY = 3.0  # ... and where only the parameters are looked at, which may change less than the orbit does
 SAME = 1e-4  # relative differences of parameters, period and extents of one orbit on two meshes
 
 
@@ -50,7 +51,7 @@ class _Loop:
         self.first = self._marks(self.start[None])[0]
         ranges = np.abs(self.arm.scale[[-1, -2]])
         self.sizes = np.append(ranges, np.maximum(np.abs(self.first[2:]), 1e-3 * np.abs(self.first[2:]).max(initial=0)))
-        self.last = self.first / self.sizes
+        self.last = self.start  # row
         self.away: Array | None = None  # the first step
 
     def _marks(self, z: Array) -> Array:
@@ -62,21 +63,25 @@ class _Loop:
 
     def closed(self, piece: Piece) -> Piece | None:
         """The piece up to the start, where one of its steps passes that."""
-        if not len(piece.z):
-            return None
-        marks = self._marks(piece.z) / self.sizes
         target = self.first / self.sizes
-        for row, mark in enumerate(marks):
-            step = mark - self.last
+        for row, z in enumerate(piece.z):
+            last, self.last = self.last, z
+            if self.away is not None and not self._comes_near(last, z):
+                continue
+            before = self._marks(last[None])[0] / self.sizes
+            step = self._marks(z[None])[0] / self.sizes - before
             if self.away is None:
                 self.away = step
-            elif float(step @ self.away) > 0.0 and _passes(self.last, step, target):
+            elif float(step @ self.away) > 0.0 and _passes(before, step, target, BESIDE):
                 there = self._solved(piece, row, step)
                 if there is not None:
-                    z = np.vstack([piece.z[:row], there])
-                    return replace(piece.cut(row + 1), z=z)
-            self.last = mark
+                    return replace(piece.cut(row + 1), z=np.vstack([piece.z[:row], there]))
         return None
+
+    def _comes_near(self, last: Array, z: Array) -> bool:
+        """True where the parameters, which cost nothing, do not rule out that the step from `last` to z does."""
+        ends = last[[-1, -2]] / self.sizes[:2], z[[-1, -2]] / self.sizes[:2]
+        return _passes(ends[0], ends[1] - ends[0], self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
 
     def _solved(self, piece: Piece, row: int, step: Array) -> Array | None:
         """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
@@ -88,7 +93,9 @@ class _Loop:
         return np.asarray(z) if float(np.abs(gaps).max()) < SAME else None
 
 
-def _passes(a: Array, step: Array, target: Array) -> bool:
+def _passes(a: Array, step: Array, target: Array, beside: float, around: float = 0.0) -> bool:
+    """True where the target is beside the chord, or the part `around` of its length before or after it."""
     length = float(step @ step)
     t = float((target - a) @ step) / max(length, 1e-300)
-    return 0.0 < t <= 1.0 and float(np.linalg.norm(a + t * step - target)) <= BESIDE * np.sqrt(length)
+    near = float(np.linalg.norm(a + t * step - target)) <= beside * np.sqrt(length)
+    return -around < t <= 1.0 + around and near
