@@ -18,11 +18,13 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
-from contin.diagram.orbits import known_family, left_to_the_user, mirrored_families
+from contin.diagram.orbits import generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
+
+FOUND_ON = ("PD", "BPC", "HOM")  # where families of orbits lead to others
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ class Explorer:
     watch: Watcher | None = None
     journal: Journal | None = None
     doublings: int = 64  # how many period doublings in a row are followed
+    generations: int = 64  # how many families of orbits in a row that are born on others
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -171,6 +174,9 @@ class Explorer:
             return []
         if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
             self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
+            return []
+        if not asked and branch.kind == "orbit" and generation(branch.name, FOUND_ON) >= self.generations:
+            self._note_once(diagram, f"families of orbits of the generation after {branch.name} were not followed")
             return []
         base = f"{branch.name}/{point.label}"
         seeds: Sequence[Seed] = ()

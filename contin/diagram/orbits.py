@@ -25,6 +25,11 @@ def doublings(name: str) -> int:
     return sum(part.startswith("PD") for part in name.split("/"))
 
 
+def generation(name: str, born_at: tuple[str, ...] = ("PD", "BPC")) -> int:
+    """How often, on the way to a branch of a diagram, a family of orbits was born on another one."""
+    return sum(part.rstrip("0123456789.") in born_at for part in name.split("/"))
+
+
 def left_to_the_user(branch: Branch, point: SpecialPoint) -> str:
     """Why the families born at a point of a family of orbits are not followed; empty where they are.
 

@@ -22,8 +22,10 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.explore import Budget, Explorer
+from contin.diagram.orbits import generation
 from contin.diagram.phase.attractors import reached
 from contin.diagram.phase.cycles import is_shorter
+from contin.diagram.phase.deferred import Deferred
 from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import Box, is_orbital
@@ -49,8 +51,10 @@ BUDGET: Final = Budget(branches=40, steps=5000)  # of one line
 OF_MAP: Final = Budget(branches=12, steps=4000)  # ... of a map: cascades of doublings have cycles of any length
 LONGEST: Final = 4  # period of cycles of a map whose curves are followed
 DOUBLINGS: Final = 2  # in a row, on one line; trajectories find the stable cycles beyond
+GENERATIONS: Final = 2  # ... and other families born on families, which there may be infinitely many of
 UNSTABLE: Final = 600  # points of curves of unstable orbits, which do not bound the region of a stable state
-TOTAL: Final = 4000  # points of curves of orbits
+CASCADES: Final = 2000  # ... of families born on other families: there may be infinitely many, on ever smaller regions
+TOTAL: Final = 12000  # ... of all curves of orbits
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
 FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
@@ -76,8 +80,9 @@ class LociSearch:
     notes: list[str] = field(default_factory=list)
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
     settled: list[tuple[float, float, State]] = field(default_factory=list)  # states at crossings of two lines
-    later: deque[SpecialPoint] = field(default_factory=deque)  # special points of unstable orbits
-    on_unstable: int = 0  # points of curves that these led to
+    cascades: Deferred = field(default_factory=lambda: Deferred(CASCADES))  # families born on others
+    unstable: Deferred = field(default_factory=lambda: Deferred(UNSTABLE))  # special points of unstable orbits
+    generations: dict[str, int] = field(default_factory=dict)  # of curves, by name
     resonances: deque[SpecialPoint] = field(default_factory=deque)  # R1 and R2 that wait for the other curves
     searched: int = 0  # of these
     absorbed: dict[int, Branch] = field(default_factory=dict)  # by id: branches whose points were looked at
@@ -96,8 +101,7 @@ class LociSearch:
                     line = self._settled(axis, value)
                     self.branches.extend(line.branches)
                     self._absorb(line.branches)
-        self._tori()
-        self._unstable()
+        self._deferred()
 
     def _settled(self, axis: int, value: float) -> Line:
         """A line with the families of the orbits on which trajectories settle at some of its points."""
@@ -129,8 +133,7 @@ class LociSearch:
         """Follow the curves through the special points of branches that are new; True where there was one."""
         before = len(self.loci)
         self._absorb(branches)
-        self._tori()
-        self._unstable()
+        self._deferred()
         return len(self.loci) > before
 
     def _pair(self, axis: int, place: float, value: float) -> str:
@@ -147,9 +150,12 @@ class LociSearch:
                 self.note(f"{MOST} curves were followed; there are more")
                 return
             point = queue.popleft()
+            age = self._generation(point)
             if self._bounds_nothing_stable(point):
                 if point.type not in RESONANT:  # unstable tori take long to find and bound nothing
-                    self.later.append(point)
+                    self.unstable.add(age, point)
+            elif age > 0:
+                self.cascades.add(age, point)
             elif point.type in RESONANT:
                 self.resonances.append(point)
             else:
@@ -173,17 +179,22 @@ class LociSearch:
         of_orbits = point.type in ORBITAL or point.type in ON_ORBITS
         return of_orbits and not self._is_map and "period" in point.values and point.values.get("unstable", 0) >= 1
 
-    def _unstable(self) -> None:
-        """Curves of unstable orbits, as far as the budget goes."""
-        while self.later:
-            point = self.later.popleft()
-            if self.on_unstable >= UNSTABLE:
-                self.note(f"curves of unstable orbits were followed for {UNSTABLE} points; there may be more")
-                self.later.clear()
-                return
-            before = self.spent
-            self._work(deque(self._follow(point)))
-            self.on_unstable += self.spent - before
+    def _generation(self, point: SpecialPoint) -> int:
+        """Of the family, or of the curve, that a special orbit is on."""
+        return self.generations.get(point.branch, generation(point.branch))
+
+    def _deferred(self) -> None:
+        """Curves of tori, of families that were born on others, and of unstable orbits, as far as the budgets go."""
+        self._tori()
+        for kind, points in (("orbits born on other families", self.cascades), ("unstable orbits", self.unstable)):
+            while (point := points.next()) is not None:
+                before = self.spent
+                self._work(deque(self._follow(point)))
+                self._tori()
+                points.used += self.spent - before
+            if points.waiting:
+                self.note(f"curves of {kind} were followed for {points.most} points; there may be more")
+                points.waiting.clear()
 
     def surviving(self, what: str) -> AbstractContextManager[None]:
         """An error inside costs only what is inside, and is noted."""
@@ -203,8 +214,9 @@ class LociSearch:
         targets = [Target(name, target) for target in marked]
         budget = OF_MAP if self._is_map else BUDGET
         explorer = Explorer(
-            name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch, doublings=DOUBLINGS
-        )
+            name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch, doublings=DOUBLINGS,
+            generations=GENERATIONS,
+        )  # fmt: skip
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
         line = Line(axis, value, explorer, explorer.explore(seeds))
         line.raise_if_stopped()
@@ -292,6 +304,7 @@ class LociSearch:
         if (repeats_curve if orbital else repeats)(branch, self.loci, self.box):
             return []
         self.loci.append(branch)
+        self.generations[branch.name] = self._generation(point)
         self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
         for end in branch.ends:
             if end.reason == "steps":
