@@ -175,7 +175,8 @@ class Explorer:
         if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
             self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
             return []
-        if not asked and branch.kind == "orbit" and generation(branch.name, FOUND_ON) >= self.generations:
+        leads_on = branch.kind == "orbit" and point.type in FOUND_ON
+        if leads_on and not asked and generation(branch.name, FOUND_ON) >= self.generations:
             self._note_once(diagram, f"families of orbits of the generation after {branch.name} were not followed")
             return []
         base = f"{branch.name}/{point.label}"
