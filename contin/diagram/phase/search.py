@@ -277,11 +277,12 @@ class LociSearch:
         ):
             return []
         seeds: Sequence[Seed] = ()
-        with noted(lambda text: self._refuse(point, text)):
+        place = f"{point.type} at {self._where(point)}: "
+        with noted(lambda text: self._refuse(point, place + text if DEFECT in text else text)):
             seeds = point.locus(self.parameters)
         found: list[SpecialPoint] = []
         for seed in seeds:
-            with noted(lambda text: self._refuse(point, f"{point.type} at {self._where(point)}: {text}")):
+            with noted(lambda text: self._refuse(point, place + text)):
                 found.extend(self._curve(point, seed))
         return found
 

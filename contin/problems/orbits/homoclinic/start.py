@@ -40,6 +40,8 @@ def connections_of_family(problem: OrbitProblem, point: SpecialPoint, parameters
     if not visited:
         raise InputError(f"{point.branch}.{point.label}: the orbit does not come near a saddle")
     loops = _passages(problem, profile, visited, sizes)
+    if not loops:
+        raise InputError(f"{point.branch}.{point.label}: the orbit does not leave the saddle that it comes near")
     orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)
     seeds = []
     for a, b, start, end in loops:
@@ -117,6 +119,8 @@ def _passages(
         a, b = int(which[begin]), int(which[finish])
         outside_a = np.flatnonzero(distances[a][span] > max(CLOSE, 2.0 * near[begin]))
         outside_b = np.flatnonzero(distances[b][span] > max(CLOSE, 2.0 * near[finish]))
+        if not (len(outside_a) and len(outside_b)):  # two visits of one saddle, with no loop between them
+            continue
         start, end = float(times[span[outside_a[0]]]), float(times[span[outside_b[-1]]])
         loops.append((a, b, start, end if end > start else end + 1.0))
     return loops
