@@ -13,6 +13,7 @@ from contin.continuation.problem import Problem, Sample, is_phased
 from contin.continuation.sameness import offset, seen, wrapped
 
 CLOSED: Final = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
+NEAR: Final = 4.0  # last steps: how close to its start a branch is where that is worth a look
 
 
 def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample, End] | None:
@@ -22,6 +23,9 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
     may have turned.
     """
     problem, scale = stretch.problem, stretch.frame.scale
+    near = NEAR * stretch.distance(stretch.base, last)
+    if is_phased(problem) and problem.apart(loop.z, last.z, scale) > near:
+        return None
     start = _in_phase(problem, loop, last, stretch)
 
     def along(sample: Sample) -> float:
@@ -29,7 +33,7 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
 
     if not (along(stretch.base) < 0.0 <= along(last)):
         return None
-    if np.linalg.norm(offset(problem, last.z, start.z, scale)) > 4 * stretch.distance(stretch.base, last):
+    if np.linalg.norm(offset(problem, last.z, start.z, scale)) > near:
         return None
     _, high = stretch.zero(along, stretch.base, last, 1e-9)
     start = _in_phase(problem, loop, high, stretch)

@@ -35,6 +35,23 @@ def in_phase(problem: Any, start: Sample, near: Array, scale: Array) -> Sample:
     return replace(start, z=z, tangent=tangent / np.linalg.norm(tangent))
 
 
+def apart(problem: Any, start: Array, near: Array, scale: Array) -> float:
+    """A distance that no shift in time brings two orbits closer than, in the metric of `near`.
+
+    Parameter and period know no phase, nor do mean and standard deviation of a state over the orbit, and a mean square
+    of differences is at least the sum of the squares of theirs. Up to the error of quadrature.
+    """
+    own, other, sizes = problem.profile(start), problem.profile(near), problem.sizes(near, scale)
+    gaps = [(own.parameter - other.parameter) / scale[-1], (own.period - other.period) / scale[other.u.size]]
+    periodic = np.asarray(problem.winding) == 0.0
+    moments = []
+    for orbit in (own, other):
+        mean = orbit.weights @ orbit.u
+        moments.append(np.array([mean, np.sqrt(orbit.weights @ (orbit.u - mean) ** 2)]))
+    states = ((moments[0] - moments[1]) / sizes)[:, periodic] / np.sqrt(own.n)
+    return float(np.sqrt(np.sum(np.square(gaps)) + np.sum(states**2)))
+
+
 def best_shift(problem: Any, own: Profile, other: Profile, sizes: Array) -> float:
     """s for which own(x + s) is nearest to other(x) in the mean, in parts of the period."""
     times = np.arange(SAMPLES) / SAMPLES

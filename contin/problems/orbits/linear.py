@@ -271,15 +271,15 @@ def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
 
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian
-    two = Bordered.of(jacobian, 2)
-    v, _, left = two.solve()
-    v = np.linalg.qr(v)[0]
+    right, g, left = Bordered.of(jacobian, 2).solve()
+    v = np.linalg.qr(right)[0]
     if float(np.linalg.norm(jacobian @ v)) < SINGULAR * float(abs(jacobian).max()):
         tangents = crossing(linear, v, left[:, 0])
         if tangents:
             return [embed(linear, t) for t in tangents]
-    v, _, _ = Bordered.of(jacobian, 1).solve()
-    return [embed(linear, v[:, 0])]
+    if not np.any(g):
+        return [embed(linear, Bordered.of(jacobian, 1).solve()[0][:, 0])]
+    return [embed(linear, right @ np.array([g[0, 1], -g[0, 0]]))]  # jacobian @ right = -b g
 
 
 def embed(linear: OrbitLinear, x: Array) -> Array:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.bordered import Bordered
+from contin.problems.orbits.bordered import Bordered, factors
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
@@ -103,10 +103,8 @@ class Variation:
         right = self._right(g)
         if singular:
             return self.raw(np.asarray(self.bordered.factors.solve(np.append(right, 0.0)))[:-1])
-        from scipy.sparse.linalg import splu
-
         matrix = self.matrix.astype(complex) if np.iscomplexobj(right) else self.matrix
-        return self.raw(splu(matrix).solve(right))
+        return self.raw(factors(matrix).solve(right))
 
 
 @dataclass(frozen=True, eq=False)

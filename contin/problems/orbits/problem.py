@@ -22,7 +22,7 @@ from contin.problems.orbits import marched_in_kernel
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
-from contin.problems.orbits.in_phase import cut_at_start, in_phase
+from contin.problems.orbits.in_phase import apart, cut_at_start, in_phase
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.orbits.marched_in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.sizes import state_sizes
@@ -119,6 +119,9 @@ class OrbitProblem(FamilyOfOrbits):
 
     def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
         return in_phase(self, start, near, scale) if self.autonomous and start.z.size == near.size else start
+
+    def apart(self, start: Array, near: Array, scale: Array) -> float:
+        return apart(self, start, near, scale)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if length == 0.0 and self.autonomous and self.is_constant(base.z, frame.scale):
