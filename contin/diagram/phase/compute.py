@@ -58,17 +58,17 @@ def phase(
     stopped = False
     try:
         search.run()
-        with search.surviving("the regions"):
+        with search.notes.surviving("the regions"):
             survey.run()
     except KeyboardInterrupt:
         stopped = True
-        search.note(_what_is_missing(survey))
+        search.notes.add(_what_is_missing(survey))
     loci = tuple(_without_parent(b, search.loci) for b in search.loci)
     regions: tuple[Region, ...] = ()
     borders: dict[tuple[int, int], frozenset[str]] = {}
-    with search.surviving("the names of the regions"):
+    with search.notes.surviving("the names of the regions"):
         regions, borders = regions_of(survey)
-    notes = tuple(dict.fromkeys(search.notes))
+    notes = tuple(search.notes)
     return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped)
 
 

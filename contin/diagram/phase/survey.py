@@ -91,7 +91,7 @@ class Survey:
         assert self.plane is not None
         left = [k for k, visit in enumerate(self.visits) if visit is None]
         for row in common_rows([self.plane.faces[k] for k in left]):
-            with self.search.surviving("a line across several regions, which were not looked at"):
+            with self.search.notes.surviving("a line across several regions, which were not looked at"):
                 self._visit_row([(left[k], point) for k, point in row])
 
     def _visit_row(self, row: Sequence[tuple[int, Array]]) -> None:
@@ -118,7 +118,7 @@ class Survey:
     def _surviving(self, visit: Visit) -> AbstractContextManager[None]:
         names = self.search.parameters
         where = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, visit.at, strict=True))
-        return self.search.surviving(f"states at {where}")
+        return self.search.notes.surviving(f"states at {where}")
 
     def _share(self) -> None:
         """Stable states of one region are looked for in the others: trajectories start beside them there."""
