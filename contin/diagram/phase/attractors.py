@@ -15,7 +15,7 @@ from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.cycles import cycles_reached
 from contin.diagram.phase.states import State, images_of
-from contin.errors import ContinError, NoSolutionError
+from contin.errors import AtRestError, ContinError, NoSolutionError
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
@@ -28,7 +28,9 @@ BESIDE: Final = 1e-3  # distance (relative) of a start from the stable state of 
 ZERO: Final = 1e-12  # relative to the states' sizes: a state at rest that decays to nothing is zero
 WINDOW, RESTING = 20.0, 1e-4  # time scales in which a trajectory at rest moves less than this part of the states' sizes
 SAMPLES: Final = 400  # of an orbit
-ROUGH: Final = 1e-7  # tolerance of that: on an attractor without a period no trajectory is followed for long, anyway
+FAIR: Final = 1e-8  # relative tolerance of trajectories that settle
+ROUGH: Final = 1e-7  # ... that may not: on an attractor without a period none is followed for long, anyway
+SMALLER: Final = 1e-2  # absolute tolerances beside these, relative to the states' sizes
 ROUNDS, ONE_ROUND = 64, 1e-5  # most rounds of an orbit that is run through several times; distance of these (relative)
 ENOUGH: Final = 1  # trajectories without a period after which others that stay in the same box are taken for the same
 ROOM: Final = 0.05  # of the extent of the box, around it
@@ -102,12 +104,13 @@ class _Trajectories:
 
         system = self.problem.system
         scale = time_scale(system, u, self.p)
-        end = integrate(system, u, self.p, TRANSIENT * scale, rtol=1e-8, atol=1e-10, budget=STEPS).end
+        size = self._size(u)
+        end = integrate(system, u, self.p, TRANSIENT * scale, rtol=FAIR, atol=SMALLER * FAIR * size, budget=STEPS).end
         if self._is_at_rest(end) or any(_is_on(end, orbit, self.periods) for orbit in self.orbits):
             return
         window = integrate(system, end, self.p, WINDOW * scale, times=np.linspace(0.0, WINDOW * scale, 200))
         moved = float(np.ptp(window.u, axis=0).max())
-        if moved < RESTING * max(self._size(), float(np.abs(u).max())):
+        if moved < RESTING * size:
             self._rest(end)
         elif len(self.wild) < ENOUGH or not self._is_wild(window.u):
             self._orbit(end, scale)
@@ -116,8 +119,10 @@ class _Trajectories:
         """True where a trajectory stays in the box of one that has no period."""
         return any(bool(np.all((low <= points) & (points <= high))) for low, high in self.wild)
 
-    def _size(self) -> float:
-        return max((float(np.abs(state.vector).max()) for state in self.states if state.orbit is None), default=0.0)
+    def _size(self, u: Array | None = None) -> float:
+        """Of the largest state of the equilibria, and of u; with u positive."""
+        size = max((float(np.abs(state.vector).max()) for state in self.states if state.orbit is None), default=0.0)
+        return size if u is None else max(size, float(np.abs(u).max())) or 1.0
 
     def _is_at_rest(self, u: Array) -> bool:
         """True near a stable equilibrium, or its image under a symmetry."""
@@ -154,8 +159,8 @@ class _Trajectories:
         from contin.simulate.trajectory import integrate
 
         system, time = self.problem.system, TRANSIENT * scale
-        size = max(self._size(), float(np.abs(u).max()))
-        u = integrate(system, u, self.p, LASTING * scale, rtol=ROUGH, atol=ROUGH * 1e-2 * max(self._size(), 1e-3)).end
+        size = self._size(u)
+        u = integrate(system, u, self.p, LASTING * scale, rtol=ROUGH, atol=SMALLER * ROUGH * size).end
         if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
             return
         path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
@@ -168,15 +173,16 @@ class _Trajectories:
 
         try:
             orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=LONGEST)
-        except NoSolutionError as error:
-            if self.lasting and "comes to rest" not in str(error):
+        except AtRestError:
+            return
+        except NoSolutionError:
+            if self.lasting:
                 self._wander(u, scale)
             return
         seed = self._once_round(orbit.seed(self.problem.parameters[0]))
         if known_orbit(seed.problem, seed.z, self.orbits) is None:
             self.orbits.append((seed.problem, seed.z))
             self.seeds.append(seed)
-
 
     def _once_round(self, seed: Seed) -> Seed:
         """The orbit that this one runs through several times, as a slowly decaying spiral around it seems to do."""
