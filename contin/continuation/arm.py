@@ -64,6 +64,7 @@ class Arm:
                 corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
             resolved = self._resolved(chunk, before, corner is not None)
             if resolved is None:  # the last step jumped to another branch: again, shorter
+                self._forget(corner)
                 chunk, corner = _without_last(chunk), None
                 resolved = resolve(self.course, chunk, before, self.scale, self.loop)
                 assert resolved is not None
@@ -76,7 +77,6 @@ class Arm:
                 return
             if corner is not None:
                 origin, before, length, step = corner[0], None, 0.0, settings.first_step
-                self.course.known.extend(mark.point for mark in corner[1].found)
                 yield corner[1]
                 continue
             step = chunk.next_step
@@ -145,11 +145,17 @@ class Arm:
         beyond, point = crossed
         marks: tuple[Row, ...] = ()
         if point is not None and not course.is_known(point, self.scale):
+            course.known.append(point)
             marks = (Row(1, 0.0, point, beyond.tangent),)
         notes: tuple[str, ...] = ()
         if point is None and chunk.unstable[-1] != beyond.unstable:
             notes = (f"{JUMP} near {course.position(beyond.z)}",)
         return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes)
+
+    def _forget(self, corner: tuple[Sample, Piece] | None) -> None:
+        """Forget a corner that the arm has not come to."""
+        for mark in () if corner is None else corner[1].found:
+            self.course.known.remove(mark.point)
 
 
 def _without_last(chunk: Chunk) -> Chunk:
