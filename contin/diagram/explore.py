@@ -59,6 +59,7 @@ class Explorer:
     journal: Journal | None = None
     doublings: int = 64  # how many period doublings in a row are followed
     generations: int = 64  # how many families of orbits in a row that are born on others
+    unstable_births: bool = True  # families born on others where those are unstable already
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -175,9 +176,12 @@ class Explorer:
         if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
             self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
             return []
-        leads_on = branch.kind == "orbit" and point.type in FOUND_ON
-        if leads_on and not asked and generation(branch.name, FOUND_ON) >= self.generations:
+        leads_on = branch.kind == "orbit" and point.type in FOUND_ON and not asked
+        if leads_on and generation(branch.name, FOUND_ON) >= self.generations:
             self._note_once(diagram, f"families of orbits of the generation after {branch.name} were not followed")
+            return []
+        if leads_on and point.type != "HOM" and not self.unstable_births and point.values.get("unstable", 0) > 0:
+            self._note_once(diagram, f"families born at unstable orbits of {branch.name} were not followed")
             return []
         base = f"{branch.name}/{point.label}"
         seeds: Sequence[Seed] = ()

@@ -120,7 +120,7 @@ class LociSearch:
         budget = OF_MAP if self.problem.system.kind == "map" else BUDGET
         explorer = Explorer(
             name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch, doublings=DOUBLINGS,
-            generations=GENERATIONS,
+            generations=GENERATIONS, unstable_births=False,
         )  # fmt: skip
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
         line = Line(axis, value, explorer, explorer.explore(seeds))
