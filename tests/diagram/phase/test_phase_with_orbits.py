@@ -82,6 +82,26 @@ def test_every_beating_state_of_the_averaged_pair_has_its_region():
         assert np.polynomial.Polynomial.fit(beta[near] - 0.8, mu[near], 4)(0.0) == pytest.approx(value, abs=2e-5)
 
 
+@pytest.mark.long
+def test_stable_states_of_the_averaged_pair_are_those_that_random_starts_settle_on():
+    """Equilibria and orbits, mirror images counted, that 500 random starts of the amplitude equations (Dormand-Prince,
+    written for this) settled on at each point. The turning orbits end at the fold through (1.887, 0.85907)."""
+    slow = contin.average(contin.load("metronomes/pair"), form="stokes")
+    box = {"mu": (0.05, 8.0), "beta": (0.5, 0.9)}
+    diagram = contin.phase(slow, ("mu", "beta"), box, start=["in-phase", "anti-phase"])
+    settled = {
+        (0.92, 0.877): (2, 0), (0.92, 0.84): (2, 1), (1.1127, 0.8927): (2, 0), (0.1946, 0.6323): (2, 2),
+        (0.4423, 0.8373): (2, 1), (3.2854, 0.8491): (2, 2), (3.9825, 0.8373): (2, 3), (4.0967, 0.8373): (4, 1),
+        (6.583, 0.7892): (3, 1), (5.5993, 0.8772): (3, 0), (2.638, 0.6323): (2, 0), (0.091, 0.8373): (4, 0),
+    }  # fmt: skip
+    for (mu, beta), expected in settled.items():
+        region = diagram.region_at({"mu": mu, "beta": beta})
+        assert (region.stable, region.stable_orbits) == expected, (mu, beta)
+    curves = [b for b in diagram.loci if b.locus == "LPC"]
+    turning = [np.column_stack([b.columns["mu"], b.columns["beta"]]) for b in curves]
+    assert min(np.hypot(*((rows - [1.887, 0.85907]) / [8.0, 0.4]).T).min() for rows in turning) < 0.05
+
+
 def test_regions_beside_a_symmetric_bogdanov_takens_point():
     """x'' = m x + n x' - x^3 - x^2 x': beside the origin, homoclinic loops on n = 4 m/5, folds of large orbits on
     n = 0.752 m, Hopf points on n = m (Carr, Applications of Centre Manifold Theory, 1981, section 4.2). A line of the
