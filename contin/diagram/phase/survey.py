@@ -148,7 +148,8 @@ class Survey:
                     continue
                 before = _equilibria(few)
                 for state in many.states:
-                    if not state.is_orbit and _equilibria(few) < _equilibria(many):
+                    has_branch = not state.is_orbit and state not in many.rests
+                    if has_branch and _equilibria(few) < _equilibria(many):
                         with self._surviving(few):
                             few.add(self._brought(many, state, few.at[1]))
                 changed |= _equilibria(few) > before
