@@ -32,7 +32,7 @@ FAIR: Final = 1e-8  # relative tolerance of trajectories that settle
 ROUGH: Final = 1e-7  # ... that may not: on an attractor without a period none is followed for long, anyway
 SMALLER: Final = 1e-2  # absolute tolerances beside these, relative to the states' sizes
 ROUNDS, ONE_ROUND = 64, 1e-5  # most rounds of an orbit that is run through several times; distance of these (relative)
-ENOUGH: Final = 1  # trajectories without a period after which others that stay in the same box are taken for the same
+BRIEF: Final = 600.0  # time scales for an orbit in the box of an attractor without a period that is known from before
 ROOM: Final = 0.05  # of the extent of the box, around it
 
 
@@ -41,32 +41,36 @@ class Reached:
     """What trajectories settled on that was not known.
 
     `seeds` : of branches, in the parameter of the line.  `rests` : states at rest where the equations have no
-    derivatives.  `aperiodic` : 1 where some trajectory goes on for ever without a period.
+    derivatives.  `aperiodic` : 1 where some trajectory goes on for ever without a period.  `wild` : corners of boxes
+    that hold such trajectories.
     """
 
     seeds: tuple[Seed, ...] = ()
     rests: tuple[State, ...] = ()
     aperiodic: int = 0
+    wild: tuple[tuple[Array, Array], ...] = ()
 
 
 def reached(
-    problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None, lasting: bool = True
-) -> Reached:
+    problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None, lasting: bool = True,
+    wild: Sequence[tuple[Array, Array]] = (),
+) -> Reached:  # fmt: skip
     """Stable states on which trajectories settle, without those that are known.
 
     `problem` : of the equilibria on the line.  `states` : all that is known where its parameter has this value.
     Trajectories start from `starts`; by default beside every unstable equilibrium, on both sides along its most
     unstable direction, and from `SCATTERED` points around all known states and as many near zero. `lasting` : those
-    that do not settle for long are followed until it is plain that they never do.
+    that do not settle for long are followed until it is plain that they never do. `wild` : boxes in which one did so
+    before; of trajectories that stay in one, the first is given some time to settle on an orbit there, after all.
     """
     if problem.system.kind == "map":
         known = [state.vector for state in states]
         return Reached(*_of_a_map(problem, known, value, _scattered(states) if starts is None else starts))
-    search = _Trajectories(problem, list(states), value, lasting)
+    search = _Trajectories(problem, list(states), value, lasting, wild=list(wild))
     for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)] if starts is None else starts:
         with suppress(ContinError, np.linalg.LinAlgError):
             search.follow(u)
-    return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic)
+    return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild))
 
 
 def _of_a_map(problem: Any, known: Sequence[Array], value: float, starts: Sequence[Array]) -> tuple[Any, Any, int]:
@@ -85,6 +89,7 @@ class _Trajectories:
     seeds: list[Seed] = field(default_factory=list)
     rests: list[State] = field(default_factory=list)
     wild: list[tuple[Array, Array]] = field(default_factory=list)  # boxes that hold trajectories without a period
+    looked: bool = False  # for orbits in such a box: other trajectories that stay there are taken for the same
 
     @property
     def aperiodic(self) -> int:
@@ -112,8 +117,11 @@ class _Trajectories:
         moved = float(np.ptp(window.u, axis=0).max())
         if moved < RESTING * size:
             self._rest(end)
-        elif len(self.wild) < ENOUGH or not self._is_wild(window.u):
+        elif not self._is_wild(window.u):
             self._orbit(end, scale)
+        elif not self.looked:
+            self.looked = True
+            self._orbit(end, scale, BRIEF)
 
     def _is_wild(self, points: Array) -> bool:
         """True where a trajectory stays in the box of one that has no period."""
@@ -166,17 +174,18 @@ class _Trajectories:
         path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
         extent = np.ptp(path, axis=0)
         if float(extent.max()) > RESTING * size:
+            self.looked = True
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
-    def _orbit(self, u: Array, scale: float) -> None:
+    def _orbit(self, u: Array, scale: float, longest: float = LONGEST) -> None:
         from contin.problems.shooting.start import settled_orbit
 
         try:
-            orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=LONGEST)
+            orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=longest)
         except AtRestError:
             return
         except NoSolutionError:
-            if self.lasting:
+            if self.lasting and longest == LONGEST:
                 self._wander(u, scale)
             return
         seed = self._once_round(orbit.seed(self.problem.parameters[0]))

@@ -37,6 +37,7 @@ class Visit:
     width: float  # of the parameter's range
     rests: tuple[State, ...] = ()  # where trajectories come to rest and the equations have no derivatives
     aperiodic: int = 0  # 1 where trajectories settle on something without a period
+    wild: tuple[tuple[Array, Array], ...] = ()  # boxes of states that hold such trajectories
     offered: dict[int, int] = field(default_factory=dict)  # by other visit: how many of its states were looked for here
     _states: tuple[int, tuple[State, ...]] = (-1, ())
 
@@ -110,10 +111,10 @@ class Survey:
         """Add the stable states that trajectories from here, or from these `starts`, settle on."""
         if self.search.settle:
             problem = replace(self.search.problem, base=self.search.held(0, visit.at[1]))
-            found = reached(problem, visit.states, visit.at[0], starts)
+            found = reached(problem, visit.states, visit.at[0], starts, wild=visit.wild)
             visit.add(found.seeds)
             visit.rests += found.rests
-            visit.aperiodic = max(visit.aperiodic, found.aperiodic)
+            visit.aperiodic, visit.wild = max(visit.aperiodic, found.aperiodic), found.wild
 
     def _surviving(self, visit: Visit) -> AbstractContextManager[None]:
         names = self.search.parameters

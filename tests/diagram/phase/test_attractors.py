@@ -1,9 +1,15 @@
 """Stable states that no branch from the start leads to: trajectories settle on them, and regions are named by them."""
 
+from unittest import mock
+
 import numpy as np
 import pytest
 
 import contin
+from contin.diagram.phase import attractors
+from contin.lowering import compile_system
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.simulate import trajectory
 from tests.problems.follow import model
 
 BOX = {"c": (0.2, 1.2), "b": (0.3, 1.4)}
@@ -53,3 +59,30 @@ def test_the_equilibrium_that_is_far_from_the_start_is_named_where_it_exists(lan
     fold = 2 / 3 * 0.95**1.5
     for c in (fold - 0.05, fold + 0.05):
         assert langford.region_at({"c": c, "b": 1.2}).stable == int(c < fold)
+
+
+def test_an_attractor_without_a_period_is_followed_for_long_once():
+    """Lorenz (1963) at r = 28: of two trajectories the first is followed until it is plain that it never settles.
+
+    A later search that knows of it spends less than a tenth of the time, whichever trajectories it starts.
+    """
+    equations = {"x": "10*(y - x)", "y": "r*x - y - x*z", "z": "x*y - 8/3*z"}
+    system = compile_system(model(equations, {"x": 1.0, "y": 1.0, "z": 20.0}, {"r": 28.0}))
+    problem = EquilibriumProblem(system, np.array([28.0]), 0)
+    starts = [np.array([1.0, 2.0, 20.0]), np.array([-5.0, -6.0, 25.0])]
+    times = []
+
+    def counted(*args, **kwargs):
+        times.append(args[3])
+        return whole(*args, **kwargs)
+
+    whole = trajectory.integrate
+    with mock.patch.object(trajectory, "integrate", counted):
+        first = attractors.reached(problem, [], 28.0, starts)
+        long = sum(times)
+        times.clear()
+        again = attractors.reached(problem, [], 28.0, starts[::-1], wild=first.wild)
+    assert (first.aperiodic, again.aperiodic) == (1, 1)
+    assert first.seeds == again.seeds == ()
+    assert len(again.wild) == 1
+    assert sum(times) < 0.1 * long
