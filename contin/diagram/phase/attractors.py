@@ -178,6 +178,7 @@ class _Trajectories:
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
     def _orbit(self, u: Array, scale: float, longest: float = LONGEST) -> None:
+        from contin.problems.orbits.simulation import UNSTABLE
         from contin.problems.shooting.start import settled_orbit
 
         try:
@@ -185,12 +186,15 @@ class _Trajectories:
         except AtRestError:
             return
         except NoSolutionError:
-            if self.lasting and longest == LONGEST:
+            if self.lasting and longest >= LONGEST:
                 self._wander(u, scale)
             return
         seed = self._once_round(orbit.seed(self.problem.parameters[0]))
-        if known_orbit(seed.problem, seed.z, self.orbits) is None:
-            self.orbits.append((seed.problem, seed.z))
+        problem: Any = seed.problem
+        if longest < LONGEST and np.nanmax(np.abs(problem.multipliers(seed.z)), initial=0.0) > UNSTABLE:
+            return  # passed by chance, as orbits in a chaotic attractor are
+        if known_orbit(problem, seed.z, self.orbits) is None:
+            self.orbits.append((problem, seed.z))
             self.seeds.append(seed)
 
     def _once_round(self, seed: Seed) -> Seed:
