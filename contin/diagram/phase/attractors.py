@@ -21,6 +21,7 @@ PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, re
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
 LASTING: Final = 20_000.0  # ... and in which one that did not must go on, to be an attractor and no long transient
 TRANSIENT, STEPS = 300.0, 6_000  # time scales of the first look, which must not take more steps (or escapes)
+LEG: Final = 100_000  # steps between two looks whether a trajectory has settled; more where it escapes, growing stiff
 ARRIVED: Final = 1e-3  # distance (relative) from a stable equilibrium at which a trajectory has reached it
 TRIED, SCATTERED = 6, 12  # trajectories at one point of the box, from beside unstable equilibria and from anywhere
 SMALL: Final = 0.1  # ... and from points so much nearer to zero
@@ -168,7 +169,10 @@ class _Trajectories:
 
         system, time = self.problem.system, TRANSIENT * scale
         size = self._size(u)
-        u = integrate(system, u, self.p, LASTING * scale, rtol=ROUGH, atol=SMALLER * ROUGH * size).end
+        rate = STEPS / TRANSIENT  # as in the first look
+        u = integrate(
+            system, u, self.p, LASTING * scale, rtol=ROUGH, atol=SMALLER * ROUGH * size, budget=int(rate * LASTING)
+        ).end
         if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
             return
         path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
@@ -182,7 +186,7 @@ class _Trajectories:
         from contin.problems.shooting.start import settled_orbit
 
         try:
-            orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=longest)
+            orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=longest, budget=LEG)
         except AtRestError:
             return
         except NoSolutionError:

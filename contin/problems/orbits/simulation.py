@@ -55,13 +55,14 @@ def orbit_by_simulation(
     intervals: int | None = None,
     points: int = 4,
     longest: float = LONGEST,
+    budget: int = BUDGET,
 ) -> PeriodicOrbit:
     """The orbit that the trajectory from u settles on (or already lies on), within `longest` time scales.
 
-    Raises NoSolutionError where the trajectory comes to rest, does not return within the time, or where Newton on the
-    closed trajectory fails; NotFiniteError where it escapes.
+    `budget` : steps between two looks whether it has. Raises NoSolutionError where the trajectory comes to rest, does
+    not return within the time, or where Newton on the closed trajectory fails; NotFiniteError where it escapes.
     """
-    near = find_return(system, u, p, periods, transient, longest)
+    near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = _polished(system, near, p, periods, intervals, points)
     times = _covered(orbit)
     if times > 1:  # a transient that had nearly gone closed best after several periods of the forcing
@@ -101,8 +102,9 @@ def refuse_chance(near: Return, orbit: Any) -> None:
 
 
 def find_return(
-    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0, longest: float = LONGEST
-) -> Return:
+    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0, longest: float = LONGEST,
+    budget: int = BUDGET,
+) -> Return:  # fmt: skip
     """Where the trajectory from u, settled, nearly closes; errors as above."""
     from contin.simulate.trajectory import integrate
 
@@ -115,7 +117,7 @@ def find_return(
     largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
     while total < longest * scale:
-        path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800), budget=BUDGET)
+        path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800), budget=budget)
         total += time
         largest = np.maximum(largest, np.abs(path.u).max(axis=0))
         extent, recent = np.ptp(path.u[400:], axis=0), np.ptp(path.u[-100:], axis=0)

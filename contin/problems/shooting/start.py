@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError
-from contin.problems.orbits.simulation import LONGEST, find_return, orbit_by_simulation, refuse_chance
+from contin.problems.orbits.simulation import BUDGET, LONGEST, find_return, orbit_by_simulation, refuse_chance
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased, section_at
@@ -58,7 +58,7 @@ def shooting_chosen(system: Any, method: str | None) -> bool:
 
 def settled_orbit(
     system: Any, u: Array, p: Array, periods: Array, *, method: str | None = None, transient: float = 0.0,
-    longest: float = LONGEST, intervals: int | None = None, points: int = 4,
+    longest: float = LONGEST, budget: int = BUDGET, intervals: int | None = None, points: int = 4,
 ) -> PeriodicOrbit | ShotOrbit:  # fmt: skip
     """The orbit that the trajectory from u settles on, by the method that is asked for or that the flow wants.
 
@@ -66,8 +66,8 @@ def settled_orbit(
     """
     if not shooting_chosen(system, method):
         options: dict[str, Any] = {"transient": transient, "intervals": intervals, "points": points}
-        return orbit_by_simulation(system, u, p, periods, longest=longest, **options)
-    near = find_return(system, u, p, periods, transient, longest)
+        return orbit_by_simulation(system, u, p, periods, longest=longest, budget=budget, **options)
+    near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = orbit_from_return(system, near.u, p, periods, near.period, near.multiple, intervals)
     refuse_chance(near, orbit)
     return orbit

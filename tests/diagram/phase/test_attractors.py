@@ -86,3 +86,21 @@ def test_an_attractor_without_a_period_is_followed_for_long_once():
     assert first.seeds == again.seeds == ()
     assert len(again.wild) == 1
     assert sum(times) < 0.1 * long
+
+
+def test_a_trajectory_that_turns_ever_faster_is_given_up():
+    """x + i y turns at the rate of its size and grows slowly, so a time scale of its start takes ever more steps."""
+    equations = {"x": "0.02*x - y*(1 + x^2 + y^2)", "y": "x*(1 + x^2 + y^2) + 0.02*y + 0*r"}
+    system = compile_system(model(equations, {"x": 1.0, "y": 0.0}, {"r": 0.0}))
+    problem = EquilibriumProblem(system, np.array([0.0]), 0)
+    allowed = []
+
+    def counted(*args, **kwargs):
+        allowed.append(kwargs.get("budget"))
+        return whole(*args, **kwargs)
+
+    whole = trajectory.integrate
+    with mock.patch.object(trajectory, "integrate", counted):
+        found = attractors.reached(problem, [], 0.0, [np.array([0.05, 0.0])])
+    assert (found.seeds, found.rests, found.aperiodic) == ((), (), 0)
+    assert max(budget or 0 for budget in allowed) <= 400_000
