@@ -8,7 +8,7 @@ time: the update of the rest reads and writes every row once for four pivots, tw
 import numpy as np
 
 from contin.kernels.compile import vector_kernel
-from contin.kernels.vector import subtract_four
+from contin.kernels.vector import multiply, subtract_four
 
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
@@ -29,29 +29,25 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
         if part == 0:
             return 0
         sign *= part
+        _from_panel(a, i, np.uint64(first), np.uint64(end - first), panel)
+        _solve_lower(a, i, first, end, end, panel)
         if end - first == 4:
-            _pivot_rows(a, i, first)
-            place = i * rows * width
-            below, rest = place + end * width, rows - end
+            below = (i * rows + end) * width
+            pivot_rows = (i * rows + first) * width + end
             subtract_four(
-                a, below + end, width, rest, a, place + first * width + end, width, a, below + first, width, 1,
-                width - end,
-            )  # fmt: skip
+                a, below + end, width, rows - end, a, pivot_rows, width, a, below + first, width, 1, width - end
+            )
         else:
-            for k in range(np.uint64(first), np.uint64(end)):
-                for r in range(k + np.uint64(1), np.uint64(rows)):
-                    factor = a[i, r, k]
-                    for c in range(np.uint64(end), np.uint64(a.shape[2])):
-                        a[i, r, c] -= factor * a[i, k, c]
+            _subtract_few(a, i, end, rows, first, end, end, panel)
         first = end
     return sign
 
 
 @vector_kernel
 def _panel(a, i, first, end, candidates, pivots, panel):
-    """Factor columns first .. end - 1 (at most four), worked on side by side in panel (4, rows).
+    """Factor columns first .. end - 1 (at most four), which stand side by side in panel (4, rows) afterwards.
 
-    Rows are exchanged as a whole; the other columns of the pivot rows are not touched otherwise.
+    Of a[i], rows are exchanged as a whole, and nothing else is touched.
     """
     rows, start, one = np.uint64(a.shape[1]), np.uint64(first), np.uint64(1)
     columns = np.uint64(end) - start
@@ -90,7 +86,6 @@ def _panel(a, i, first, end, candidates, pivots, panel):
             factor = panel[c, k]
             for r in range(k + one, rows):
                 panel[c, r] -= factor * panel[j, r]
-    _from_panel(a, i, start, columns, panel)
     return sign
 
 
@@ -125,19 +120,68 @@ def _from_panel(a, i, start, columns, panel):
 
 
 @vector_kernel
-def _pivot_rows(a, i, first):
-    """Apply four factored columns to the rest of the rows that hold their pivots."""
+def _subtract_few(a, i, low, high, first, end, beyond, panel):
+    """Rows low .. high - 1 of a[i] minus their factors in `panel` times the pivot rows, of which there are fewer than
+    four; columns from `beyond` on.
+    """
+    for r in range(np.uint64(low), np.uint64(high)):
+        for k in range(np.uint64(first), np.uint64(end)):
+            x = panel[k - np.uint64(first), r]
+            for c in range(np.uint64(beyond), np.uint64(a.shape[2])):
+                a[i, r, c] -= x * a[i, k, c]
+
+
+@vector_kernel
+def _solve_lower(a, i, first, end, beyond, panel):
+    """The pivot rows of a[i] are solved with L, which stands in `panel`; columns from `beyond` on."""
+    start, width = np.uint64(beyond), np.uint64(a.shape[2])
     k0 = np.uint64(first)
-    k1, k2, k3 = k0 + np.uint64(1), k0 + np.uint64(2), k0 + np.uint64(3)
-    f, g, h = a[i, k1, k0], a[i, k2, k0], a[i, k2, k1]
-    p, q, r = a[i, k3, k0], a[i, k3, k1], a[i, k3, k2]
-    for c in range(k3 + np.uint64(1), np.uint64(a.shape[2])):
-        x = a[i, k0, c]
-        y = a[i, k1, c] - f * x
-        z = a[i, k2, c] - g * x - h * y
-        a[i, k1, c] = y
-        a[i, k2, c] = z
-        a[i, k3, c] -= p * x + q * y + r * z
+    if end - first == 4:  # in one pass
+        k1, k2, k3 = k0 + np.uint64(1), k0 + np.uint64(2), k0 + np.uint64(3)
+        f, g, h = panel[0, k1], panel[0, k2], panel[1, k2]
+        p, q, r = panel[0, k3], panel[1, k3], panel[2, k3]
+        for c in range(start, width):
+            x = a[i, k0, c]
+            y = a[i, k1, c] - f * x
+            z = a[i, k2, c] - g * x - h * y
+            a[i, k1, c] = y
+            a[i, k2, c] = z
+            a[i, k3, c] -= p * x + q * y + r * z
+        return
+    for k in range(k0, np.uint64(end)):
+        for t in range(k0, k):
+            x = panel[t - k0, k]
+            for c in range(start, width):
+                a[i, k, c] -= x * a[i, t, c]
+
+
+@vector_kernel
+def _solve_upper(a, i, first, end, panel):
+    """The pivot rows of a[i] are solved with U, which stands in `panel`."""
+    width = np.uint64(a.shape[2])
+    k0 = np.uint64(first)
+    if end - first == 4:
+        k1, k2, k3 = k0 + np.uint64(1), k0 + np.uint64(2), k0 + np.uint64(3)
+        f, g, h = panel[1, k0], panel[2, k0], panel[2, k1]
+        p, q, r = panel[3, k0], panel[3, k1], panel[3, k2]
+        s, t, u, v = 1.0 / panel[0, k0], 1.0 / panel[1, k1], 1.0 / panel[2, k2], 1.0 / panel[3, k3]
+        for c in range(width):
+            z = a[i, k3, c] * v
+            y = (a[i, k2, c] - r * z) * u
+            x = (a[i, k1, c] - q * z - h * y) * t
+            a[i, k3, c] = z
+            a[i, k2, c] = y
+            a[i, k1, c] = x
+            a[i, k0, c] = (a[i, k0, c] - p * z - g * y - f * x) * s
+        return
+    for k in range(end - 1, first - 1, -1):
+        for j in range(k + 1, end):
+            x = panel[j - first, k]
+            for c in range(width):
+                a[i, k, c] -= x * a[i, j, c]
+        x = 1.0 / panel[k - first, k]
+        for c in range(width):
+            a[i, k, c] *= x
 
 
 @vector_kernel
@@ -156,20 +200,18 @@ def invert_dense(a, i, pivots, panel):
         if part == 0:
             return 0
         sign *= part
-        _take_factors(a, i, first, end, panel)
-        _solve_rows(a, i, first, end, panel)
+        _identity(a, i, first, end, panel)
+        place, stride = i * d * d, panel.shape[1]
+        above, pivot_rows = place + end * d, place + first * d
+        _solve_lower(a, i, first, end, 0, panel)
         if end - first == 4:
-            place, stride = i * d * d, panel.shape[1]
-            above, row = place + end * d, place + first * d
-            subtract_four(a, place, d, first, a, row, d, panel, 0, 1, stride, d)
-            subtract_four(a, above, d, d - end, a, row, d, panel, end, 1, stride, d)
+            subtract_four(a, above, d, d - end, a, pivot_rows, d, panel, end, 1, stride, d)
+            _solve_upper(a, i, first, end, panel)
+            subtract_four(a, place, d, first, a, pivot_rows, d, panel, 0, 1, stride, d)
         else:
-            for r in range(d):
-                if r < first or r >= end:
-                    for k in range(first, end):
-                        x = panel[k - first, r]
-                        for c in range(np.uint64(d)):
-                            a[i, r, c] -= x * a[i, k, c]
+            _subtract_few(a, i, end, d, first, end, 0, panel)
+            _solve_upper(a, i, first, end, panel)
+            _subtract_few(a, i, 0, first, first, end, 0, panel)
         first = end
     for k in range(d - 1, -1, -1):
         p = pivots[i, k]
@@ -182,46 +224,22 @@ def invert_dense(a, i, pivots, panel):
 
 
 @vector_kernel
-def _take_factors(a, i, first, end, panel):
-    """Columns first .. end - 1 of a[i], as they were before `_panel` factored them, into `panel`; of the pivot rows L
-    and U. Then these columns are those of the identity.
-    """
-    for r in range(a.shape[1]):
-        for j in range(end - first - 1, -1, -1):
-            x = a[i, r, first + j]
-            if r >= end:
-                x *= a[i, first + j, first + j]
-                for t in range(j):
-                    x += a[i, r, first + t] * a[i, first + t, first + j]
-            panel[j, r] = x
-    for r in range(a.shape[1]):
-        for c in range(first, end):
+def _identity(a, i, first, end, panel):
+    """Columns first .. end - 1 of a[i] become those of the identity; what stood above row `first` goes to `panel`."""
+    start, beyond = np.uint64(first), np.uint64(end)
+    for r in range(start):
+        for c in range(start, beyond):
+            panel[c - start, r] = a[i, r, c]
+            a[i, r, c] = 0.0
+    for r in range(start, np.uint64(a.shape[1])):
+        for c in range(start, beyond):
             a[i, r, c] = 1.0 if r == c else 0.0
 
 
 @vector_kernel
-def _solve_rows(a, i, first, end, panel):
-    """The pivot rows of a[i] are solved with L and U, which `_take_factors` has left in `panel`."""
-    width = np.uint64(a.shape[2])
-    for k in range(first, end):
-        for t in range(first, k):
-            x = panel[t - first, k]
-            for c in range(width):
-                a[i, k, c] -= x * a[i, t, c]
-    for k in range(end - 1, first - 1, -1):
-        for t in range(k + 1, end):
-            x = panel[t - first, k]
-            for c in range(width):
-                a[i, k, c] -= x * a[i, t, c]
-        x = 1.0 / panel[k - first, k]
-        for c in range(width):
-            a[i, k, c] *= x
-
-
-@vector_kernel
 def eliminate_right_dense(a, count, low, high, pivots, right, v):
-    """The same operations on right-hand sides (rows, N), lanes low .. high - 1; v is memory for one of them."""
-    rows = a.shape[1]
+    """The same operations on right-hand sides (rows, N), lanes low .. high - 1; v (rows + 4,) is memory."""
+    rows, width = a.shape[1], a.shape[2]
     for i in range(low, high):
         for r in range(rows):
             v[r] = right[r, i]
@@ -231,25 +249,41 @@ def eliminate_right_dense(a, count, low, high, pivots, right, v):
                 swap = v[k]
                 v[k] = v[p]
                 v[p] = swap
-        for r in range(1, rows):
-            total = 0.0
-            for k in range(np.uint64(0), np.uint64(min(r, count))):
-                total += a[i, r, k] * v[k]
-            v[r] -= total
-        for r in range(rows):
+        for first in range(0, count, 4):
+            end = min(first + 4, count)
+            multiply(v, rows, a, (i * rows + first) * width, width, end - first, v, 0, first)
+            for r in range(first, end):
+                total = v[r] - v[rows + r - first]
+                for k in range(first, r):
+                    total -= a[i, r, k] * v[k]
+                v[r] = total
+        for r in range(count):
             right[r, i] = v[r]
+        for first in range(count, rows, 4):
+            end = min(first + 4, rows)
+            multiply(v, rows, a, (i * rows + first) * width, width, end - first, v, 0, count)
+            for r in range(first, end):
+                right[r, i] = v[r] - v[rows + r - first]
 
 
 @vector_kernel
 def substitute_back_dense(a, count, low, high, known, right, v):
-    """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns, known (width - count, N)."""
-    width = a.shape[2]
+    """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns, known (width - count, N).
+
+    v (width + 4,) is memory.
+    """
+    rows, width = a.shape[1], a.shape[2]
     for i in range(low, high):
         for c in range(count, width):
             v[c] = known[c - count, i]
-        for k in range(count - 1, -1, -1):
-            total = 0.0
-            for c in range(np.uint64(k + 1), np.uint64(width)):
-                total += a[i, k, c] * v[c]
-            v[k] = (right[k, i] - total) / a[i, k, k]
-            right[k, i] = v[k]
+        end = count
+        while end > 0:
+            first = max(end - 4, 0)
+            multiply(v, width, a, (i * rows + first) * width + end, width, end - first, v, end, width - end)
+            for k in range(end - 1, first - 1, -1):
+                total = right[k, i] - v[width + k - first]
+                for c in range(k + 1, end):
+                    total -= a[i, k, c] * v[c]
+                v[k] = total / a[i, k, k]
+                right[k, i] = v[k]
+            end = first

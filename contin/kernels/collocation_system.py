@@ -45,7 +45,7 @@ Factors = namedtuple(
         "last_right_block",  # (n, n): coefficient of u(1) in the last block, for the periodicity's right-hand side
         "last_border_right",  # (2, n)
         "last_pivots",
-        "work",  # (max(N, (m + 1) n + 2),)
+        "work",  # (max(N, (m + 1) n + 2, 3 n + 2) + 4,)
         "panel",  # (4, max(m n, 2 n) + 2)
         "right_local",  # (m n, N) right-hand sides of the collocation equations
         "right_inner",  # ((m - 1) n + 2, N) those of `local`
@@ -83,7 +83,7 @@ def new_factors(n, m, intervals):
         np.zeros((n, n)),
         np.zeros((2, n)),
         np.zeros(n + 2, np.int64),
-        np.zeros(max(intervals, (m + 1) * n + 2, 3 * n + 2)),
+        np.zeros(max(intervals, (m + 1) * n + 2, 3 * n + 2) + 4),
         np.zeros((4, max(m * n, 2 * n) + 2)),
         np.zeros((m * n, intervals)),
         np.zeros(((m - 1) * n + 2, intervals)),

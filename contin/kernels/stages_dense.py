@@ -4,6 +4,7 @@ import numpy as np
 
 from contin.kernels.collocation_dense import invert_dense
 from contin.kernels.compile import vector_kernel
+from contin.kernels.vector import multiply
 
 
 @vector_kernel
@@ -128,17 +129,14 @@ def fill_timing_dense(e, g, i, local):
 def reduce_stages_dense(g, n, m, right, reduced):
     """Right-hand sides `right` (m n, N) -> g.outer and `reduced` ((m - 1) n + 2, N), those of `local`."""
     outer, inverse, differences, nodes, borders, v = g.outer, g.inverse, g.differences, g.nodes, g.borders, g.vector
-    inner, far = (m - 2) * n, (m - 1) * n
+    inner, far, size = (m - 2) * n, (m - 1) * n, 2 * n
     for i in range(right.shape[1]):
         for k in range(n):
             v[0, k] = right[k, i]
             v[0, n + k] = right[far + k, i]
-        for r in range(2 * n):
-            total = 0.0
-            for q in range(np.uint64(2 * n)):
-                total += inverse[i, r, q] * v[0, q]
-            v[1, r] = total
-            outer[r, i] = total
+        multiply(v, v.shape[1], inverse, i * size * size, size, size, v, 0, size)
+        for r in range(size):
+            outer[r, i] = v[1, r]
         for k in range(n):
             for c in range(1, m - 1):
                 x = differences[c, 1] * v[1, k] + differences[c, m] * v[1, n + k]
@@ -155,7 +153,7 @@ def reduce_stages_dense(g, n, m, right, reduced):
 def expand_stages_dense(g, n, m, points, inner_values, period, parameter):
     """g.values from u at the mesh points (n, N + 1), the inner stages' values ((m - 2) n, ..), T, p and g.outer."""
     values, outer, inverse, differences, timing, v = g.values, g.outer, g.inverse, g.differences, g.timing, g.vector
-    inner, far = (m - 2) * n, (m - 1) * n
+    inner, far, size = (m - 2) * n, (m - 1) * n, 2 * n
     for i in range(values.shape[1]):
         for r in range(inner):
             values[n + r, i] = inner_values[r, i]
@@ -166,9 +164,7 @@ def expand_stages_dense(g, n, m, points, inner_values, period, parameter):
                 for d in range(1, m - 1):
                     x += differences[row, d + 1] * values[d * n + k, i]
                 v[0, a * n + k] = x
-        for s in range(2 * n):
-            total = 0.0
-            for q in range(np.uint64(2 * n)):
-                total += inverse[i, s, q] * v[0, q]
-            x = outer[s, i] - timing[i, 0, s] * period - timing[i, 1, s] * parameter - total
+        multiply(v, v.shape[1], inverse, i * size * size, size, size, v, 0, size)
+        for s in range(size):
+            x = outer[s, i] - timing[i, 0, s] * period - timing[i, 1, s] * parameter - v[1, s]
             values[s if s < n else far + s - n, i] = x

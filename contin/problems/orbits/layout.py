@@ -130,7 +130,7 @@ def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) 
 
 def sizes_of(scale: Array, h: Array, n: int, m: int) -> Array:
     """The states' sizes that `make_scale` was given."""
-    return np.asarray(scale[:n] * np.sqrt(node_weights(h, m)[0] / n))
+    return np.asarray(scale[:n] * np.sqrt(h[0] * basis(m).node_weights[0] / n))
 
 
 def extrema(values: Array, m: int) -> tuple[Array, Array]:

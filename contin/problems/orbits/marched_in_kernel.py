@@ -16,8 +16,9 @@ from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.memory import memory_of
 from contin.problems.orbits.mesh import WORTHWHILE, estimate
-from contin.problems.orbits.planar import applies, resolve
+from contin.problems.orbits.planar import applies, resolve, unresolved
 from contin.problems.orbits.rows import Rows
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def march(
         for row in range(max(m - 2, 0), m):
             _measure(family, out, row, Frame(frame.scale, float(info[3])))
     if applies(family):
-        for row in range(m):
+        for row in np.flatnonzero(unresolved(out.re[:m], out.im[:m], out.tests[:m])).tolist():
             _resolve(family, out, row)
         changed = np.flatnonzero(np.diff(out.unstable[:m]))
         if changed.size:  # the march may have counted otherwise: what happens in its last step is looked at
@@ -123,9 +124,7 @@ def _call(
     none, size = np.empty(0), out.z.shape[1]
     intervals = (size - n - 2) // (family.points * n + 1)
     free = n - 1 if family.autonomous else n
-    points, factors, scratch = kernel.new_memory(  # type: ignore[no-untyped-call]
-        n, family.points, free, intervals, size, family.full_parameters(out.z[0])
-    )
+    points, factors, scratch = memory_of(n, family.points, free, intervals, size, family.full_parameters(out.z[0]))
     return int(kernel.follow(
         mode, family.equations, points, factors, scratch, scale, family.sizes(out.z[0], scale),
         np.array(bounds, dtype=float), controls, limit, scheme.top, scheme.error,

@@ -63,10 +63,15 @@ def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
     return np.asarray(local.max(axis=1))
 
 
-def choose_mesh(profile: Profile, sizes: Array, tolerance: float, fixed: int | None) -> MeshChoice:
-    """A mesh for this orbit with the error below `tolerance`, or with `fixed` intervals."""
+def choose_mesh(
+    profile: Profile, sizes: Array, tolerance: float, fixed: int | None, estimated: tuple[float, Array] | None = None
+) -> MeshChoice:
+    """A mesh for this orbit with the error below `tolerance`, or with `fixed` intervals.
+
+    estimated : what `estimate` says of the orbit, where it is known.
+    """
     order = profile.m + 1
-    error, density = estimate(profile, sizes)
+    error, density = estimate(profile, sizes) if estimated is None else estimated
     if not np.isfinite(error) or not density.any():
         h = np.full(fixed or max(profile.intervals, SMALLEST), 0.0)
         h[:] = 1.0 / len(h)

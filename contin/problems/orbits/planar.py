@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
@@ -23,6 +24,12 @@ def applies(problem: Any) -> bool:
     return bool(problem.autonomous and problem.n == 2)
 
 
+def unresolved(re: Array, im: Array, tests: Array) -> NDArray[np.bool_]:
+    """Which of some orbits, multipliers re + i im (R, 2) and tests (R, 4), need the formula."""
+    fine = (np.abs(re[:, 0] - 1.0) < LOST) & (im[:, 0] == 0.0) & (re[:, 1] > 0.0) & (im[:, 1] == 0.0)
+    return ~(fine & (np.abs(tests[:, 0]) > EXPLODING))
+
+
 def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
     """Mend in place the multipliers re + i im (2,) of an orbit, and the signs of its tests for NS and PD.
 
@@ -30,8 +37,7 @@ def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = 
     """
     if not applies(problem):
         return None
-    moving = tests is not None and abs(tests[0]) > EXPLODING
-    if moving and abs(re[0] - 1.0) < LOST and im[0] == 0.0 and re[1] > 0.0 and im[1] == 0.0:
+    if tests is not None and not unresolved(re[None], im[None], tests[None])[0]:
         return None
     mu = multiplier(problem, z)
     if not np.isfinite(mu):

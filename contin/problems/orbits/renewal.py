@@ -49,8 +49,9 @@ def refitted(problem: Any, profile: Profile, sizes: Array, period: float) -> Fit
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     longer = 2.0 * profile.period if profile.period > period else period
     h = profile.h
-    error, _ = estimate(profile, grown)
-    chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals)
+    estimated = estimate(profile, grown)
+    error = estimated[0]
+    chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals, estimated)
     unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
     if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
         h = chosen.h
