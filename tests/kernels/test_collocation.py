@@ -156,13 +156,13 @@ def test_ten_multipliers_over_ten_orders_of_magnitude_keep_nine_digits_each():
     np.testing.assert_allclose(im, 0.0)
 
 
-@pytest.mark.parametrize("d", [2, 4, 6, 8, 10, 14, 22])
+@pytest.mark.parametrize("d", [1, 2, 3, 4, 7, 10, 13, 22])
 def test_inverses_in_place_also_where_rows_have_to_be_exchanged(d):
     generator = np.random.default_rng(d)
     a = generator.normal(size=(5, d, d))
     a[1] = np.roll(np.eye(d), 1, axis=0) + 1e-3 * a[1]
     signs = np.linalg.slogdet(a)[0]
-    lanes = np.ascontiguousarray(np.moveaxis(a, 0, -1))
+    lanes = np.moveaxis(a, 0, -1).copy()
     assert invert(lanes, np.zeros((d, 5), np.int64), np.zeros(5)) == np.prod(signs)
     one_by_one = a.copy()
     found = [invert_dense(one_by_one, i, np.zeros((5, d), np.int64), np.zeros((4, d))) for i in range(5)]
