@@ -76,6 +76,13 @@ class LociSearch:
                     self.branches.extend(line.branches)
                     self.agenda.absorb(line.branches)
         self.agenda.finish()
+        self._unconnected()
+
+    def _unconnected(self) -> None:
+        """Homoclinic orbits lead away from a Bogdanov-Takens point of a flow; a note where there is none."""
+        births = [p for b in self.loci for p in b.points if p.type == "BT" and self.places.holds(p)]
+        if births and self.orbits and not self.problem.is_map and not any(b.locus == "HOM" for b in self.loci):
+            self.notes.add(f"no curve of homoclinic orbits was found at the BT point at {self.places.words(births[0])}")
 
     def absorb(self, branches: Sequence[Branch]) -> bool:
         """Follow the curves through the special points of branches that are new; True where there was one."""

@@ -61,6 +61,27 @@ def test_the_cycle_of_the_bogdanov_takens_form_lives_between_hopf_and_homoclinic
     assert orbit.period > 2 * np.pi
 
 
+def test_a_short_curve_of_homoclinic_orbits_leads_from_its_bogdanov_takens_point_to_the_folds():
+    """The forced oscillator, averaged (Holmes and Rand 1978), with r = x^2 + y^2: folds g^2 = r ((1 - r)^2 + s^2),
+    (1 - r)(1 - 3 r) + s^2 = 0, and Hopf points r = 1/2, s^2 > 1/4 meet at s = g = 1/2. The homoclinic orbits from there
+    soon become those of a saddle-node: their curve ends on the folds.
+    """
+    square = "(x^2 + y^2)"
+    form = model(
+        {"x": f"x - s*y - x*{square}", "y": f"s*x + y - y*{square} - g"}, {"x": 0.0, "y": 0.0}, {"s": 0.5, "g": 0.2}
+    )
+    diagram = contin.phase(form, ("s", "g"), {"s": (0.4, 0.65), "g": (0.4, 0.65)})
+    (loops,) = [b for b in diagram.loci if b.locus == "HOM"]
+    (end,) = [p for p in loops.points if p.type == "NCH"]
+    s, g = end.values["s"], end.values["g"]
+    folds = [r for r in np.roots([3.0, -4.0, 1.0 + s**2]) if np.isreal(r)]
+    assert min(abs(np.sqrt(r * ((1 - r) ** 2 + s**2)) - g) for r in np.real(folds)) < 1e-8
+    assert loops.columns["s"].min() == pytest.approx(0.5, abs=0.01)  # the first loop is a small one
+    assert not any("homoclinic" in note for note in diagram.notes)
+    between = [r for r in diagram.regions if (r.stable, r.stable_orbits) == (1, 1)]
+    assert [r.total for r in between] == [3]
+
+
 def test_every_beating_state_of_the_averaged_pair_has_its_region():
     """At beta = 0.8 the small beats live from 4.4699 to the Hopf points, the large ones from 3.2093, the turning ones
     from 0.7153 on; curves through these values by shooting in the equations of the amplitudes. Total rest and the

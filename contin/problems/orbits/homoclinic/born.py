@@ -19,7 +19,7 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 
 INTERVALS = 60
-EPS = (0.1, 0.3, 0.03)  # tried extents of the predicted orbit, relative to the states' sizes
+EPS = (0.1, 0.3, 0.03, 0.01, 0.003, 0.001)  # tried extents of the predicted orbit, relative to the states' sizes
 HALF_TIME = 6.0  # half of the time interval in units of the predicted orbit's own time
 ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its prediction
 
@@ -42,7 +42,7 @@ def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters:
         eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
         try:
             seed = _seed(problem.system, u, p, (first, second), unfolding, eps, parent)
-        except (InputError, np.linalg.LinAlgError):
+        except (InputError, ZeroDivisionError, np.linalg.LinAlgError):  # by zero: a nearly degenerate point
             continue
         return [_away(seed, np.array([p[second], p[first]]), problem, parameters, point)]
     return []
