@@ -81,10 +81,9 @@ def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
         for _ in range(5):
             f, jacobian = system.jacobian(saddle, p)
             saddle = saddle - np.linalg.solve(jacobian[:, :6], f)
-        values, vectors = np.linalg.eig(system.jacobian(saddle, p)[1][:, :6])
-        plane = np.real(vectors[:, values.real > 0])  # two directions; in one, states 2 and 3 agree
-        agree = np.linalg.svd(plane[2:4] - plane[4:6])[2][-1]
-        leave = plane @ agree
+        agree = np.vstack([np.eye(4), np.eye(4)[2:]])  # where states 2 and 3 agree one of the two directions is left
+        values, vectors = np.linalg.eig(system.jacobian(saddle, p)[1][:4, :6] @ agree)
+        leave = agree @ np.real(vectors[:, np.argmax(values.real)])
         leave *= -np.sign(leave[0]) / np.linalg.norm(leave)
 
         def field(_, u):
