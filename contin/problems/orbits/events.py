@@ -17,7 +17,7 @@ from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.symmetry import symmetry_of
-from contin.problems.orbits.vertical import is_at_birth, is_reciprocal
+from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
@@ -33,14 +33,16 @@ ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
 
-def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+def explain(a: Sample, b: Sample, standing: bool = False) -> tuple[str, ...] | None:
     """Types that account for every sign change and for the change of the unstable count.
+
+    standing : both orbits exist at the parameter of the family's birth, so that dp/ds may be no more than rounding.
 
     A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation
     error, so the count may lag behind the test by that much.
     """
     slope = max(abs(a.tests[0]), abs(b.tests[0]))
-    if slope < VERTICAL and _stuck(a) and _stuck(b):
+    if slope < (NOISE if standing else VERTICAL) and _stuck(a) and _stuck(b):
         return _explain_vertical(a, b)
     if slope < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
         counted = _explain_flat(a, b)

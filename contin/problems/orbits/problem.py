@@ -146,8 +146,9 @@ class OrbitProblem(FamilyOfOrbits):
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         from contin.problems.orbits.events import explain
+        from contin.problems.orbits.vertical import stands_at_birth
 
-        return explain(a, b)
+        return explain(a, b, stands_at_birth(self, a.z) and stands_at_birth(self, b.z))
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         from contin.problems.orbits.events import verify

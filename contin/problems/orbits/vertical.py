@@ -83,6 +83,14 @@ def _on_finer_mesh(problem: Any, profile: Profile, origin: Sample, frame: Frame)
     return corrected(problem, moved, Frame(scale), TOLERANCE)
 
 
+def stands_at_birth(problem: Any, z: Array) -> bool:
+    """True where the parameter is still that of the Hopf point."""
+    if problem.origin is None:
+        return False
+    at = float(problem.origin[0])
+    return abs(float(z[-1]) - at) <= CONSTANT * max(1.0, abs(at))
+
+
 def is_at_birth(problem: Any, z: Array, error: float, frame: Frame) -> bool:
     """True for a large orbit whose parameter is that of the Hopf point to its error: a fold there is the mesh's."""
     if problem.origin is None or error > DRIFTED[1] * float(frame.scale[-1]):
