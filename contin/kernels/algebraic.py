@@ -1,9 +1,8 @@
 """Pseudo-arclength march along F(u, p) = 0 in one kernel call; the model is a pointer.
 
 All algebra is done in scaled unknowns y = z / D, z = (u, p), with rows scaled alike: M = [D_u^-1 F_z D ; t^T]. Then the
-metric is Euclidean, the u-block is similar to F_u (its eigenvalues are those of F_u), and rescaling a state by a
-power of
-two changes no bit of the result. One step costs about one evaluation of F and its Jacobian, one LU and one QR.
+metric is Euclidean, the u-block is similar to F_u (its eigenvalues are those of F_u), and rescaling a state by a power
+of two changes no bit of the result. One step costs about one evaluation of F and its Jacobian, one LU and one QR.
 
 Test functions of a point (the columns of `tests`):
     0  dp/ds, zero at folds          1  det M / |det M at the chunk's first row|, zero at branch points

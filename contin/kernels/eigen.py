@@ -1,6 +1,6 @@
-"""Eigenvalues of a small real matrix: balancing, Hessenberg form, Francis' double-shift QR (EISPACK balanc.
+"""Eigenvalues of a small real matrix: balancing, Hessenberg form, Francis' double-shift QR.
 
-Elmhes, hqr).
+As balanc, elmhes and hqr of EISPACK.
 """
 
 import math
@@ -107,8 +107,8 @@ def hessenberg_qr(h, re, im, near_re, near_im):
     """Eigenvalues of the upper Hessenberg matrix `h` (destroyed); returns 0, or 1 where the iteration did not converge.
 
     near_re, near_im : eigenvalues of a nearby matrix, as this function returned them, or NaN. They are the first
-    shifts:
-    along a branch, where matrices change little from point to point, that saves more than half of the iterations.
+    shifts: along a branch, where matrices change little from point to point, that saves more than half of the
+    iterations.
     """
     n = h.shape[0]
     norm = 0.0

@@ -1,17 +1,14 @@
-"""Multipliers of a periodic orbit from the transition matrices of its mesh intervals, without ever forming their
-product.
+"""Multipliers of a periodic orbit from the transition matrices of its mesh intervals, whose product is never formed.
 
 u(x_(i+1)) = M_i u(x_i) for perturbations. The orbit's own direction f is carried along exactly (M_i f_i ~ f_(i+1)), so
-each M_i is written in orthonormal bases whose first vector is f: the remaining (n - 1) x (n - 1) blocks B_i belong
-to the
-Poincare map. This keeps the trivial multiplier apart from one that passes through 1 at a fold, where the monodromy
+each M_i is written in orthonormal bases whose first vector is f: the remaining (n - 1) x (n - 1) blocks B_i belong to
+the Poincare map. This keeps the trivial multiplier apart from one that passes through 1 at a fold, where the monodromy
 matrix has a Jordan block and its eigenvalues only half of their digits.
 
 The product B_N ... B_1 is kept as Q_N R with orthonormal Q and triangular factors multiplied together, R = R_N ... R_1
 (orthogonal iteration on the cycle, Bojanczyk, Golub and Van Dooren 1992 give the periodic Schur form that it
-approaches).
-Its eigenvalues are those of R (Q_0^T Q_N). The rows of that matrix are graded like the multipliers, so small ones
-are as accurate as large ones. Two sweeps suffice from any start, one from the basis of a neighbouring orbit.
+approaches). Its eigenvalues are those of R (Q_0^T Q_N). The rows of that matrix are graded like the multipliers, so
+small ones are as accurate as large ones. Two sweeps suffice from any start, one from the basis of a neighbouring orbit.
 """
 
 import math

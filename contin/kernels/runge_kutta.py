@@ -52,15 +52,15 @@ def interpolate(dense, start, x, y):
 
 @kernel
 def integrate(
-    value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes, dense,  # noqa: E501
+    value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes,
+    dense,
 ):  # fmt: skip
     """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL (step) or NOT_FINITE.
 
     controls : [t, t_end, h, h_max, rtol, atol]; t and h are updated.
     section : (n + 2,) [normal, offset, direction]: crossings of normal . u = offset, upwards for direction > 0,
-    downwards
-        for < 0, both for 0; where normal is zero there are none. `events` (K, 1 + size) receives (t, y) of up to K
-        of them.
+        downwards for < 0, both for 0; where normal is zero there are none. `events` (K, 1 + size) receives (t, y) of up
+        to K of them.
     times : increasing, samples (len(times), size) receives y there.
     counts : [samples filled, events found, steps, rejected]; counts[0] and [1] continue from what they are.
     work (3, size), u, F (n,), J (n, n + p_size), slopes (16, size), dense (7, size) : memory.

@@ -1,8 +1,9 @@
-"""Test functions of equilibria and fixed points, from eigenvalues: bounded, continuous, invariant under rescaling of
-states.
+"""Test functions of equilibria and fixed points: bounded, continuous, whatever the units of the states.
+
+From the eigenvalues:
 
 Flows:  pairs      sign of prod (l_i + l_j), size min |l_i + l_j| / (|l_i| + |l_j|): zero at Hopf points and neutral
-saddles
+                   saddles
 Maps:   pairs      sign of prod (m_i m_j - 1), size min |m_i m_j - 1| / (1 + |m_i m_j|): zero at Neimark-Sacker points
         flips      sign of prod (m_i + 1), size min |m_i + 1| / (1 + |m_i|): zero at period doublings
 The size is the smallest factor, not the product: the product of n(n-1)/2 factors below 1 would vanish for large n.

@@ -43,7 +43,9 @@ def longest(m, n):
 
 @allocating
 def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
-    """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED.
+    """Integrate y in place from controls[0] to controls[1].
+
+    Returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING or ESCAPED.
 
     controls : [t, t_end, h, h_max, rtol, atol, box, t_begin]; t, h and t_begin, the time at m.begin, are updated.
     box: largest modulus of a state (ESCAPED; m.begin is then the last state inside).
@@ -51,7 +53,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
     times, samples (len(times), size) : y wanted at increasing times.  events (K, 1 + size) : crossings of the section.
     crossings (K, 2) : time and surface of the last K crossings, used as a ring.
     counts : [samples, events, steps, rejected, crossings, touched, surface (where SLIDING)].
-    """  # noqa: E501
+    """
     t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
     atol, box = controls[5], controls[6]
     landing = controls[8:]
