@@ -27,7 +27,7 @@ def applies(problem: Any) -> bool:
 def unresolved(re: Array, im: Array, tests: Array) -> NDArray[np.bool_]:
     """Which of some orbits, multipliers re + i im (R, 2) and tests (R, 4), need the formula."""
     fine = (np.abs(re[:, 0] - 1.0) < LOST) & (im[:, 0] == 0.0) & (re[:, 1] > 0.0) & (im[:, 1] == 0.0)
-    return ~(fine & (np.abs(tests[:, 0]) > EXPLODING))
+    return np.asarray(~(fine & (np.abs(tests[:, 0]) > EXPLODING)))
 
 
 def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
