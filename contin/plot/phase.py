@@ -99,9 +99,13 @@ def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
     from matplotlib.patches import Patch
 
     handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        columns = min(3, len(handles))
-        figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2)
+    for columns in range(min(3, len(handles)), 0, -1):  # as many as there is room for
+        below = figure.legend(
+            handles, labels, loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2
+        )
+        if columns == 1 or below.get_window_extent(figure.canvas.get_renderer()).width <= figure.bbox.width:
+            break
+        below.remove()
     kinds = {r["name"]: r for r in sorted(data["regions"], key=lambda r: r["area"]) if r["area"] >= NAMED}
     kinds = dict(sorted(kinds.items(), key=lambda item: (len(item[0]), item[0])))
     keys = [
