@@ -23,6 +23,7 @@ import numpy as np
 from llvmlite import binding, ir
 from numba import types
 from numba.core import cgutils, event
+from numba.core.caching import _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
@@ -93,6 +94,26 @@ def telling(tell: Callable[[str], None]) -> Iterator[None]:
         yield
 
 
+class ByContent(_CacheLocator):  # type: ignore[misc]  # numba has no types
+    """Where a kernel is kept: the folder's name is the hash of all sources, so paths and dates say nothing."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._module = function.__module__
+
+    def get_cache_path(self) -> str:
+        return kernel_cache_folder()
+
+    def get_source_stamp(self) -> int:
+        return 0
+
+    def get_disambiguator(self) -> str:
+        return hashlib.sha256(self._module.encode()).hexdigest()[:8]
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], _file: str) -> ByContent:
+        return cls(function)
+
+
 FAST = {"contract", "reassoc", "nsz"}
 
 
@@ -101,12 +122,12 @@ def _compiled(function: Callable[..., Any], **options: Any) -> Any:
 
     Compiling and loading it does not count as computing time.
     """
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = kernel_cache_folder()
+    before = numba.config.CACHE_LOCATOR_CLASSES
+    numba.config.CACHE_LOCATOR_CLASSES = f"{__name__}.{ByContent.__name__}"
     try:
         dispatcher = numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_LOCATOR_CLASSES = before
     load, template_of = dispatcher.compile, dispatcher.get_call_template
 
     name = f"{function.__module__}.{function.__qualname__}"
