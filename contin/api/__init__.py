@@ -3,6 +3,7 @@
 from contin.api.branches import continuation, walk
 from contin.api.diagrams import diagram, phase
 from contin.api.machine_code import compiled
+from contin.api.responses import solution
 from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
 
 __all__ = [
@@ -14,5 +15,6 @@ __all__ = [
     "find_equilibria",
     "periodic_orbit",
     "phase",
+    "solution",
     "walk",
 ]

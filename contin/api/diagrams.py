@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from contin.api.responses import responses_in, solution
 from contin.api.seeds import Range, as_seed, bounds_of, targets_of
 from contin.api.starts import equilibrium, find_equilibria
 from contin.continuation.departure import Seed
@@ -36,6 +37,8 @@ def diagram(
 ) -> Any:
     """Follow every branch that is reachable from the starts through special points, each once: a `Diagram`.
 
+    Of a forced flow its periodic responses are followed: from each start the one that its trajectory settles on.
+
     start : a named start, a mapping of states, or a list of them; default the states' values. 'all' (unless the model
         has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value
         and at some others in the range, so that disconnected branches are found.
@@ -50,7 +53,7 @@ def diagram(
     failure: ContinError | None = None
     for name, one in named:
         try:
-            seeds.append((name, as_seed(equilibrium(model, one, parameters), parameter)))
+            seeds.append((name, as_seed(solution(model, one, parameters), parameter)))
         except (NoSolutionError, NotFiniteError) as error:
             notes.append(f"start {name!r}: {error}")
             failure = error
@@ -61,7 +64,7 @@ def diagram(
         limits = None if range is None else bounds_of(None, parameter, range)
         reserve = everywhere_in(model, parameter, limits, box, parameters)
     if not seeds and not reserve:
-        raise failure or NoSolutionError("no equilibrium found in the box; give a larger box")
+        raise failure or NoSolutionError(f"no {_noun(model)} found in the box; give a larger box")
     problem = (seeds[0][1] if seeds else reserve[0]).problem
     bounds = bounds_of(problem, parameter, range)
     targets = targets_of(problem, values)
@@ -94,6 +97,12 @@ def phase(
     """
     from contin.diagram.phase.compute import phase as compute
 
+    if getattr(model, "forcing", None) is not None:
+        raise InputError(
+            "phase diagrams start from equilibria, which a forced flow has none of: write the forcing as two states "
+            "more, such as c' = c - w*s - c*(c^2 + s^2), s' = s + w*c - s*(c^2 + s^2) for cos(w*t) and sin(w*t), or "
+            "follow curves of LPC, PD and NS from its diagram in one parameter"
+        )
     named, _ = _named_starts(model, start)
     found, failure = [], None
     for _, one in named:
@@ -127,16 +136,23 @@ def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
 def everywhere_in(
     model: Any, parameter: str, limits: tuple[float, float] | None, box: Any, parameters: Mapping[str, Any] | None
 ) -> list[Seed]:
-    """Seeds of all equilibria found at the parameter's own value and at some values spread over its range."""
+    """Seeds of all equilibria (of a forced flow: periodic responses) at the parameter's own value and some others."""
     _, p = model.start_point(None, dict(parameters or {}))
     own = float(p[list(model.parameter_names).index(parameter)])
     lo, hi = limits or bounds_of(_Ranges(model), parameter, None)
     spread = lo + (hi - lo) * np.array([0.5, 0.25, 0.75, 0.05, 0.95])
+    values = ([own] if lo <= own <= hi else []) + spread.tolist()
+    if getattr(model, "forcing", None) is not None:
+        return responses_in(model, parameter, values, box, parameters)
     seeds = []
-    for value in ([own] if lo <= own <= hi else []) + spread.tolist():
+    for value in values:
         found = find_equilibria(model, box, {**(parameters or {}), parameter: value})
         seeds += [as_seed(one, parameter) for one in found if one.isolated]
     return seeds
+
+
+def _noun(model: Any) -> str:
+    return "equilibrium" if getattr(model, "forcing", None) is None else "periodic response"
 
 
 class _Ranges:

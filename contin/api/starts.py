@@ -38,6 +38,7 @@ def equilibrium(
     from contin.symbolic.corotating import frame_for
 
     _need_parameters(model)
+    refuse_forced(model)
     u, p = model.start_point(start, dict(parameters or {}))
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
@@ -141,6 +142,7 @@ def find_equilibria(
     from contin.problems.deflation import find, make_box
 
     _need_parameters(model)
+    refuse_forced(model)
     system = compiled(model)
     _, p = model.start_point(None, dict(parameters or {}))
     periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)
@@ -154,6 +156,15 @@ def _need_parameters(model: Any) -> None:
         raise InputError(
             f"model {model.name!r} has no parameters, and so no branches of solutions: declare one, such as "
             "parameters: {p: 0}; trajectories need none (`contin simulate`)"
+        )
+
+
+def refuse_forced(model: Any) -> None:
+    """Raises InputError for a flow whose equations know the time: it has no equilibria."""
+    if getattr(model, "forcing", None) is not None:
+        raise InputError(
+            f"model {model.name!r} is forced periodically and has no equilibria: its periodic responses are followed "
+            "by a diagram, by contin.periodic_orbit in Python, and by `as: orbit` in a run file"
         )
 
 

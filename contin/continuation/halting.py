@@ -22,14 +22,15 @@ def mirror(problem: Problem, found: Sequence[Found], scale: Array, symmetries: S
     for f in found:
         if f.point.type not in ("BP", "BPC"):
             continue
-        where = _where(problem, f)
+        where, data = _where(problem, f), {"at": float(f.point.z[-1])}
         if halves(problem, f, scale):
             text = f"came together with orbits of half the period, at their period doubling {where}"
+            data |= {"halved": True}
         elif symmetries and _reverses(problem, f, scale, symmetries):
             text = f"met its own mirror image at the branch point {where}"
         else:
             continue
-        return f, End("joined", text, {"at": float(f.point.z[-1])})
+        return f, End("joined", text, data)
     return None
 
 

@@ -18,10 +18,11 @@ from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.diagram import Diagram
 from contin.diagram.identity import is_known
-from contin.diagram.orbits import generation, known_family, left_to_the_user, mirrored_families
+from contin.diagram.orbits import family_through, generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
+from contin.problems.orbits.halved import halved
 from contin.problems.symmetry import apply_symmetry
 
 FOUND_ON = ("PD", "BPC", "HOM")  # where families of orbits lead to others
@@ -105,6 +106,7 @@ class Explorer:
                 if not diagram.stopped:
                     for point in branch.points:
                         queue.extend(self._departures(diagram, branch, point))
+                    queue.extend(self._halves(diagram, branch))
             except KeyboardInterrupt:  # between two branches
                 diagram.stopped = True
             if diagram.stopped:
@@ -160,6 +162,8 @@ class Explorer:
     def _known(self, diagram: Diagram, seed: Seed) -> Branch | None:
         problem = seed.problem
         if problem.kind == "orbit":
+            if not seed.born:
+                return family_through(diagram.branches, seed, self.bounds)
             return known_family(diagram.branches, seed, self.bounds[1] - self.bounds[0])
         scale = seed.scale if seed.scale is not None else problem.initial_scale(seed.z, self.bounds)
         tangent = None if seed.direction is None else seed.direction * scale
@@ -188,6 +192,18 @@ class Explorer:
         with noted(_teller(diagram, base)):
             seeds = branch.problem.departures(point, self.parameter, self.orbits)
         return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
+
+    def _halves(self, diagram: Diagram, branch: Branch) -> list[tuple[str, Seed]]:
+        """Families of half the period that a family of orbits ended on."""
+        found: list[tuple[str, Seed]] = []
+        for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
+            if end.data.get("halved"):
+                name = f"{branch.name}/half{'.2' if found else ''}"
+                with noted(_teller(diagram, name)):
+                    seed = halved(branch.problem, branch.z[row])
+                    if self._known(diagram, seed) is None:
+                        found.append((name, seed))
+        return found
 
     @staticmethod
     def _note_once(diagram: Diagram, note: str) -> None:

@@ -76,6 +76,27 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
     return None
 
 
+def family_through(branches: Iterable[Branch], seed: Any, bounds: tuple[float, float]) -> Branch | None:
+    """The family that passes through the orbit of this seed, or through an image of it.
+
+    Each family is solved at the seed's parameter, wherever its rows pass that.
+    """
+    problem = seed.problem
+    here = list(_variants(problem, seed.z))
+    for branch in branches:
+        if branch.kind != "orbit" or branch.image_of is not None or branch.parameters != tuple(problem.parameters):
+            continue
+        away = branch.z[:, -1] - seed.z[-1]
+        rows = np.flatnonzero(np.abs(away) <= SAME_PARAMETER * (bounds[1] - bounds[0]))
+        across = np.flatnonzero(away[:-1] * away[1:] < 0.0)
+        for row in dict.fromkeys([*rows.tolist(), *across.tolist(), *(across + 1).tolist()]):
+            z = branch.z[row][~np.isnan(branch.z[row])]
+            solved = branch.problem.at_parameter(z, float(seed.z[-1]), branch.problem.initial_scale(z, bounds))
+            if solved is not None and any(_same(branch.problem.profile(solved), one) for one in here):
+                return branch
+    return None
+
+
 def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> tuple[Any, Array] | None:
     """The one of the `known` orbits, at the same parameters, that z is, or is an image of."""
     here = list(_variants(problem, z))

@@ -86,6 +86,8 @@ class ContinEngine:
             return api.periodic_orbit(model, run.start, parameters, **mesh)
         if run.as_ == "connection":
             return api.connecting_orbit(model, run.start, run.to, parameters)
+        if run.as_ is None:
+            return api.solution(model, run.start, parameters)
         return api.equilibrium(model, run.start, parameters)
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:

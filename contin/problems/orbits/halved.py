@@ -1,0 +1,34 @@
+"""The family that orbits of twice its period have come together with, at its period doubling."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.samples import orbit_from_samples
+from contin.problems.shooting.start import orbit_from_return
+
+SAMPLES: Final = 400  # of half the orbit
+
+
+def halved(problem: Any, z: Array) -> Seed:
+    """A start on the family of half the period at the orbit z, which runs through one of its orbits twice.
+
+    Raises NoSolutionError where Newton does not find that one.
+    """
+    profile, system = problem.profile(z), problem.system
+    p = problem.full_parameters(z[~np.isnan(z)])[: len(problem.base)]
+    s = np.linspace(0.0, 0.5, SAMPLES + 1)
+    states = profile.at(s)
+    if isinstance(problem, OrbitProblem):
+        orbit: Any = orbit_from_samples(system, s * profile.period, states, p, np.asarray(system.model.periods()))
+    else:
+        multiple = max(problem.multiple // 2, 1)
+        periods = np.asarray(system.model.periods())
+        orbit = orbit_from_return(system, states[0], p, periods, 0.5 * profile.period, multiple, None)
+    seed: Seed = orbit.seed(problem.parameters[0])
+    return seed
