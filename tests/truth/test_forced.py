@@ -33,16 +33,18 @@ def planted(type_: str, extra: int, seed: int) -> Model:
     inverse = np.linalg.inv(matrix)
     names = [f"x{k}" for k in range(n)]
     size, turn = rng.uniform(0.3, 1.5, n), rng.uniform(0.0, 6.0, n)
-    fast = [f"{-float(r)!r}*y{k + 1} + 0.3*y1^2" for k, r in zip(range(len(core), n), rng.uniform(0.5, 2.0, extra))]
-    centre = [f"{a!r}*cos(w*t + {b!r})" for a, b in zip(size.tolist(), turn.tolist())]
-    drift = [f"(-{a!r}*w*sin(w*t + {b!r}))" for a, b in zip(size.tolist(), turn.tolist())]
+    rates = rng.uniform(0.5, 2.0, extra)
+    fast = [f"{-float(r)!r}*y{k + 1} + 0.3*y1^2" for k, r in zip(range(len(core), n), rates, strict=True)]
+    centre = [f"{a!r}*cos(w*t + {b!r})" for a, b in zip(size.tolist(), turn.tolist(), strict=True)]
+    drift = [f"(-{a!r}*w*sin(w*t + {b!r}))" for a, b in zip(size.tolist(), turn.tolist(), strict=True)]
     own = {f"y{k + 1}": " + ".join(f"({float(inverse[k, j])!r})*{names[j]}" for j in range(n)) + f" - {centre[k]}"
            for k in range(n)}  # fmt: skip
-    rate = {f"g{k + 1}": f"{f} + {d}" for k, (f, d) in enumerate(zip([*core, *fast], drift))}
+    rate = {f"g{k + 1}": f"{f} + {d}" for k, (f, d) in enumerate(zip([*core, *fast], drift, strict=True))}
     equations = {names[j]: " + ".join(f"({float(matrix[j, k])!r})*g{k + 1}" for k in range(n)) for j in range(n)}
     at_rest = matrix @ (size * np.cos(turn) + (0.5 if type_ == "LPC" else 0.02))
+    states = dict(zip(names, at_rest.tolist(), strict=True))
     return Model(
-        "planted", states=dict(zip(names, at_rest.tolist())), parameters={"p": 0.3 if type_ == "LPC" else -0.3, "w": w},
+        "planted", states=states, parameters={"p": 0.3 if type_ == "LPC" else -0.3, "w": w},
         definitions=own | rate, equations=equations, forcing={"period": "2*pi/w"},
     )  # fmt: skip
 
