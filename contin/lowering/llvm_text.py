@@ -9,29 +9,32 @@ from __future__ import annotations
 
 import itertools
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 from contin.lowering.tape import Statement, operands
+from contin.machine.elementary import symbol
 
 PIECE: Final = 500  # statements in one function of a split body
 UNSPLIT: Final = 1000  # bodies up to this length stay in one function
 STACK_SCRATCH: Final = 4096  # scratch values kept on the stack (32 KB); more go to the heap
 
-INTRINSICS: Final = {
-    name: f"llvm.{name}.f64" for name in ("sin", "cos", "exp", "log", "log10", "pow", "sqrt")
-} | {"abs": "llvm.fabs.f64", "min": "llvm.minimum.f64", "max": "llvm.maximum.f64"}  # fmt: skip
-LIBRARY: Final = ("tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "expm1", "log1p", "atan2")
+EXACT: Final = {
+    "abs": "llvm.fabs.f64", "sqrt": "llvm.sqrt.f64", "min": "llvm.minimum.f64", "max": "llvm.maximum.f64",
+}  # fmt: skip
+"""Functions that are one instruction, correctly rounded; the others are elementary functions of ours."""
 _BINARY: Final = ("pow", "min", "max", "atan2")
+_BOTH: Final = "{double, double}"  # what `sincos` returns
 
 
-def declarations(llvm_version: int) -> str:
-    """What every module declares: the mathematical functions, memset, malloc, free."""
+def declarations(llvm_version: int, called: Iterable[str]) -> str:
+    """What every module declares: memset, malloc, free, instructions, and the elementary functions in `called`."""
     pure = "memory(none)" if llvm_version >= 16 else "readnone"
     lines = [
-        f"declare double @{symbol}({'double, double' if name in _BINARY else 'double'}) #0"
-        for name, symbol in [*INTRINSICS.items(), *((n, n) for n in LIBRARY)]
+        f"declare {_BOTH if name == 'sincos' else 'double'} @{_symbol(name)}"
+        f"({'double, double' if name in _BINARY else 'double'}) #0"
+        for name in [*EXACT, *called]
     ]
     lines += [
         "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)",
@@ -42,6 +45,16 @@ def declarations(llvm_version: int) -> str:
         "attributes #2 = { noinline nounwind }",
     ]
     return "\n".join(lines) + "\n"
+
+
+def elementary_functions(statements: Sequence[Statement]) -> set[str]:
+    """The elementary functions that these statements call, and `sincos`, which stands for a sine beside its cosine."""
+    called = {str(s[1]) for s in statements if s[0] == "call"} - set(EXACT)
+    return called | {"sincos"} if {"sin", "cos"} <= called else called
+
+
+def _symbol(name: str) -> str:
+    return EXACT.get(name) or symbol(name)
 
 
 @dataclass(frozen=True)
@@ -154,9 +167,10 @@ class _Piece:
     temporaries: int = 0
 
     def write(self, statements: Sequence[Statement], piece: range, after: dict[int, list[Store]]) -> None:
-        self.statements = statements
+        self.statements, self.piece = statements, piece
         for index in piece:
-            self._define(index)
+            if index not in self.names:
+                self._define(index)
             for store in after.get(index, ()):
                 self._store(f"%a{store.array}", store.index, self._double(index))
             if index in self.slots:
@@ -176,7 +190,9 @@ class _Piece:
         if operation == "call":
             function = str(statement[1])
             given = ", ".join(f"double {self._double(a)}" for a in args)
-            text = f"call double @{INTRINSICS.get(function, function)}({given})"
+            if function in ("sin", "cos") and self._sine_and_cosine(index, given):
+                return
+            text = f"call double @{_symbol(function)}({given})"
         elif operation == "fneg":
             text = f"fneg double {self._double(args[0])}"
         elif operation == "select":
@@ -193,6 +209,18 @@ class _Piece:
             if operation.startswith("fcmp"):
                 self.truths.add(index)
         self.lines.append(f"  {name} = {text}\n")
+
+    def _sine_and_cosine(self, index: int, given: str) -> bool:
+        """Both in one call where the next statement of this piece is the other one of the same angle."""
+        name, angle = self.statements[index][1:]
+        other = ("call", "cos" if name == "sin" else "sin", angle)
+        if index + 1 not in self.piece or self.statements[index + 1] != other:
+            return False
+        both = self._line(f"call {_BOTH} @{_symbol('sincos')}({given})")
+        for place, wanted in enumerate(("sin", "cos")):
+            value = self._line(f"extractvalue {_BOTH} {both}, {place}")
+            self.names[index if wanted == name else index + 1] = value
+        return True
 
     def _value(self, index: int) -> str:
         name = self.names.get(index)

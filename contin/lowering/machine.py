@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from contin.abi import Address
-from contin.lowering.llvm_text import INTRINSICS, LIBRARY, UNSPLIT, Routine, declarations, routine_text
+from contin.lowering.llvm_text import UNSPLIT, Routine, declarations, elementary_functions, routine_text
+from contin.machine import elementary, target
 
 HUGE: Final = 25_000  # statements; more are compiled without optimisation
 
-RUNTIME: Final = ("memset", "malloc", "free", "exp2", "ldexp")  # called too, the last two for powers of 2
+RUNTIME: Final = ("memset", "malloc", "free")
 
 _lock = threading.Lock()
 _ready = False
@@ -35,7 +36,9 @@ def compile_routines(routines: Sequence[Routine]) -> MachineCode:
     """Machine code of all routines, as one module. The longer it is, the less optimised (see `_level`)."""
     import llvmlite.binding as llvm
 
-    text = declarations(llvm.llvm_version_info[0]) + "".join(routine_text(routine) for routine in routines)
+    called = sorted(set().union(*(elementary_functions(routine.statements) for routine in routines)))
+    text = declarations(llvm.llvm_version_info[0], called) + "".join(routine_text(routine) for routine in routines)
+    elementary.addresses(called)
     with _lock:
         _prepare(llvm)
         engine = _engine(llvm, llvm.parse_assembly(text), _level(routines))
@@ -93,7 +96,7 @@ def loop_address() -> Address:
 
 
 def _engine(llvm: Any, module: Any, level: int) -> Any:
-    machine = llvm.Target.from_default_triple().create_target_machine(opt=level)
+    machine = target.machine(level)
     if level == 2:
         options = llvm.create_pipeline_tuning_options(speed_level=2)
         builder = llvm.create_pass_builder(machine, options)
@@ -104,24 +107,24 @@ def _engine(llvm: Any, module: Any, level: int) -> Any:
 
 
 def _prepare(llvm: Any) -> None:
-    """Targets, and the mathematical functions by address where the process does not export them by name (Windows)."""
+    """Targets, and the C library's functions by address where the process does not export them by name (Windows)."""
     global _ready
     if _ready:
         return
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     library: ctypes.CDLL | None = None
-    for name in (*RUNTIME, *INTRINSICS, *LIBRARY):
+    for name in RUNTIME:
         if llvm.address_of_symbol(name) is not None:
             continue
         if library is None:
-            library = _mathematical_library()
+            library = _c_library()
         if hasattr(library, name):
             llvm.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
     _ready = True
 
 
-def _mathematical_library() -> ctypes.CDLL:
+def _c_library() -> ctypes.CDLL:
     if sys.platform == "win32":
         return ctypes.CDLL("ucrtbase")
-    return ctypes.CDLL(ctypes.util.find_library("m"))
+    return ctypes.CDLL(ctypes.util.find_library("c"))

@@ -1,0 +1,106 @@
+"""Machine code of the elementary functions: compiled when first asked for, each one once per process."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from contin.machine import target
+from contin.machine.elementary import (
+    circular,
+    distance,
+    exponential,
+    hyperbolic,
+    inverse_circular,
+    logarithm,
+    power,
+)
+from contin.machine.elementary.translate import module_text, symbol
+
+FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
+    function.__name__: function
+    for function in (
+        exponential.exp,
+        exponential.exp2,
+        exponential.expm1,
+        logarithm.log,
+        logarithm.log1p,
+        logarithm.log10,
+        logarithm.log2,
+        power.pow,
+        circular.sin,
+        circular.cos,
+        circular.sincos,
+        circular.tan,
+        inverse_circular.asin,
+        inverse_circular.acos,
+        inverse_circular.atan,
+        inverse_circular.atan2,
+        hyperbolic.sinh,
+        hyperbolic.cosh,
+        hyperbolic.tanh,
+        hyperbolic.asinh,
+        hyperbolic.acosh,
+        hyperbolic.atanh,
+        distance.hypot,
+    )
+}
+"""Elementary functions by their names in C; `sincos` gives sine and cosine, in two registers."""
+
+_lock = threading.Lock()
+_addresses: dict[str, int] = {}
+_engines: list[Any] = []  # own the code, for as long as this process lives
+
+
+def llvm_text(names: Iterable[str] = tuple(FUNCTIONS)) -> str:
+    """LLVM text of a module that defines `contin_NAME` for each name and needs no symbol from outside."""
+    return module_text([_function(name) for name in names])
+
+
+def addresses(names: Iterable[str] = tuple(FUNCTIONS)) -> dict[str, int]:
+    """Address of each function in this process, valid until its end, by its symbol `contin_NAME`.
+
+    From then on LLVM finds the symbol by name too, in all code that it links in this process.
+    """
+    return {symbol(name): _address(name, symbol(name)) for name in names}
+
+
+def loop_address(name: str) -> int:
+    """Address of contin_NAME_many(n, x, out), or (n, x, y, out): the function over arrays."""
+    return _address(name, f"{symbol(name)}_many")
+
+
+def _address(name: str, wanted: str) -> int:
+    if wanted not in _addresses:
+        with _lock:
+            if wanted not in _addresses:
+                _compile(name, wanted)
+    return _addresses[wanted]
+
+
+def _compile(name: str, wanted: str) -> None:
+    import llvmlite.binding as llvm
+
+    function = _function(name)
+    looped = wanted != symbol(name)
+    text = module_text([] if looped else [function], [function] if looped else [])
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = target.machine(2)
+    module = llvm.parse_assembly(text)
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    builder.getModulePassManager().run(module, builder)
+    engine = llvm.create_mcjit_compiler(module, machine)
+    engine.finalize_object()
+    _engines.append(engine)
+    _addresses[wanted] = int(engine.get_function_address(wanted))
+    if not looped:
+        llvm.add_symbol(wanted, _addresses[wanted])
+
+
+def _function(name: str) -> Any:
+    try:
+        return FUNCTIONS[name]
+    except KeyError:
+        raise KeyError(f"no elementary function {name!r}; there are {', '.join(FUNCTIONS)}") from None
