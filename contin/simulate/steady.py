@@ -18,6 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.simulate.extrema import extremes, extremes_between, trajectory_around
 from contin.simulate.flight import fly
 from contin.simulate.run import observed
 
@@ -86,39 +87,61 @@ def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
     quarter = max(round(criterion.window), 8) if system.kind == "map" else criterion.samples
     step = 1.0 if system.kind == "map" else criterion.window / criterion.samples
     most = int(criterion.longest / step * (1.0 + 1e-12))
-    values, done, target = np.empty((0, len(system.observable_names))), 0, 4 * quarter
+    so_far = _Samples(np.empty(0), np.empty((0, system.n)), np.empty((0, len(system.observable_names))))
+    done, target = 0, 4 * quarter
     while True:
         u, found, end, outcome, why = advance(u, done, target - done)
-        values = np.vstack([values, found])
-        done = len(values)
+        so_far = so_far.followed_by(found)
+        done = len(so_far.t)
         if outcome != "done":
-            return Settled(_summary(values[-max(done // 4, 1) :]), u, end, outcome, why)
-        if _has_settled(values, criterion.tolerance):
-            return Settled(_summary(values[-(done // 4) :]), u, step * done, "settled")
-        if done >= most:
-            return Settled(
-                _summary(values[-(done // 4) :]), u, step * done, "unsettled", f"not settled at t = {step * done:.6g}"
-            )
+            return Settled(_summary(so_far.last(max(done // 4, 1))), u, end, outcome, why)
+        settled = _has_settled(so_far.values, criterion.tolerance)
+        if settled or done >= most:
+            last = so_far.last(done // 4)
+            around = None
+            if system.kind != "map":
+                around = trajectory_around(system, p, last.t, last.states, criterion.rtol, 1e-3 * criterion.rtol)
+            how, words = ("settled", "") if settled else ("unsettled", f"not settled at t = {step * done:.6g}")
+            return Settled(_summary(last, around), u, step * done, how, words)
         target = min(int(np.ceil(GROWTH * done)), most)
 
 
-Advance = Callable[[Array, int, int], tuple[Array, Array, float, str, str]]
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Times (T,), states (T, n) and values of the observables (T, k)."""
+
+    t: Array
+    states: Array
+    values: Array
+
+    def followed_by(self, other: _Samples) -> _Samples:
+        return _Samples(
+            np.concatenate([self.t, other.t]), np.vstack([self.states, other.states]),
+            np.vstack([self.values, other.values]),
+        )  # fmt: skip
+
+    def last(self, count: int) -> _Samples:
+        return _Samples(self.t[-count:], self.states[-count:], self.values[-count:])
+
+
+Advance = Callable[[Array, int, int], tuple[Array, _Samples, float, str, str]]
 
 
 def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
-    """(u, samples so far, samples wanted) -> (u, values, time, outcome, why) of a flow."""
+    """(u, samples so far, samples wanted) -> (u, samples, time, outcome, why) of a flow."""
     step = criterion.window / criterion.samples
 
-    def advance(u: Array, done: int, count: int) -> tuple[Array, Array, float, str, str]:
+    def advance(u: Array, done: int, count: int) -> tuple[Array, _Samples, float, str, str]:
         times = step * np.arange(done + 1.0, done + count + 1.0)
         flight = fly(
             system, u, p, float(times[-1]) - step * done, start=step * done, times=times, rtol=criterion.rtol,
             atol=1e-3 * criterion.rtol, box=criterion.box,
         )  # fmt: skip
-        values = observed(system, flight.u, p, flight.t)
-        if flight.outcome == "done" and len(values) < count:  # the last time differs from the end by rounding
-            values = np.vstack([values, observed(system, flight.end[None, : system.n], p, times[-1:])])
-        return flight.end[: system.n].copy(), values, flight.end_time, flight.outcome, flight.why
+        t, states = flight.t, flight.u
+        if flight.outcome == "done" and len(t) < count:  # the last time differs from the end by rounding
+            t, states = times, np.vstack([states, flight.end[None, : system.n]])
+        found = _Samples(t, states, observed(system, states, p, t))
+        return flight.end[: system.n].copy(), found, flight.end_time, flight.outcome, flight.why
 
     return advance
 
@@ -126,15 +149,17 @@ def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
 def _iterates(system: Any, p: Array, criterion: Criterion) -> Advance:
     """The same of a map."""
 
-    def advance(u: Array, done: int, count: int) -> tuple[Array, Array, float, str, str]:
-        states = np.empty((count, system.n))
+    def advance(u: Array, done: int, count: int) -> tuple[Array, _Samples, float, str, str]:
+        states, taken, how = np.empty((count, system.n)), count, ("done", "")
         for k in range(count):
             u = system.value(u, p)
             if not np.all(np.abs(u) <= criterion.box):
-                values = observed(system, states[:k], p, np.arange(k, dtype=float))
-                return u, values, float(done + k + 1), "escaped", "left the box"
+                taken, how = k, ("escaped", "left the box")
+                break
             states[k] = u
-        return u, observed(system, states, p, np.arange(count, dtype=float)), float(done + count), "done", ""
+        t = done + 1.0 + np.arange(taken)
+        found = _Samples(t, states[:taken], observed(system, states[:taken], p, t))
+        return u, found, float(done + taken + (how[0] != "done")), *how
 
     return advance
 
@@ -160,28 +185,18 @@ def _has_settled(values: Array, tolerance: float) -> bool:
     return bool(ratio < DECAY and second <= tolerance and second * ratio / (1.0 - ratio) <= tolerance)
 
 
-def _summary(values: Array) -> Array:
-    """(3, k): smallest value, mean with the weight sin^4, largest value; NaN without values."""
+def _summary(samples: _Samples, around: Callable[[int], Array] | None = None) -> Array:
+    """(3, k): smallest value, mean with the weight sin^4, largest value; NaN without values.
+
+    around : of a flow that came to its end, what lies between the samples (`contin.simulate.extrema`).
+    """
+    values = samples.values
     if not len(values):
         return np.full((3, values.shape[1]), np.nan)
     weights = np.sin(np.pi * (np.arange(len(values)) + 0.5) / len(values)) ** 4
     mean = weights @ values / weights.sum()
-    return np.array([-_largest(-values), mean, _largest(values)])
-
-
-def _largest(values: Array) -> Array:
-    """Largest value of each column, between samples by the parabola through the largest and its neighbours."""
-    count, columns = len(values), np.arange(values.shape[1])
-    best = np.argmax(values, axis=0)
-    top = values[best, columns]
-    if count < 3:
-        return np.asarray(top)
-    inner = np.clip(best, 1, count - 2)
-    a, b, c = (values[inner + d, columns] for d in (-1, 0, 1))
-    bend = a - 2.0 * b + c
-    shift = 0.5 * (a - c) / np.where(bend < 0.0, bend, -1.0)
-    usable = (best == inner) & (bend < 0.0) & (np.abs(shift) <= 1.0)
-    return np.asarray(np.where(usable, b - 0.25 * (a - c) * shift, top))
+    smallest, largest = extremes(values) if around is None else extremes_between(values, around)
+    return np.array([smallest, mean, largest])
 
 
 def named_statistics(names: tuple[str, ...], statistics: Array) -> dict[str, float]:

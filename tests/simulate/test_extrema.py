@@ -1,0 +1,62 @@
+"""Extremes of maps are iterates; of flows they lie between the samples; what jumps is not rounded off."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import contin
+from contin.model.model import Model
+from contin.simulate.extrema import top
+from contin.simulate.steady import Criterion
+
+LOGISTIC = Model("logistic", kind="map", states={"x": 0.3}, parameters={"r": 4}, equations={"x": "r*x*(1 - x)"})
+
+
+@pytest.mark.parametrize("r", [3.2, 3.5, 3.7, 3.9, 4.0])
+def test_extremes_of_the_logistic_map_are_those_of_its_iterates(r):
+    found = contin.sweep(LOGISTIC, "r", (r, r + 1e-9), steps=1, down=False, criterion=Criterion(200.0, longest=4000.0))
+    low, high = float(found.columns["x.min"][0]), float(found.columns["x.max"][0])
+    assert 0.0 <= low < high <= r / 4.0 * (1.0 + 1e-12)  # the interval [f(r/4), r/4] absorbs every orbit
+    assert low >= r * r / 4.0 * (1.0 - r / 4.0) - 1e-12
+
+
+def test_scans_of_maps_too():
+    found = contin.scan(LOGISTIC, {"r": [4.0]}, settle={"window": 100.0, "longest": 1000.0})
+    table = found.columns
+    assert table["x_min"][0] >= 0.0
+    assert table["x_max"][0] <= 1.0
+
+
+def test_extremes_of_a_cycle_of_a_flow_lie_between_the_samples():
+    model = Model(
+        "stuart-landau", states={"x": 1, "y": 0.1}, parameters={"mu": 1, "w": 3},
+        equations={"x": "mu*x - w*y - x*(x^2 + y^2)", "y": "w*x + mu*y - y*(x^2 + y^2)"},
+        observables={"side": "sign(x)", "peak": "exp(20*(x - 1))", "roof": "-abs(y)"},
+    )  # fmt: skip
+    found = contin.sweep(
+        model, "mu", (1.0, 1.44), steps=1, down=False, measures={k: k for k in ("x", "side", "peak", "roof")}
+    ).columns
+    assert found["x.max"] == pytest.approx([1.0, 1.2], rel=1e-8)
+    assert found["x.min"] == pytest.approx([-1.0, -1.2], rel=1e-8)
+    assert found["peak.max"] == pytest.approx([1.0, np.exp(4.0)], rel=1e-6)
+    assert found["side.max"].tolist() == [1.0, 1.0]
+    assert found["side.min"].tolist() == [-1.0, -1.0]
+    assert np.all(found["roof.max"] <= 0.0)
+    assert found["roof.max"] == pytest.approx([0.0, 0.0], abs=0.02)
+
+
+@given(st.floats(-0.4, 0.4), st.floats(0.01, 0.3))
+def test_the_top_of_a_sine_to_fourth_order(offset, h):
+    phase = h * (np.arange(-20, 21) + offset)
+    values = np.cos(phase[np.abs(phase) < 1.5])
+    assert top(values) == pytest.approx(1.0, abs=0.1 * h**4 + 1e-15)
+
+
+@given(st.integers(3, 30), st.floats(-3, 3))
+def test_the_top_of_a_step_and_of_a_corner_is_a_sample(where, slope):
+    k = np.arange(40.0)
+    step = np.where(k < where, 0.0, 1.0)
+    assert top(step) == 1.0
+    roof = -np.abs(k - where - 0.3) * abs(slope)
+    assert top(roof) == roof.max()
