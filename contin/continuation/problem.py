@@ -184,6 +184,14 @@ class Floored(Protocol):
 
 
 @runtime_checkable
+class Limited(Protocol):
+    """A problem whose equations may be an approximation."""
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first of the rows z at which they do not hold, and why; None where they hold at all."""
+
+
+@runtime_checkable
 class Terminating(Protocol):
     """A problem whose equations mean something else beyond some of its special points."""
 
@@ -317,6 +325,11 @@ def is_planar(problem: object) -> TypeGuard[Planar]:
 def is_floored(problem: object) -> TypeGuard[Floored]:
     """True for problems with floors under unknowns."""
     return _offers(problem, Floored)
+
+
+def is_limited(problem: object) -> TypeGuard[Limited]:
+    """True for problems that know how far their equations hold."""
+    return _offers(problem, Limited)
 
 
 def is_phased(problem: object) -> TypeGuard[Phased]:

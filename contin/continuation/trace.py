@@ -19,6 +19,7 @@ from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
 from contin.continuation.problem import Frame, Problem, Sample, Verified, is_recording, is_remarking
+from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
@@ -102,9 +103,8 @@ def _position(seed: Seed, pieces: list[Piece]) -> str:
 
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
-    return until_repeating(
-        until_closed(until_lost(above_floors(arm.problem, arm.pieces(), arm, start), arm, start), arm, start), arm
-    )
+    inside = within_reach(arm.problem, above_floors(arm.problem, arm.pieces(), arm, start), arm)
+    return until_repeating(until_closed(until_lost(inside, arm, start), arm, start), arm)
 
 
 def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:

@@ -43,6 +43,8 @@ class Equations(Protocol):
     def forcing(self) -> Any: ...
     @property
     def symmetries(self) -> Sequence[Any]: ...
+    @property
+    def limits(self) -> Sequence[Any]: ...
 
 
 def compile_system(model: Equations) -> CompiledSystem:
@@ -71,6 +73,7 @@ class CompiledSystem:
         self.state_names = tuple(model.state_names)
         self.parameter_names = tuple(model.parameter_names)
         self.observable_names = tuple(model.observables)
+        self.limits = tuple(model.limits)
         self.is_forced = model.forcing is not None
         self.n = len(self.state_names)
         self.m = len(self.parameter_names)
@@ -160,6 +163,10 @@ class CompiledSystem:
         """Observables at N points, (N, k) in the order of `observable_names`; at one point u (n,), (k,)."""
         size = len(self.observable_names)
         return self._calls.vectors(self._call("observe"), self.observe_address, size, u, p)
+
+    def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Of the model's `limits` at N points, (N, number of limits): the equations hold where none is negative."""
+        return self._calls.vectors(self._call("limits"), self._address("limits"), len(self.limits), u, p)
 
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
         """Images of N states, (N, n), under a declared symmetry of the model: u (N, n), p (N, p_size) or (p_size,)."""
@@ -293,6 +300,8 @@ class CompiledSystem:
         if name.startswith("image"):
             images = self.model.symmetries[int(name.removeprefix("image"))].map
             return vector_routine(name, [images.get(s, symbol(s)) for s in self.state_names], self.layout)
+        if name == "limits":
+            return vector_routine(name, [limit.margin for limit in self.limits], self.layout)
         if name in ("observe", "switches"):
             expressions = self._observables if name == "observe" else self.switching
             return vector_routine(name, expressions, self.layout) if expressions else None

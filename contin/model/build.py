@@ -18,6 +18,7 @@ from contin.model.parts import (
     Averaging,
     Expectation,
     Forcing,
+    Limit,
     Oscillator,
     Parameter,
     Start,
@@ -142,6 +143,10 @@ class _Builder:
             ),
             "averaging": self.averaging(),
             "forcing": self.forcing(),
+            "limits": tuple(
+                Limit(self.formulas.read(item.margin, ("limits", k, "margin"), self.formulas.scope), item.beyond)
+                for k, item in enumerate(entry.limits)
+            ),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
         }
         for section in ("starts", "symmetries"):

@@ -15,7 +15,7 @@ from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, number, symbol
 from contin.model.parser import parse
-from contin.model.parts import TIME, Averaging, Expectation, Forcing, Parameter, Start, State, Symmetry
+from contin.model.parts import TIME, Averaging, Expectation, Forcing, Limit, Parameter, Start, State, Symmetry
 from contin.model.scope import Function
 from contin.model.values import Override, parameter_values
 
@@ -50,6 +50,7 @@ class Model:
     starts: tuple[Start, ...] = ()
     averaging: Averaging | None = None
     forcing: Forcing | None = None
+    limits: tuple[Limit, ...] = ()
     expect: tuple[Expectation, ...] = ()
 
     def __init__(self, name: str, **entries: Any) -> None:

@@ -57,6 +57,17 @@ class Start:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """The equations are an approximation that holds where margin >= 0, a formula in states and parameters.
+
+    `beyond` says what ends there, and what to do.
+    """
+
+    margin: Expression
+    beyond: str
+
+
+@dataclass(frozen=True)
 class Oscillator:
     """The two states of one weakly nonlinear oscillator."""
 

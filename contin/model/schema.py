@@ -142,6 +142,13 @@ class ForcingEntry(_Entry):
     period: Formula
 
 
+class LimitEntry(_Entry):
+    """Where the equations, an approximation, hold: margin >= 0; and what to say beyond."""
+
+    margin: Formula
+    beyond: Text
+
+
 Run = dict[str, Any]
 Points = Annotated[
     Annotated[dict[str, Formula], Tag("(one)")] | Annotated[list[dict[str, Formula]], Tag("(several)")],
@@ -188,4 +195,5 @@ class ModelEntry(_Entry):
     starts: dict[str, StartEntry] = {}
     averaging: AveragingEntry | None = None
     forcing: ForcingEntry | None = None
+    limits: list[LimitEntry] = []
     expect: list[ExpectEntry] = []

@@ -92,6 +92,10 @@ def _lines(model: Model) -> Iterator[str]:
         yield f"  oscillators: [{', '.join(pairs)}]"
     if model.forcing is not None:
         yield f"forcing: {{period: {_flow(formula(model.forcing.period))}}}"
+    if model.limits:
+        yield "limits:"
+        for limit in model.limits:
+            yield f"  - {_mapping({'margin': _flow(formula(limit.margin)), 'beyond': _text(limit.beyond)})}"
     if model.expect:
         yield "expect:"
         for item in model.expect:

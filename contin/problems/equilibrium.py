@@ -23,6 +23,7 @@ from contin.model.model import Model
 from contin.problems import corners, special
 from contin.problems.functions.march import DenseMarch
 from contin.problems.polish import at_parameter
+from contin.simulate.reach import left_reach
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, state_scales
 
@@ -282,6 +283,12 @@ class EquilibriumProblem:
             for k, name in enumerate(self.system.observable_names):
                 columns[name] = recorded[:, k].copy()
         return columns
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first row at which the model does not hold, and why."""
+        p = np.tile(self.base, (len(z), 1))
+        p[:, self.active] = z[:, -1]
+        return left_reach(self.system, z[:, : self.n], p)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
         return corners.cross_corner(self, last, frame, settings)

@@ -135,7 +135,22 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
 
 def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]) -> Any:
     model = _written_model(entry, source, file, problems)
-    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides})
+    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides}, swept(entry))
+
+
+def swept(entry: RunEntry) -> dict[str, tuple[float, float]]:
+    """The smallest interval that holds all ranges of each parameter in the file, where these are numbers."""
+    found: dict[str, tuple[float, float]] = {}
+    for part in (entry.diagram, entry.phase, *entry.continuations, entry.sweep):
+        if part is None or part.range is None:
+            continue
+        names = [part.parameter] if isinstance(part.parameter, str) else list(part.parameter or ())
+        ranges = part.range if isinstance(part.range, Mapping) else dict.fromkeys(names[:1], part.range)
+        for name, ends in ranges.items():
+            if all(isinstance(end, int | float) for end in ends):
+                values = [float(end) for end in ends] + list(found.get(name, ()))
+                found[name] = min(values), max(values)
+    return found
 
 
 def _written_model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Any:

@@ -32,16 +32,21 @@ def apply_passes(
     written: Sequence[str | Mapping[str, Any]],
     problems: Problems,
     values: Mapping[str, Any] | None = None,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Any:
     """The model after the passes, in order; what is wrong with them is noted in `problems`.
 
-    `values` are the parameters of the run: passes that look at sizes (which threshold comes first) see these.
+    `values` are the parameters of the run, `ranges` those that it sweeps: passes that look at sizes (which threshold
+    comes first, how many nodes a quadrature needs) see these. The model keeps its own ranges.
     """
     if written and not _made_of_formulas(model):
         problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
         return model
     if written and values:
         model = _with_values(model, values)
+    own = {p.name: p.range for p in model.parameters} if written else {}
+    if written and ranges:
+        model = _with_ranges(model, ranges)
     for position, item in enumerate(written):
         name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
         path: Path = ("transform", position)
@@ -62,7 +67,17 @@ def apply_passes(
         except ContinError as error:
             problems.add(path, str(error))
             return model
+    if own and ranges:
+        model = model.replace(parameters=tuple(replace(p, range=own.get(p.name, p.range)) for p in model.parameters))
     return model
+
+
+def _with_ranges(model: Any, ranges: Mapping[str, tuple[float, float]]) -> Any:
+    """The model with these ranges."""
+    from contin.model.expression import number
+
+    pairs = {name: (number(low), number(high)) for name, (low, high) in ranges.items() if low < high}
+    return model.replace(parameters=tuple(replace(p, range=pairs.get(p.name, p.range)) for p in model.parameters))
 
 
 def _with_values(model: Any, values: Mapping[str, Any]) -> Any:

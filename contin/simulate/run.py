@@ -10,7 +10,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.simulate.flight import DONE, ESCAPED, fly
+from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
+from contin.simulate.reach import left_reach
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
@@ -111,6 +112,11 @@ def simulate(
         t, states, steps, end, crossings = flight.t, flight.u, flight.steps, flight.end_time, flight.crossed
         if outcome == EVENT:
             t, states = np.append(t, end), np.vstack([states, flight.end[None, : system.n]])
+    left = left_reach(system, states, over_time(system, p, t))
+    if left is not None:
+        count, why = left
+        t, states, outcome = t[:count], states[:count], STOPPED
+        end = float(t[-1]) if count else 0.0
     return Simulation(model, method, p, t, states, observed(system, states, p, t), end, steps, crossings, outcome, why)
 
 
@@ -137,7 +143,11 @@ def observed(system: Any, states: Array, p: Array, t: Array) -> Array:
     """Observables at the states (T, k)."""
     if not system.observable_names or not len(states):
         return np.empty((len(states), len(system.observable_names)))
-    rows = np.tile(np.asarray(p, dtype=float), (len(states), 1))
-    if system.is_forced:
-        rows = np.column_stack([rows, t])
+    rows = over_time(system, p, t)
     return np.asarray(system.observables(np.ascontiguousarray(states), rows)).reshape(len(states), -1)
+
+
+def over_time(system: Any, p: Array, t: Array) -> Array:
+    """The parameters at the times t, (T, p_size)."""
+    rows = np.tile(np.asarray(p, dtype=float), (len(t), 1))
+    return np.column_stack([rows, t]) if system.is_forced else rows

@@ -20,7 +20,8 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.simulate.extrema import extremes, extremes_between, trajectory_around
 from contin.simulate.flight import fly
-from contin.simulate.run import observed
+from contin.simulate.reach import left_reach
+from contin.simulate.run import observed, over_time
 
 STATISTICS: Final = ("min", "mean", "max")
 FINEST: Final = 20_000  # samples of the shortest window
@@ -93,6 +94,9 @@ def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
         u, found, end, outcome, why = advance(u, done, target - done)
         so_far = so_far.followed_by(found)
         done = len(so_far.t)
+        left = left_reach(system, found.states, over_time(system, p, found.t))
+        if outcome == "done" and left is not None:
+            outcome, why = "stopped", left[1]
         if outcome != "done":
             return Settled(_summary(so_far.last(max(done // 4, 1))), u, end, outcome, why)
         settled = _has_settled(so_far.values, criterion.tolerance)

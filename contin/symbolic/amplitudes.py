@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 from contin.errors import InputError, NotFiniteError
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
+from contin.model.model import Model
 from contin.symbolic.oscillators import WeakOscillators
 from contin.symbolic.radial import Piece, RadialAverage, Setting, average_over_turn, combined
 from contin.symbolic.resonant import Powers, StatePowers, resonant_part, state_powers
@@ -69,18 +70,29 @@ class SlowSystem:
             Piece(p.high, p.bound, _scaled(p.sin, scale), _scaled(p.cos, scale), p.arcs, p.nodes)
             for p in average.pieces
         )
-        return RadialAverage(pieces, average.presumes)
+        return RadialAverage(pieces, average.presumes, average.limits)
 
 
-def slow_system(oscillators: WeakOscillators) -> SlowSystem:
-    """Average the first-order perturbations. A function that several oscillators share is averaged once."""
+def slow_system(oscillators: WeakOscillators, reach: float | None = None) -> SlowSystem:
+    """Average the first-order perturbations. A function that several oscillators share is averaged once.
+
+    reach : amplitude up to which quadratures are checked; by default `reach_of`.
+    """
     model = oscillators.model
-    setting = Setting(oscillators.omega, model.default_parameters(), reach_of(oscillators))
+    amplitude = reach_of(oscillators) if reach is None else reach
+    setting = Setting(oscillators.omega, model.default_parameters(), amplitude, corners_of(model))
     averager = _Averager(oscillators, setting)
     first = zip(oscillators.position[0], oscillators.velocity[0], strict=True)
     equations = tuple(averager.equation(i, e, f) for i, (e, f) in enumerate(first))
     presumes = dict.fromkeys(p for e in equations for average in e.radial.values() for p in average.presumes)
     return SlowSystem(oscillators, setting, equations, tuple(presumes))
+
+
+def corners_of(model: Model) -> tuple[dict[str, float], ...]:
+    """The parameters with declared ranges all at their lower ends, and all at their upper ones."""
+    ranges = {p.name: model.parameter_range(p.name) for p in model.parameters}
+    ends = [{name: pair[k] for name, pair in ranges.items() if pair is not None} for k in (0, 1)]
+    return tuple(model.default_parameters(end) for end in ends if end)
 
 
 def reach_of(oscillators: WeakOscillators) -> float:
@@ -167,7 +179,7 @@ def _as_force(average: RadialAverage, omega: Expression) -> RadialAverage:
         Piece(p.high, p.bound, mul(number(-1), omega, p.cos), mul(omega, p.sin), p.arcs, p.nodes)
         for p in average.pieces
     )
-    return RadialAverage(pieces, average.presumes)
+    return RadialAverage(pieces, average.presumes, average.limits)
 
 
 def refuse_names(model_parameters: Iterable[str], made: Iterable[str]) -> None:

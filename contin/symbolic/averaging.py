@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,6 +11,7 @@ from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
 from contin.symbolic.amplitudes import SlowSystem, refuse_names, slow_system
 from contin.symbolic.carry_over import (
+    amplitudes_in,
     averaged_observables,
     averaged_starts,
     averaged_states,
@@ -19,6 +21,7 @@ from contin.symbolic.carry_over import (
 from contin.symbolic.forms import AveragedForm, build_form, check_form
 from contin.symbolic.holding import holds
 from contin.symbolic.oscillators import weak_oscillators
+from contin.symbolic.reach import limits_of
 
 TIMES = ("slow", "fast")
 
@@ -35,7 +38,9 @@ class Averaged:
     dropped: tuple[str, ...]
 
 
-def average(model: Model, form: str = "polar", time: str = "slow", order: int = 1) -> Model:
+def average(
+    model: Model, form: str = "polar", time: str = "slow", order: int = 1, reach: float | None = None
+) -> Model:
     """The averaged system of a model of weakly nonlinear oscillators, as a model.
 
     x_i' = y_i, y_i' = -omega^2 x_i + eps F_i becomes the motion of the amplitudes and phases of
@@ -48,6 +53,9 @@ def average(model: Model, form: str = "polar", time: str = "slow", order: int = 
         two oscillators).
     time : 'slow' is eps t, in which eps drops out at first order; 'fast' keeps t.
     order : 1, or 2 for the corrections of order eps.
+    reach : largest amplitude for which averages without a closed form are to be accurate; by default four times the
+        largest of the starts, at least 4. The parameters' ranges count too. The model's `limits` say where they are
+        not: branches and simulations end there.
 
     Named starts, symmetries (signed permutations of the oscillators) and observables that do not change along an
     oscillation are carried over; r1, r2, psi are observables of every form.
@@ -57,18 +65,22 @@ def average(model: Model, form: str = "polar", time: str = "slow", order: int = 
     InputError
         The model is not of this kind; the message quotes the term that does not fit.
     """
-    return averaged(model, form, time, order).model
+    return averaged(model, form, time, order, reach).model
 
 
-def averaged(model: Model, form: str = "polar", time: str = "slow", order: int = 1) -> Averaged:
+def averaged(
+    model: Model, form: str = "polar", time: str = "slow", order: int = 1, reach: float | None = None
+) -> Averaged:
     """As `average`, with the intermediate results."""
     if time not in TIMES:
         raise InputError(f"averaging: time must be slow or fast; got {time!r}")
     if order not in (1, 2) or isinstance(order, bool):
         raise InputError(f"averaging: order must be 1 or 2; got {order!r}")
+    if reach is not None and not (isinstance(reach, int | float) and 0.0 < reach < math.inf):
+        raise InputError(f"averaging: reach must be a positive number, the largest amplitude; got {reach!r}")
     oscillators = weak_oscillators(model, order)
     check_form(form, oscillators.count)
-    system = slow_system(oscillators)
+    system = slow_system(oscillators, None if reach is None else float(reach))
     built = build_form(system, form)
     equations = built.equations
     if order == 2:
@@ -96,6 +108,7 @@ def averaged(model: Model, form: str = "polar", time: str = "slow", order: int =
         starts=averaged_starts(built, oscillators),
         definitions=_free(built.definitions, [*model.parameter_names, *built.states, *built.observables]),
         rotation=built.rotation,
+        limits=limits_of(system, amplitudes_in(built, oscillators.count)),
         symmetries=(),
     )
     candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built)]

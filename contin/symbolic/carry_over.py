@@ -183,13 +183,13 @@ def averaged_observables(form: AveragedForm, oscillators: WeakOscillators) -> tu
     model = oscillators.model
     kept: dict[str, Expression] = {}
     dropped = []
-    frame = _frame(form, oscillators.count)
+    frame = amplitudes_in(form, oscillators.count)
     for name, formula in model.observables.items():
         if not depends_on(formula, model.state_names):
             kept[name] = formula
         elif name in form.states or name in form.observables:
             continue  # the form's own r, r1, psi, ... stand for it
-        elif frame is not None and _is_invariant(formula, oscillators):
+        elif _is_invariant(formula, oscillators):
             mapping = {}
             for (u, v), pair in zip(frame, oscillators.pairs, strict=True):
                 mapping[symbol(pair.position)] = u
@@ -200,7 +200,7 @@ def averaged_observables(form: AveragedForm, oscillators: WeakOscillators) -> tu
     return kept, dropped
 
 
-def _frame(form: AveragedForm, count: int) -> list[Complex] | None:
+def amplitudes_in(form: AveragedForm, count: int) -> list[Complex]:
     """Complex amplitudes up to a common phase, in the form's states."""
     if form.name == "cartesian":
         return [(symbol(f"u{i + 1}"), symbol(f"v{i + 1}")) for i in range(count)]

@@ -14,11 +14,13 @@ from itertools import combinations, pairwise
 from typing import Any
 
 from contin.model.evaluate import evaluate_all
-from contin.model.expression import ONE, ZERO, Expression, substitute
+from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, substitute
+from contin.model.printing import to_text
 from contin.symbolic.switching_lines import PLANE, Circle, Line, X, Y, number_of, state_comparisons, switching_sets
-from contin.symbolic.sympy_bridge import sympy_symbol, to_sympy
+from contin.symbolic.sympy_bridge import from_sympy, sympy_symbol, to_sympy
 
 Sympy = Any
+Presumption = tuple[Expression, str]  # a margin that is negative where it does not hold, and in words
 SAME = 1e-9  # radii and angles closer than this are one
 RADIUS = "@r"
 """The amplitude in averages, before it gets the name of a state."""
@@ -53,6 +55,11 @@ class Region:
     numbers: tuple[float, float]
     arcs: tuple[Arc, ...]
 
+    def numbers_at(self, values: Mapping[str, float]) -> tuple[float, float]:
+        """The bounds at other values of the parameters."""
+        low = 0.0 if self.low is None else number_of(self.low, values)
+        return low, math.inf if self.high is None else number_of(self.high, values)
+
     @property
     def sample(self) -> float:
         """An amplitude inside."""
@@ -62,10 +69,13 @@ class Region:
 
 def regions(
     function: Expression, omega: Expression, values: Mapping[str, float], positive: tuple[str, ...]
-) -> list[Region]:
-    """The regions of amplitude of a one-oscillator function, from r = 0 outwards; arcs with formula 0 are left out."""
+) -> tuple[list[Region], list[Presumption]]:
+    """The regions of amplitude of a one-oscillator function, from r = 0 outwards, and what their order presumes.
+
+    Arcs with formula 0 are left out.
+    """
     lines, circles = switching_sets(function, omega, values, positive)
-    radii = _critical_radii(lines, circles, omega, values, positive)
+    radii, order = _critical_radii(lines, circles, omega, values, positive)
     bounds: list[tuple[Sympy | None, float]] = [(None, 0.0), *radii, (None, math.inf)]
     found: list[Region] = []
     for (low, a), (high, b) in pairwise(bounds):
@@ -75,7 +85,7 @@ def regions(
             found[-1] = Region(found[-1].low, high, (found[-1].numbers[0], b), found[-1].arcs)
         else:
             found.append(Region(low, high, (a, b), arcs))
-    return found
+    return found, [*order, *_signs(lines)]
 
 
 def _alike(one: Sequence[Arc], other: Sequence[Arc]) -> bool:
@@ -91,8 +101,12 @@ def _critical_radii(
     omega: Expression,
     values: Mapping[str, float],
     positive: tuple[str, ...],
-) -> list[tuple[Sympy, float]]:
-    """Amplitudes at which an oscillation touches a line, passes an intersection of two, or is a circle; ascending."""
+) -> tuple[list[tuple[Sympy, float]], list[Presumption]]:
+    """Amplitudes at which an oscillation touches a line, passes an intersection of two, or is a circle; ascending.
+
+    And what is presumed of those that are formulas in parameters: their order, and that those which are equal (or 0)
+    for the default parameters stay so.
+    """
     import sympy
 
     w = to_sympy(omega, positive)
@@ -105,12 +119,45 @@ def _critical_radii(
             y = (two.a * one.c - one.a * two.c) / determinant
             candidates.append(sympy.sqrt(x**2 + y**2 / w**2))
     found: list[tuple[Sympy, float]] = []
+    presumed: list[Presumption] = []
     for candidate in candidates:
         radius = _positive(sympy.simplify(candidate), values)
         value = number_of(radius, values)
-        if value > SAME and not any(abs(value - other) <= SAME * value for _, other in found):
+        like = next((other for other, size in found if abs(value - size) <= SAME * value), None)
+        if value <= SAME:
+            if radius.free_symbols:
+                presumed.append((_equality(radius, sympy.Integer(0)), f"{_text(radius)} = 0"))
+        elif like is None:
             found.append((radius, value))
-    return sorted(found, key=lambda pair: pair[1])
+        elif sympy.simplify(radius - like) != 0:
+            presumed.append((_equality(radius, like), f"{_text(radius)} = {_text(like)}"))
+    found.sort(key=lambda pair: pair[1])
+    for (low, _), (high, _) in pairwise([(sympy.Integer(0), 0.0), *found]):
+        if low.free_symbols or high.free_symbols:
+            presumed.append((from_sympy(high - low), f"{_text(low)} < {_text(high)}"))
+    return found, presumed
+
+
+def _equality(one: Sympy, two: Sympy) -> Expression:
+    """Not negative where two amplitudes are equal to the accuracy of a comparison."""
+    slack = add(number(SAME), mul(number(SAME), call("abs", from_sympy(two))))
+    return add(slack, mul(number(-1), call("abs", from_sympy(one - two))))
+
+
+def _signs(lines: Sequence[Line]) -> list[Presumption]:
+    """Signs of coefficients that decide on which side of a line through one coordinate alone an angle lies."""
+    found = []
+    for line in lines:
+        for k, other in ((0, line.b), (1, line.a)):
+            coefficient = (line.a, line.b)[k]
+            if other == 0 and coefficient.free_symbols:
+                sign = 1 if line.numbers[k] > 0 else -1
+                found.append((from_sympy(sign * coefficient), f"{_text(coefficient)} {'>' if sign > 0 else '<'} 0"))
+    return found
+
+
+def _text(formula: Sympy) -> str:
+    return to_text(from_sympy(formula))
 
 
 def _positive(radius: Sympy, values: Mapping[str, float]) -> Sympy:
@@ -225,9 +272,6 @@ def _angle(sympy: Any, line: Line, cos_delta: Sympy, sin_delta: Sympy) -> Sympy:
 
 def assumptions(found: Sequence[Region], values: Mapping[str, float]) -> list[str]:
     """What the order of the critical radii presumes about parameters: '0 < x1 < x2'; nothing where they are numbers."""
-    from contin.model.printing import to_text
-    from contin.symbolic.sympy_bridge import from_sympy
-
     radii = [region.high for region in found if region.high is not None]
     if not any(radius.free_symbols for radius in radii):
         return []

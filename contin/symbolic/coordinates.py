@@ -11,7 +11,7 @@ from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import Expression, add, mul, substitute, symbol
 from contin.model.model import Model
-from contin.model.parts import Start, State
+from contin.model.parts import Limit, Start, State
 from contin.symbolic.derivatives import sparse_jacobian
 from contin.symbolic.formulas import read
 from contin.symbolic.shorter import shorter
@@ -90,6 +90,7 @@ def change_coordinates(
         rotation={},
         starts=starts,
         averaging=None,
+        limits=tuple(Limit(converted(limit.margin), limit.beyond) for limit in model.limits),
         expect=(),
     )
 

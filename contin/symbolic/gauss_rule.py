@@ -15,15 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.errors import InputError
-from contin.model.expression import Expression, add, call, mul, number, substitute, symbol
+from contin.model.expression import Expression, add, call, mul, number, power, sub, substitute, symbol
 from contin.symbolic.cells import Arc, Cut
 from contin.symbolic.sampling import sample
 from contin.symbolic.switching_lines import X, Y
 from contin.symbolic.sympy_bridge import from_sympy
 
 Array = NDArray[np.float64]
+ACCURACY: Final = 1e-11  # relative to the function's size on the turn: less is not the average any more
 TOLERANCE: Final = 1e-13  # between one rule and the rule with twice the nodes, relative to the largest value
-SIZES: Final = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
+SIZES: Final = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 """Nodes on an arc; a full turn takes twice as many."""
 
 
@@ -53,36 +54,57 @@ def gauss(n: int) -> tuple[Array, Array]:
     return nodes, weights
 
 
+def next_size(n: int) -> int:
+    """The size of the rule that checks the one of this size."""
+    return SIZES[SIZES.index(n) + 1]
+
+
+def agreement(rule: Sequence[Expression], finer: Sequence[Expression], square: Expression) -> Expression:
+    """ACCURACY * size - |rule - finer|, of rules for averages of a function with this mean square.
+
+    Relative to the size of the function, not of its averages, which vanish at some amplitudes.
+    """
+    gap = add(*(call("abs", sub(one, two)) for one, two in zip(rule, finer, strict=True)))
+    return sub(mul(number(ACCURACY), call("sqrt", square)), gap)
+
+
+def beyond_quadrature(nodes: int) -> str:
+    """What to say where the agreement is negative."""
+    return (
+        f"the average by quadrature with {nodes} nodes is not accurate any more (to {ACCURACY:g}, against one with more "
+        "nodes): average with a larger reach, the amplitude up to which quadratures are checked (average: "
+        "{reach: 50}), or declare the ranges of the parameters, over which they are checked too"
+    )
+
+
 def turn_rule(
     function: Expression, omega: Expression, radius: Expression, n: int, odd: bool = False
-) -> tuple[Expression, Expression]:
-    """Averages of f sin(phi) and f cos(phi) over a turn by 2n equidistant nodes; f has no conditions on x and y.
+) -> tuple[Expression, Expression, Expression]:
+    """Averages of f sin(phi), f cos(phi) and f^2 over a turn by 2n equidistant nodes.
+
+    f has no conditions on x and y.
 
     For an odd f, f(-x, -y) = -f(x, y), half of the nodes do.
     """
-    angles = [(2 * k + 1) * math.pi / (2 * n) for k in range(2 * n)]
-    # the same doubles in all quadrants, so that equal values of f are one node
-    quarter_cos = {k: math.cos(angles[k]) for k in range((n + 1) // 2)}
-    cosines, sines = [], []
-    for k in range(2 * n):
-        c, s = math.cos(angles[k]), math.sin(angles[k])
-        cosines.append(math.copysign(_snap(abs(c), quarter_cos), c))
-        sines.append(math.copysign(_snap(abs(s), quarter_cos), s))
+    # the same doubles in all quadrants, so that equal values of f are one node; n is even
+    cosines = [_cosine(k, n) for k in range(2 * n)]
+    sines = [_cosine((k - n // 2) % (2 * n), n) for k in range(2 * n)]
     count = n if odd else 2 * n
     weight = 1 / count
-    with_sin, with_cos = [], []
+    with_sin, with_cos, squares = [], [], []
     for c, s in zip(cosines[:count], sines[:count], strict=True):
         value = _value(function, mul(number(c), radius), mul(number(-s), omega, radius))
         with_sin.append(mul(number(weight * s), value))
         with_cos.append(mul(number(weight * c), value))
-    return _sum(with_sin), _sum(with_cos)
+        squares.append(mul(number(weight), power(value, number(2))))
+    return _sum(with_sin), _sum(with_cos), add(*squares)
 
 
-def _snap(value: float, table: Mapping[int, float]) -> float:
-    for known in table.values():
-        if abs(known - value) < 1e-13:
-            return known
-    return 0.0 if value < 1e-13 else value
+def _cosine(k: int, n: int) -> float:
+    """cos((2k + 1) pi/(2n)) with all its digits, also next to a quarter turn."""
+    if k >= n:
+        return _cosine(2 * n - 1 - k, n)
+    return math.sin((n - 2 * k - 1) * math.pi / (2 * n))
 
 
 def _sum(terms: list[Expression]) -> Expression:
@@ -98,12 +120,12 @@ def _sum(terms: list[Expression]) -> Expression:
 
 def arc_rule(
     arcs: Sequence[Arc], omega: Expression, radius: Expression, n: int, fold: int = 1
-) -> tuple[Expression, Expression]:
-    """Averages of f sin(phi) and f cos(phi) over a turn by n Gauss nodes on every arc; f is 0 outside the arcs.
+) -> tuple[Expression, Expression, Expression]:
+    """Averages of f sin(phi), f cos(phi) and f^2 over a turn by n Gauss nodes on every arc; f is 0 outside the arcs.
 
     `fold` = 2 where the arcs are one half of the turn of an odd function.
     """
-    with_sin, with_cos = [], []
+    with_sin, with_cos, squares = [], [], []
     nodes, weights = gauss(n)
     for arc in arcs:
         if arc.start.exact and arc.stop.exact:
@@ -115,6 +137,7 @@ def arc_rule(
                 factor = float(fold * w * half / (2 * math.pi))
                 with_sin.append(mul(number(factor * s), value))
                 with_cos.append(mul(number(factor * c), value))
+                squares.append(mul(number(factor), power(value, number(2))))
             continue
         start, stop = (_angle(cut, radius) for cut in (arc.start, arc.stop))
         centre, spread = mul(number(0.5), add(start, stop)), mul(number(0.5), stop - start)
@@ -124,7 +147,8 @@ def arc_rule(
             value = _value(arc.formula, mul(radius, cos), mul(number(-1), omega, radius, sin))
             with_sin.append(mul(number(float(fold * w / (2 * math.pi))), spread, value, sin))
             with_cos.append(mul(number(float(fold * w / (2 * math.pi))), spread, value, cos))
-    return add(*with_sin), add(*with_cos)
+            squares.append(mul(number(float(fold * w / (2 * math.pi))), spread, power(value, number(2))))
+    return add(*with_sin), add(*with_cos), add(*squares)
 
 
 def _angle(cut: Cut, radius: Expression) -> Expression:

@@ -32,6 +32,7 @@ def linearise(model: Model, at: str | Mapping[str, Any] | None = None) -> Model:
         rotation={},
         starts=(),
         averaging=None,
+        limits=(),  # the equations hold where they were linearised
         expect=(),
         title=f"{model.title or model.name}, linearised",
     )

@@ -9,15 +9,42 @@ closed form is compared with a Gauss rule before it is used.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
-from contin.model.expression import ONE, ZERO, Expression, add, compare, if_, mul, postorder, substitute, symbol
-from contin.symbolic.cells import RADIUS, Arc, Region, assumptions, quarter, regions
-from contin.symbolic.gauss_rule import arc_rule, rule_size, sampled_averages, turn_rule
+from contin.errors import InputError
+from contin.model.expression import (
+    ONE,
+    ZERO,
+    Expression,
+    add,
+    call,
+    compare,
+    if_,
+    mul,
+    number,
+    postorder,
+    sub,
+    substitute,
+    symbol,
+)
+from contin.model.parts import Limit
+from contin.model.printing import to_text
+from contin.symbolic.cells import RADIUS, SAME, Arc, Region, assumptions, quarter, regions
+from contin.symbolic.gauss_rule import (
+    agreement,
+    arc_rule,
+    beyond_quadrature,
+    next_size,
+    rule_size,
+    sampled_averages,
+    turn_rule,
+)
 from contin.symbolic.parity import arcs_parity
 from contin.symbolic.switching_lines import PLANE, X, Y
 from contin.symbolic.sympy_bridge import BridgeError, all_to_sympy, from_sympy, sympy_symbol, to_sympy
@@ -25,6 +52,7 @@ from contin.symbolic.terms import additive_terms, without_kinks
 from contin.symbolic.tidy import tidy
 from contin.symbolic.trig_integrals import trig_integral
 
+SHARES: Final = (1.0, 0.5, 0.25)  # of the way to the ends of the parameters' ranges
 AGREES: Final = 1e-9  # closed form and Gauss rule, relative to the largest value
 SHORT: Final = 60  # nodes of a formula that is worth simplifying
 R: Final = symbol(RADIUS)
@@ -32,17 +60,39 @@ R: Final = symbol(RADIUS)
 
 @dataclass(frozen=True)
 class Setting:
-    """What an average is taken with: the frequency, the parameters' default values, and the largest amplitude for
-    which quadratures are checked."""
+    """What an average is taken with: the frequency, the parameters' default values, and the largest amplitude and the
+    parameters' values for which quadratures are checked."""
 
     omega: Expression
     values: Mapping[str, float]
     reach: float = 4.0
+    corners: tuple[Mapping[str, float], ...] = ()
+
+    def towards_corners(self) -> Iterator[list[Mapping[str, float]]]:
+        """Sets of parameter values to check a rule at: out to the corners, half of the way, a quarter, the defaults.
+
+        The first for which there is a rule serves: at a far corner a function may change too fast for any.
+        """
+        for share in SHARES if self.corners else ():
+            yield [
+                self.values,
+                *({n: v + share * (c[n] - v) for n, v in self.values.items()} for c in self.corners),
+            ]
+        yield [self.values]
 
     @property
     def positive(self) -> tuple[str, ...]:
         """Parameters that closed forms may take as positive."""
         return tuple(name for name, value in self.values.items() if value > 0)
+
+
+def presumed(margin: Expression, words: str) -> Limit:
+    """A limit of closed forms: what they presume about the parameters."""
+    return Limit(
+        margin,
+        f"the closed forms of the average presume {words}: average with default values of the parameters (in a run "
+        "file: `parameters:`) for which the order is the other one",
+    )
 
 
 @dataclass(frozen=True)
@@ -55,14 +105,20 @@ class Piece:
     cos: Expression
     arcs: tuple[Arc, ...] = ()
     nodes: int = 0  # of the Gauss rule on an arc; 0: closed form
+    agreement: Expression | None = None  # of a rule with the next one, in R: negative where it is not accurate
 
 
 @dataclass(frozen=True)
 class RadialAverage:
-    """S(r) and C(r), from r = 0 outwards; `presumes` are the conditions on parameters under which the forms hold."""
+    """S(r) and C(r), from r = 0 outwards.
+
+    `presumes` are the conditions on parameters under which the forms hold, in words; `limits` all that they presume,
+    quadratures also of the amplitude, the symbol R.
+    """
 
     pieces: tuple[Piece, ...]
     presumes: tuple[str, ...] = ()
+    limits: tuple[Limit, ...] = ()
 
     def sin(self, radius: Expression = R) -> Expression:
         """S(r)"""
@@ -80,6 +136,14 @@ class RadialAverage:
             value = if_(compare("<", R, piece.high), part(piece), value)
         return substitute([value], {R: radius})[0]
 
+    def with_agreement(self) -> RadialAverage:
+        """The same with the agreement of its quadratures among its limits."""
+        if not any(piece.agreement for piece in self.pieces):
+            return self
+        nodes = max(piece.nodes for piece in self.pieces)
+        margin = self.chain(lambda piece: piece.agreement or ZERO)
+        return replace(self, limits=(*self.limits, Limit(margin, beyond_quadrature(nodes))))
+
     @property
     def is_zero(self) -> bool:
         """True where both averages vanish at all amplitudes."""
@@ -95,13 +159,17 @@ def average_over_turn(function: Expression, setting: Setting) -> RadialAverage:
         A condition's sign changes cannot be located, or no quadrature is accurate enough.
     """
     function = without_kinks(function, PLANE)
-    found = regions(function, setting.omega, setting.values, setting.positive)
-    pieces, presumes = [], assumptions(found, setting.values)
+    found, order = regions(function, setting.omega, setting.values, setting.positive)
+    pieces, presumes, signs = [], assumptions(found, setting.values), []
     for region in found:
         piece, needs = _piece(region, setting)
         pieces.append(piece)
+        signs += needs
+        needs = [f"{name} > 0" for name in needs]
         presumes += [n for n in needs if n not in presumes and f" {n[:-4]} " not in " ".join([*presumes, ""])]
-    return RadialAverage(tuple(pieces), tuple(presumes))
+    limits = [presumed(margin, words) for margin, words in order]
+    limits += [presumed(symbol(name), f"{name} > 0") for name in dict.fromkeys(signs)]
+    return RadialAverage(tuple(pieces), tuple(presumes), tuple(limits)).with_agreement()
 
 
 def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
@@ -115,13 +183,16 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
     radii = _radii(region, setting.reach)
     closed = _closed(arcs, setting, fold)
 
-    def rule(n: int) -> tuple[Expression, Expression]:
+    def rule(n: int) -> tuple[Expression, Expression, Expression]:
         if _is_whole(region.arcs):
             return turn_rule(region.arcs[0].formula, setting.omega, R, n, odd)
         return arc_rule(arcs, setting.omega, R, n, fold)
 
     def values(n: int) -> Any:
-        return sampled_averages(rule(n), radii, setting.values)
+        return sampled_averages(rule(n)[:2], radii, setting.values)
+
+    def values_everywhere(n: int, corners: Sequence[Mapping[str, float]]) -> Any:
+        return np.hstack([sampled_averages(rule(n)[:2], radii, corner) for corner in corners])
 
     if closed is not None:
         sin, cos, needs = closed
@@ -131,8 +202,35 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
         allowed = AGREES * scale + 10 * float(np.max(np.abs(coarse - fine)))
         if np.all(np.isfinite(own)) and np.max(np.abs(own - fine)) <= allowed:
             return Piece(high, bound, sin, cos, region.arcs), needs
-    n = rule_size(values)
-    return Piece(high, bound, *rule(n), region.arcs, n), []
+    n = first_size(
+        values_everywhere,
+        ([c for c in corners if _lies_inside(region, radii, c)] for corners in setting.towards_corners()),
+    )
+    sin, cos, square = rule(n)
+    margin = agreement((sin, cos), rule(next_size(n))[:2], square)
+    return Piece(high, bound, sin, cos, region.arcs, n, margin), []
+
+
+def _lies_inside(region: Region, radii: Any, values: Mapping[str, float]) -> bool:
+    """True where the radii lie inside the region at other values of the parameters too."""
+    low, high = region.numbers_at(values)
+    return bool(low < radii[0] and radii[-1] < high)
+
+
+def first_size(
+    integrands: Callable[[int, Sequence[Mapping[str, float]]], Any], sets: Iterable[Sequence[Mapping[str, float]]]
+) -> int:
+    """The size of a rule that is accurate at the first of several sets of parameter values for which there is one."""
+    tried = iter(sets)
+    at = next(tried)
+    while True:
+        try:
+            return rule_size(partial(integrands, corners=at))
+        except InputError:
+            following = next(tried, None)
+            if following is None:
+                raise
+            at = following
 
 
 def _is_whole(arcs: Sequence[Arc]) -> bool:
@@ -155,7 +253,7 @@ def _radii(region: Region, reach: float) -> Any:
 
 
 def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expression, Expression, list[str]] | None:
-    """(S, C, what they presume) in closed form, or None."""
+    """(S, C, the parameters that they presume to be positive) in closed form, or None."""
     import sympy
 
     omega = to_sympy(setting.omega, setting.positive)
@@ -190,7 +288,7 @@ def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expressio
             except BridgeError:
                 return None
         results.append(add(*terms) if terms else ZERO)
-    return results[0], results[1], [f"{name} > 0" for name in sorted(needs)]
+    return results[0], results[1], sorted(needs)
 
 
 def _presumed(sympy: Any, value: Any, r: Any) -> set[str]:
@@ -208,9 +306,12 @@ def combined(parts: Sequence[tuple[Expression, RadialAverage]], positive: Collec
     if not parts:
         return RadialAverage((Piece(None, math.inf, ZERO, ZERO),))
     bounds: dict[float, Expression | None] = {}
+    merged: list[tuple[Expression, Expression]] = []
     for _, average in parts:
         for piece in average.pieces:
-            bounds.setdefault(piece.bound, piece.high)
+            known = bounds.setdefault(piece.bound, piece.high)
+            if known is not None and piece.high is not None and known is not piece.high:
+                merged.append((known, piece.high))
     pieces: list[Piece] = []
     for bound in sorted(bounds):
         chosen = [(c, next(p for p in a.pieces if p.bound >= bound * (1 - 1e-12))) for c, a in parts]
@@ -221,7 +322,23 @@ def combined(parts: Sequence[tuple[Expression, RadialAverage]], positive: Collec
             pieces.pop()
         pieces.append(Piece(bounds[bound], bound, sin, cos, arcs, nodes))
     presumes = dict.fromkeys(p for _, average in parts for p in average.presumes)
-    return RadialAverage(tuple(pieces), tuple(presumes))
+    limits = [*(limit for _, average in parts for limit in average.limits), *_in_order(bounds, merged)]
+    return RadialAverage(tuple(pieces), tuple(presumes), tuple(dict.fromkeys(limits)))
+
+
+def _in_order(bounds: Mapping[float, Expression | None], merged: Sequence[tuple[Expression, Expression]]) -> list[Limit]:
+    """What the common refinement presumes: the order of the thresholds of all parts, and that equal ones stay equal."""
+    ordered = [bounds[bound] for bound in sorted(bounds)]
+    thresholds = [high for high in ordered if high is not None]
+    limits = [
+        presumed(sub(two, one), f"{to_text(one)} < {to_text(two)}")
+        for one, two in pairwise(thresholds)
+        if not (one.is_number and two.is_number)
+    ]
+    for one, two in merged:
+        margin = sub(mul(number(SAME), call("abs", one)), call("abs", sub(one, two)))
+        limits.append(presumed(margin, f"{to_text(one)} = {to_text(two)}"))
+    return limits
 
 
 def _collected(terms: Sequence[tuple[Expression, Expression]], positive: Collection[str]) -> Expression:

@@ -58,5 +58,6 @@ def scale(model: Model, time: Any = 1, states: Mapping[str, Any] | None = None) 
         starts=tuple(
             Start(s.name, {n: div(e, unit_of(n)) for n, e in s.states.items()}, s.parameters) for s in model.starts
         ),
+        limits=tuple(replace(limit, margin=converted(limit.margin)) for limit in model.limits),
         expect=(),
     )

@@ -112,7 +112,7 @@ class _Builder:
 
     def arcs(self, function: Expression) -> tuple[Arc, ...]:
         values = self.oscillators.model.default_parameters()
-        found = regions(function, self.omega, values, tuple(n for n, v in values.items() if v > 0))
+        found, _ = regions(function, self.omega, values, tuple(n for n, v in values.items() if v > 0))
         fixed = all(not (c.phi.free_symbols) for r in found for a in r.arcs for c in (a.start, a.stop))
         if len(found) > 1 or not (fixed or not state_comparisons(function)):
             raise InputError(

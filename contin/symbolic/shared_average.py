@@ -10,16 +10,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from contin.model.expression import Expression, add, mul, number, symbol
+from contin.model.expression import Expression, add, mul, number, power, symbol
+from contin.model.parts import Limit
 from contin.symbolic.cells import SAME
 from contin.symbolic.complex_formulas import Complex
-from contin.symbolic.gauss_rule import Array, rule_size
+from contin.symbolic.gauss_rule import Array, agreement, beyond_quadrature, next_size
 from contin.symbolic.oscillators import WeakOscillators
 from contin.symbolic.piecewise_turn import Turn, piecewise_rule
-from contin.symbolic.radial import Setting
+from contin.symbolic.radial import Setting, first_size
 from contin.symbolic.sampling import sample
 from contin.symbolic.terms import without_kinks
 
@@ -28,18 +30,59 @@ Amplitudes = Sequence[Complex]  # u_j + i v_j
 
 def shared_average(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Complex:
     """Real and imaginary part of <term exp(-i tau)> as formulas in the given amplitudes."""
+    shared = _Shared(without_kinks(term, oscillators.mask), oscillators, setting)
+    return shared.rule(shared.size(), amplitudes)
+
+
+def shared_limit(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Limit:
+    """Where `shared_average` is accurate: its rule against the next one, beside the mean square of the term."""
     term = without_kinks(term, oscillators.mask)
-    members = oscillators.members(term)
-    trial = {i: (symbol(f"@u{i}"), symbol(f"@v{i}")) for i in members}
-    env = _samples(trial, setting)
-    piecewise = has_conditions(term, oscillators.mask)
+    shared = _Shared(term, oscillators, setting)
+    n = shared.size()
+    square = _Shared(power(term, number(2)), oscillators, setting).mean(n, amplitudes)
+    margin = agreement(shared.rule(n, amplitudes), shared.rule(next_size(n), amplitudes), square)
+    return Limit(margin, beyond_quadrature(n))
 
-    def rule(n: int, at: Mapping[int, Complex]) -> Complex:
-        turn = Turn(oscillators, setting.omega, at)
-        return piecewise_rule(term, turn, n) if piecewise else _smooth_rule(term, turn, 2 * n)
 
-    n = rule_size(lambda size: np.array(sample(rule(size, trial), env)))
-    return rule(n, {i: amplitudes[i] for i in members})
+@dataclass(frozen=True)
+class _Shared:
+    """The rules for one term."""
+
+    term: Expression
+    oscillators: WeakOscillators
+    setting: Setting
+
+    def turn(self, amplitudes: Amplitudes) -> Turn:
+        """The common turn of the oscillators in the term."""
+        members = self.oscillators.members(self.term)
+        return Turn(self.oscillators, self.setting.omega, {i: amplitudes[i] for i in members})
+
+    def rule(self, n: int, amplitudes: Amplitudes) -> Complex:
+        """<term exp(-i tau)> with n nodes on an arc."""
+        turn = self.turn(amplitudes)
+        if has_conditions(self.term, self.oscillators.mask):
+            return piecewise_rule(self.term, turn, n)
+        return _smooth_rule(self.term, turn, 2 * n)
+
+    def mean(self, n: int, amplitudes: Amplitudes) -> Expression:
+        """<term>: equidistant nodes are enough for a size."""
+        nodes = [(k + 0.5) * math.pi / n for k in range(2 * n)]
+        turn = self.turn(amplitudes)
+        values = (turn.at(self.term, number(math.cos(tau)), number(math.sin(tau))) for tau in nodes)
+        return mul(number(0.5 / n), add(*values))
+
+    def size(self) -> int:
+        """The size of an accurate rule: at random amplitudes, and at the ends of the parameters' ranges if it can."""
+        trial = [(symbol(f"@u{i}"), symbol(f"@v{i}")) for i in range(self.oscillators.count)]
+        used = {i: trial[i] for i in self.oscillators.members(self.term)}
+
+        def values(size: int, corners: Sequence[Mapping[str, float]]) -> Array:
+            formulas = self.rule(size, trial)
+            return np.hstack(
+                [np.array(sample(formulas, _samples(used, self.setting, corner))) for corner in corners]
+            )
+
+        return first_size(values, self.setting.towards_corners())
 
 
 def has_conditions(term: Expression, mask: int) -> bool:
@@ -50,10 +93,12 @@ def has_conditions(term: Expression, mask: int) -> bool:
     return any(n.op in COMPARISONS and n.mask & mask and not is_guard(n) for n in postorder([term]))
 
 
-def _samples(trial: Mapping[int, Complex], setting: Setting) -> dict[str, Array | float]:
+def _samples(
+    trial: Mapping[int, Complex], setting: Setting, values: Mapping[str, float]
+) -> dict[str, Array | float]:
     """Random amplitudes of the expected size, the same ones every time."""
     chance = np.random.default_rng(11)
-    env: dict[str, Array | float] = dict(setting.values)
+    env: dict[str, Array | float] = dict(values)
     for u, v in trial.values():
         radius = setting.reach * np.sqrt(chance.uniform(0.01, 1.0, 12)) / 2
         angle = chance.uniform(0, 2 * math.pi, 12)

@@ -18,6 +18,7 @@ class Equations:
     observables: Mapping[str, Expression] = field(default_factory=dict)
     kind: str = "flow"
     forcing: object = None
+    limits: tuple[object, ...] = ()
     symmetries: tuple = ()
     name: str = "trial"
 

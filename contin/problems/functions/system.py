@@ -33,6 +33,7 @@ class FunctionSystem:
     jacobian_address = NO_FUNCTION
     is_forced = False
     n_switches = 0
+    limits: tuple[Any, ...] = ()
 
     def __init__(self, model: FunctionProblem) -> None:
         self.model = model

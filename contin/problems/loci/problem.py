@@ -18,6 +18,7 @@ from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
+from contin.simulate.reach import left_reach
 from contin.problems.two_parameters import TwoParameterProblem
 
 CHUNK = 250
@@ -160,6 +161,12 @@ class LocusProblem(TwoParameterProblem):
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first row at which the model does not hold, and why."""
+        p = np.tile(self.base, (len(z), 1))
+        p[:, self.curve.first], p[:, self.curve.second] = z[:, -1], z[:, -2]
+        return left_reach(self.system, z[:, : self.n], p)
 
     def columns(self, z: Array) -> dict[str, Array]:
         n = self.n

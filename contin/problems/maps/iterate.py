@@ -28,6 +28,7 @@ class IteratedSystem:
     jacobian_address = NO_FUNCTION
     kind = "map"
     is_forced = False
+    limits: tuple[Any, ...] = ()
 
     @property
     def model(self) -> Any:

@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
+from contin.simulate.reach import left_reach
 
 _TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
 
@@ -94,6 +95,17 @@ class FamilyOfOrbits:
     @abstractmethod
     def profile(self, z: Array) -> Profile:
         """The orbit over one period."""
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first orbit on which the model does not hold somewhere, and why."""
+        if not self.system.limits:
+            return None
+        for row, orbit in enumerate(z):
+            u = self.profile(orbit).u
+            left = left_reach(self.system, u, np.tile(self.full_parameters(orbit), (len(u), 1)))
+            if left is not None:
+                return row, left[1]
+        return None
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])

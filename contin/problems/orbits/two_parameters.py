@@ -16,6 +16,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
+from contin.simulate.reach import left_reach
 from contin.problems.two_parameters import TwoParameterProblem
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
@@ -90,6 +91,18 @@ class OrbitCurveProblem(TwoParameterProblem):
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return False
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first orbit on which the model does not hold somewhere, and why."""
+        for row, point in enumerate(z if self.system.limits else ()):
+            u = self.curve.profile(point).u
+            p = np.zeros((len(u), self.system.p_size))
+            p[:, : len(self.base)] = self.base
+            p[:, self.curve.first], p[:, self.curve.second] = point[-1], point[-2]
+            left = left_reach(self.system, u, p)
+            if left is not None:
+                return row, left[1]
+        return None
 
     def remarks(self, z: Array) -> Sequence[str]:
         return ()

@@ -1,0 +1,35 @@
+"""Where a branch leaves the region in which its equations, an approximation, hold: it ends there, and says so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from contin.continuation.arm import Arm
+from contin.continuation.branch import End
+from contin.continuation.piece import Piece
+from contin.continuation.problem import Problem, is_limited
+
+
+def within_reach(problem: Problem, pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
+    """The pieces of an arm up to the last row at which the equations hold; then `arm.end` says so."""
+    if not is_limited(problem):
+        yield from pieces
+        return
+    for piece in pieces:
+        left = problem.left_reach(np.vstack([piece.z, *(mark.point.z[None] for mark in piece.found)]))
+        if left is None:
+            yield piece
+            continue
+        row, text = left
+        if row >= len(piece.z):  # a labelled point beyond, between rows that are not
+            found = piece.found[: row - len(piece.z)]
+            yield replace(piece, found=found)
+            row = piece.found[row - len(piece.z)].before
+        else:
+            yield piece.cut(row)
+        where = piece.z[min(row, len(piece.z) - 1), -1] if len(piece.z) else arm.origin.z[-1]
+        arm.end = End("bound", f"at {problem.parameters[0]} = {where:.10g}, {text}")
+        return
