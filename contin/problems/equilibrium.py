@@ -23,9 +23,9 @@ from contin.model.model import Model
 from contin.problems import corners, special
 from contin.problems.functions.march import DenseMarch
 from contin.problems.polish import at_parameter
-from contin.simulate.reach import left_reach
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, state_scales
+from contin.simulate.reach import left_reach
 
 _NO_TANGENT = np.empty(0)
 NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not matter

@@ -47,14 +47,16 @@ def top(values: Array) -> float:
     best = int(np.argmax(values))
     if not 2 <= best <= len(values) - 3:
         return float(values[best])
-    left, bend, right = (float(values[best + d - 1] - 2.0 * values[best + d] + values[best + d + 1]) for d in (-1, 0, 1))
+    left, bend, right = np.diff(values[best - 2 : best + 3], 2).tolist()
     if not (bend < 0.0 and max(abs(left - bend), abs(right - bend)) < ALIKE * abs(bend)):
         return float(values[best])
     slope = 0.5 * float(values[best + 1] - values[best - 1])
     return float(values[best]) - 0.5 * slope * slope / bend
 
 
-def trajectory_around(system: Any, p: Array, t: Array, states: Array, rtol: float, atol: float) -> Callable[[int], Array]:
+def trajectory_around(
+    system: Any, p: Array, t: Array, states: Array, rtol: float, atol: float
+) -> Callable[[int], Array]:
     """`around` for `extremes_between`: the observables on the trajectory through a row's neighbours."""
 
     def around(row: int) -> Array:

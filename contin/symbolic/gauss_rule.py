@@ -71,8 +71,8 @@ def agreement(rule: Sequence[Expression], finer: Sequence[Expression], square: E
 def beyond_quadrature(nodes: int) -> str:
     """What to say where the agreement is negative."""
     return (
-        f"the average by quadrature with {nodes} nodes is not accurate any more (to {ACCURACY:g}, against one with more "
-        "nodes): average with a larger reach, the amplitude up to which quadratures are checked (average: "
+        f"the average by quadrature with {nodes} nodes is not accurate any more (to {ACCURACY:g}, against one with "
+        "more nodes): average with a larger reach, the amplitude up to which quadratures are checked (average: "
         "{reach: 50}), or declare the ranges of the parameters, over which they are checked too"
     )
 

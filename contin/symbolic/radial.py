@@ -326,7 +326,9 @@ def combined(parts: Sequence[tuple[Expression, RadialAverage]], positive: Collec
     return RadialAverage(tuple(pieces), tuple(presumes), tuple(dict.fromkeys(limits)))
 
 
-def _in_order(bounds: Mapping[float, Expression | None], merged: Sequence[tuple[Expression, Expression]]) -> list[Limit]:
+def _in_order(
+    bounds: Mapping[float, Expression | None], merged: Sequence[tuple[Expression, Expression]]
+) -> list[Limit]:
     """What the common refinement presumes: the order of the thresholds of all parts, and that equal ones stay equal."""
     ordered = [bounds[bound] for bound in sorted(bounds)]
     thresholds = [high for high in ordered if high is not None]

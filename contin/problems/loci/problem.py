@@ -18,8 +18,8 @@ from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
-from contin.simulate.reach import left_reach
 from contin.problems.two_parameters import TwoParameterProblem
+from contin.simulate.reach import left_reach
 
 CHUNK = 250
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not

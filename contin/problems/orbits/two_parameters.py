@@ -16,8 +16,8 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
-from contin.simulate.reach import left_reach
 from contin.problems.two_parameters import TwoParameterProblem
+from contin.simulate.reach import left_reach
 
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 ALIKE = 1e-7  # relative distance of parameters below which two points are one
