@@ -18,6 +18,7 @@ def within_reach(problem: Problem, pieces: Iterable[Piece], arm: Arm) -> Iterato
     if not is_limited(problem):
         yield from pieces
         return
+    name = arm.problem.parameters[0]
     for piece in pieces:
         left = problem.left_reach(np.vstack([piece.z, *(mark.point.z[None] for mark in piece.found)]))
         if left is None:
@@ -31,5 +32,5 @@ def within_reach(problem: Problem, pieces: Iterable[Piece], arm: Arm) -> Iterato
         else:
             yield piece.cut(row)
         where = piece.z[min(row, len(piece.z) - 1), -1] if len(piece.z) else arm.origin.z[-1]
-        arm.end = End("bound", f"at {problem.parameters[0]} = {where:.10g}, {text}")
+        arm.end = End("bound", f"at {name} = {where:.10g}, {text}")
         return

@@ -51,7 +51,7 @@ def top(values: Array) -> float:
     if not (bend < 0.0 and max(abs(left - bend), abs(right - bend)) < ALIKE * abs(bend)):
         return float(values[best])
     slope = 0.5 * float(values[best + 1] - values[best - 1])
-    return float(values[best]) - 0.5 * slope * slope / bend
+    return float(float(values[best]) - 0.5 * slope * slope / bend)
 
 
 def trajectory_around(

@@ -161,7 +161,7 @@ def _iterates(system: Any, p: Array, criterion: Criterion) -> Advance:
                 taken, how = k, ("escaped", "left the box")
                 break
             states[k] = u
-        t = done + 1.0 + np.arange(taken)
+        t = np.arange(done + 1.0, done + taken + 1.0)
         found = _Samples(t, states[:taken], observed(system, states[:taken], p, t))
         return u, found, float(done + taken + (how[0] != "done")), *how
 

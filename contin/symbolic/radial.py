@@ -37,6 +37,7 @@ from contin.model.parts import Limit
 from contin.model.printing import to_text
 from contin.symbolic.cells import RADIUS, SAME, Arc, Region, assumptions, quarter, regions
 from contin.symbolic.gauss_rule import (
+    Array,
     agreement,
     arc_rule,
     beyond_quadrature,
@@ -218,19 +219,25 @@ def _lies_inside(region: Region, radii: Any, values: Mapping[str, float]) -> boo
 
 
 def first_size(
-    integrands: Callable[[int, Sequence[Mapping[str, float]]], Any], sets: Iterable[Sequence[Mapping[str, float]]]
+    integrands: Callable[[int, Sequence[Mapping[str, float]]], Array], sets: Iterable[Sequence[Mapping[str, float]]]
 ) -> int:
     """The size of a rule that is accurate at the first of several sets of parameter values for which there is one."""
     tried = iter(sets)
     at = next(tried)
     while True:
         try:
-            return rule_size(partial(integrands, corners=at))
+            return rule_size(partial(_at, integrands, at))
         except InputError:
             following = next(tried, None)
             if following is None:
                 raise
             at = following
+
+
+def _at(
+    integrands: Callable[[int, Sequence[Mapping[str, float]]], Array], corners: Sequence[Mapping[str, float]], n: int
+) -> Array:
+    return integrands(n, corners)
 
 
 def _is_whole(arcs: Sequence[Arc]) -> bool:
