@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from contin.errors import InputError
+from contin.limits import MOST_INTERVALS, MOST_POINTS, check_count
 
 LOOSEST_TOLERANCE = 1e-4
 
@@ -46,12 +47,10 @@ class Settings:
                 raise InputError(f"settings.{name} must be a positive number; got {value!r}")
         if self.min_step > self.max_step:
             raise InputError(f"settings.min_step must be in (0, max_step = {self.max_step}]; got {self.min_step}")
-        if isinstance(self.steps, bool) or not isinstance(self.steps, int) or self.steps < 0:
-            raise InputError(f"settings.steps must be a whole number >= 0; got {self.steps!r}")
-        for name, least in (("intervals", 3), ("points", 2)):
-            count = getattr(self, name)
-            if count is not None and (isinstance(count, bool) or not isinstance(count, int) or count < least):
-                raise InputError(f"settings.{name} must be a whole number >= {least}; got {count!r}")
+        check_count("settings.steps", self.steps, 0)
+        if self.intervals is not None:
+            check_count("settings.intervals", self.intervals, 3, MOST_INTERVALS)
+        check_count("settings.points", self.points, 2, MOST_POINTS)
         if self.max_angle >= 90:
             raise InputError(f"settings.max_angle must be below 90 degrees; got {self.max_angle}")
 

@@ -5,7 +5,6 @@ What the values mean (names, formulas, dependencies) is decided in `build`; here
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal
 
@@ -13,6 +12,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 from pydantic_core import PydanticCustomError
 
 from contin.model.expression import Expression
+from contin.limits import brief, is_finite
 
 FORMAT_VERSION: Final = 1
 TAGS: Final = frozenset({"(short)", "(long)", "(one)", "(several)"})  # parts of pydantic's paths that are not keys
@@ -33,15 +33,14 @@ def shown(value: object) -> str:
         return "a mapping"
     if isinstance(value, list):
         return "a list"
-    text = repr(value)
-    return text if len(text) <= 60 else text[:56] + " ..."
+    return brief(value)
 
 
 def _formula(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float, str, Expression)):
         raise _fail(f"expected a number or a formula, got {shown(value)}")
-    if isinstance(value, float) and not math.isfinite(value):
-        raise _fail(f"expected a finite number, got {value}")
+    if isinstance(value, (int, float)) and not is_finite(value):
+        raise _fail(f"expected a finite number, not above 1.8e308, got {shown(value)}")
     return value
 
 
@@ -58,7 +57,7 @@ def _name(value: object) -> object:
 
 
 def _tolerance(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < math.inf:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not (0 < value and is_finite(value)):
         raise _fail(f"expected a positive number, got {shown(value)}")
     return float(value)
 

@@ -13,6 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any, Final, NoReturn
 
 from contin.errors import InputError
+from contin.limits import is_finite
 from contin.model.source import Marks, Path, Problems, Span, YamlSource
 
 MAX_BYTES: Final = 20_000_000
@@ -242,7 +243,8 @@ def _resolve(text: str) -> Any:
         return _CONSTANTS[text]
     if len(text) < 400:
         if _INTEGER.fullmatch(text):
-            return int(text)
+            whole = int(text)
+            return whole if is_finite(whole) else text
         if _FLOAT.fullmatch(text):
             value = float(text)
             return value if abs(value) != float("inf") else text

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
+from contin.limits import as_double
 from contin.model.advice import closest
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.runs.outputs import output_paths
@@ -275,14 +277,20 @@ class _Planner:
         from contin.model.parser import parse
 
         if not isinstance(value, str):
-            return float(value)
+            return as_double(value)
         try:
             expression = parse(value, self.names, self.model.functions)
         except ExpressionError as error:
             span = Span(error.position, error.position + 1)
             self.problems.add(path, str(error), value=value, span=span)
             return None
-        return float(evaluate(expression, self.values)) if self.values else None
+        if not self.values and self.names:
+            return None
+        number = float(evaluate(expression, self.values))
+        if not math.isfinite(number):
+            self.problems.add(path, f"{value!r} is {number}; a finite number is needed")
+            return None
+        return number
 
     def has_start(self, name: str) -> bool:
         return any(start.name == name for start in self.model.starts)

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, WithJsonSchema
 
+from contin.limits import MOST_RUNS
 from contin.model.schema import FORMAT_VERSION, Formula, Text
 from contin.runs.schema import (
     Count,
@@ -26,7 +27,7 @@ class AxisEntry(Section):
 
     from_: Formula = Field(alias="from")
     to: Formula
-    points: Count
+    points: Annotated[Count, Field(le=MOST_RUNS)]
 
 
 def _list_or_not(value: object) -> str:

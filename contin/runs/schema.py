@@ -5,7 +5,6 @@ What the names mean (parameters, states, starts) is decided in `plan`; here a nu
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal
 
@@ -23,6 +22,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
+from contin.limits import LARGEST_COUNT, LARGEST_TABLE, MOST_INTERVALS, MOST_POINTS, as_double, is_finite
 
 DIRECTIONS: Final = ("both", "up", "down")
 
@@ -47,20 +47,20 @@ def _reference(value: object) -> object:
 
 
 def _interval(value: object) -> object:
-    numbers = [v for v in value if isinstance(v, int | float)] if isinstance(value, list) else []
+    numbers = [as_double(v) for v in value if isinstance(v, int | float)] if isinstance(value, list) else []
     if len(numbers) == 2 and not numbers[0] < numbers[1]:
         raise _wrong(f"expected [low, high] with low < high, got [{numbers[0]:g}, {numbers[1]:g}]")
     return value
 
 
 def _positive(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (0 < value and is_finite(value)):
         raise _wrong(f"expected a positive number, got {shown(value)}")
     return float(value)
 
 
 def _not_negative(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < math.inf:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (0 <= value and is_finite(value)):
         raise _wrong(f"expected 0 or a positive number, got {shown(value)}")
     return float(value)
 
@@ -68,6 +68,8 @@ def _not_negative(value: object) -> object:
 def _count(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise _wrong(f"expected a whole number, 1 or more, got {shown(value)}")
+    if value > LARGEST_COUNT:
+        raise _wrong(f"expected a whole number, {LARGEST_COUNT} at most, got {shown(value)}")
     return value
 
 
@@ -86,7 +88,7 @@ def _mapping_or_not(value: object) -> str:
 
 
 Positive = Annotated[float, PlainValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
-Count = Annotated[int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
+Count = Annotated[int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": LARGEST_COUNT})]
 RunName = Annotated[str, PlainValidator(_run_name), WithJsonSchema({"type": "string", "pattern": r"^[^.]+$"})]
 Reference = Annotated[str, PlainValidator(_reference), WithJsonSchema({"type": "string", "pattern": r"^.+\..+$"})]
 File = Annotated[str, PlainValidator(_file), WithJsonSchema({"type": "string"})]
@@ -135,8 +137,8 @@ class SettingsEntry(Section):
     steps: Count | None = None
     max_angle: Annotated[Positive, Field(lt=90)] | None = None
     tolerance: Positive | None = None
-    intervals: Annotated[Count, Field(ge=3)] | None = None
-    points: Annotated[Count, Field(ge=2, le=7)] | None = None
+    intervals: Annotated[Count, Field(ge=3, le=MOST_INTERVALS)] | None = None
+    points: Annotated[Count, Field(ge=2, le=MOST_POINTS)] | None = None
     method: Literal["collocation", "shooting"] | None = None
     stop_at: Texts | None = None
 
@@ -227,7 +229,7 @@ class SimulateEntry(Section):
     parameters: dict[str, Formula] = {}
     time: Positive = 100.0
     transient: Annotated[float, PlainValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})] = 0.0
-    samples: Annotated[Count, Field(ge=2)] | None = None
+    samples: Annotated[Count, Field(ge=2, le=LARGEST_TABLE)] | None = None
     method: Literal["DOP853", "Radau", "LSODA", "BDF"] | None = None
     rtol: Positive | None = None
     box: Positive | None = None
@@ -259,7 +261,7 @@ class SweepEntry(Section):
     range: Interval | None = None
     start: Start | None = None
     parameters: dict[str, Formula] = {}
-    steps: Count = 60
+    steps: Annotated[Count, Field(le=100_000)] = 60
     down: bool = True
     measures: dict[str, Text] = {}
     settle: SweepSettleEntry | None = None

@@ -48,12 +48,12 @@ def apply_passes(
     if written and ranges:
         model = _with_ranges(model, ranges)
     for position, item in enumerate(written):
-        name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
         path: Path = ("transform", position)
+        if not isinstance(item, str) and len(item) != 1:
+            problems.add(path, "write one pass an entry: - average: {form: polar}")
+            return model
+        name, options = (item, {}) if isinstance(item, str) else next(iter(item.items()))
         if not isinstance(item, str):
-            if len(item) != 1:
-                problems.add(path, "write one pass an entry: - average: {form: polar}")
-                return model
             path = (*path, name)
         if name not in PASSES:
             advice = closest(name, PASSES) or f"there are {', '.join(PASSES)}"

@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.limits import LARGEST_TABLE, check_count
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
 from contin.simulate.reach import left_reach
 
@@ -88,8 +89,8 @@ def simulate(
             raise InputError(f"{name} must be a positive number; got {value!r}")
     if not (np.isfinite(transient) and transient >= 0.0):
         raise InputError(f"transient must be 0 or a positive number; got {transient!r}")
-    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 2:
-        raise InputError(f"samples must be a whole number, 2 or more; got {samples!r}")
+    check_count("samples", samples, 2, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
+    check_count("budget", budget)
     u, p = model.start_point(start, dict(parameters or {}))
     from contin.lowering import compile_system
     from contin.simulate.iterate import iterated

@@ -12,10 +12,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import ExpressionError, InputError
+from contin.limits import MOST_RUNS
 from contin.simulate.steady import STATISTICS, Criterion
 from contin.simulate.watch import watching
 
-LARGEST: Final = 10_000_000  # runs
 OTHER: Final = "other"
 NO_START: Final = "no start"
 RESERVED: Final = (OTHER, NO_START, "escaped", "sliding", "stopped")  # names of what is no class of the user's
@@ -55,8 +55,8 @@ class ScanSpec:
                 raise InputError(f"{self.model.name} has neither a parameter nor a state {name!r}")
             if not len(values) or not np.all(np.isfinite(values)):
                 raise InputError(f"the axis {name} needs finite values, one or more")
-        if len(self) > LARGEST:
-            raise InputError(f"{len(self)} runs are more than {LARGEST}")
+        if len(self) > MOST_RUNS:
+            raise InputError(f"{len(self)} runs are more than {MOST_RUNS}")
         for name in self.classes:
             if name in RESERVED:
                 raise InputError(f"the class {name!r} has a meaning of its own; give this class another name")
