@@ -42,3 +42,7 @@ class AtRestError(NoSolutionError):
 
 class FormatVersionError(InputError):
     """A file was written for a newer format than this version of contin reads."""
+
+
+class InputWarning(UserWarning):
+    """Something in a file or a call that can be carried out, but is hardly what was meant."""

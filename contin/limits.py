@@ -1,4 +1,4 @@
-"""Which numbers a file or a call may hold: those of double precision, and counts that a computer can hold the result of."""
+"""Which numbers a file or a call may hold: those of double precision, and counts whose results a computer can hold."""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ import typer
 
 from contin._version import __version__
 from contin.cli.interrupt import listen
+from contin.cli.printable import printable
 from contin.errors import ContinError
 
 BAD_INPUT = 2
@@ -328,7 +329,7 @@ def schema(
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
     """Without the line of code that makes it, which is none of the user's."""
-    sys.stderr.write(f"warning: {message}\n")
+    sys.stderr.write(f"warning: {printable(str(message))}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -339,12 +340,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
             warnings.showwarning = _show_warning
             app(arguments, prog_name="contin")
     except ContinError as error:
-        sys.stderr.write(f"{error}\n")
+        sys.stderr.write(f"{printable(str(error))}\n")
         raise SystemExit(BAD_INPUT) from None
     except OSError as error:  # files say so themselves; what is left is the terminal, or a full disk in its place
         from contin.cli.terminal import forget_output, trouble
 
-        sys.stderr.write(f"{trouble(error)}\n")
+        sys.stderr.write(f"{printable(trouble(error))}\n")
         forget_output()
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:

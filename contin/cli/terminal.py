@@ -8,6 +8,8 @@ from typing import NoReturn, TextIO
 
 from rich.console import Console
 
+from contin.cli.printable import PRINTABLE
+
 
 def forget_output() -> None:
     """What standard output could not take is not tried again, with a complaint, when Python ends."""
@@ -31,4 +33,6 @@ class _Console(Console):
 
 def console(stream: TextIO, quiet: bool) -> Console:
     """A console of the terminal's width; a file or a pipe gets long lines instead of broken ones."""
-    return _Console(file=stream, quiet=quiet, highlight=False, width=None if stream.isatty() else 200, markup=False)
+    made = _Console(file=stream, quiet=quiet, highlight=False, width=None if stream.isatty() else 200, markup=False)
+    made.push_render_hook(PRINTABLE)
+    return made

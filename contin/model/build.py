@@ -280,6 +280,13 @@ class _Builder:
                 if not low < high or abs(low) == float("inf") or abs(high) == float("inf"):
                     path: Path = ("parameters", keys[parameter.name], "range")
                     self.problems.add(path, f"expected [low, high] with low < high, got [{low:.6g}, {high:.6g}]")
+                elif not low <= values[parameter.name] <= high:
+                    path = ("parameters", keys[parameter.name], "value")
+                    self.problems.warn(
+                        path,
+                        f"{values[parameter.name]:.6g} is outside its own range [{low:.6g}, {high:.6g}]: runs in "
+                        f"{parameter.name} over this range need another start, or `parameters:`",
+                    )
         for state in parts["states"]:
             if state.period is not None:
                 self.positive(state.period, values, ("states", keys[state.name], "period"))

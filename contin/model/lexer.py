@@ -106,7 +106,8 @@ def decimal(text: str, position: int = 0) -> Expression:
         raise ExpressionError(f"a number of {len(text)} characters; {MAX_NUMBER_LENGTH} are allowed", position)
     rounded = float(text)
     if rounded in (float("inf"), float("-inf")):
-        raise ExpressionError(f"{text} is too large for double precision (largest: 1.8e308)", position)
+        shown = text if len(text) <= 40 else f"a number of {len(text)} characters"
+        raise ExpressionError(f"{shown} is too large for double precision (largest: 1.8e308)", position)
     if rounded == 0.0:
         if significant_digits(text):
             raise ExpressionError(f"{text} is too small for double precision (smallest: 4.9e-324); write 0", position)

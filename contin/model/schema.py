@@ -5,14 +5,15 @@ What the values mean (names, formulas, dependencies) is decided in `build`; here
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, PlainValidator, Tag, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from contin.model.expression import Expression
 from contin.limits import brief, is_finite
+from contin.model.expression import Expression
 
 FORMAT_VERSION: Final = 1
 TAGS: Final = frozenset({"(short)", "(long)", "(one)", "(several)"})  # parts of pydantic's paths that are not keys
@@ -47,17 +48,21 @@ def _formula(value: object) -> object:
 def _text(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise _fail(f"expected a text, got {shown(value)}")
-    return value if isinstance(value, str) else str(value)
+    text = value if isinstance(value, str) else str(value)
+    bad = next((c for c in text if unicodedata.category(c) == "Cc" and c not in "\n\t"), None)
+    if bad is not None:
+        raise _fail(f"a text may not contain control characters (here U+{ord(bad):04X}), which could steer a terminal")
+    return text
 
 
 def _name(value: object) -> object:
-    if not isinstance(value, str):
+    if not isinstance(value, str) or not value.isprintable():
         raise _fail(f"expected a name, got {shown(value)}")
     return value
 
 
 def _tolerance(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not (0 < value and is_finite(value)):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not (value > 0 and is_finite(value)):
         raise _fail(f"expected a positive number, got {shown(value)}")
     return float(value)
 

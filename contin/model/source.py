@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Union
 
-from contin.errors import InputError
+from contin.errors import InputError, InputWarning
 
 Path = tuple[Union[str, int], ...]  # ("parameters", "delta", "value")
 MAX_SHOWN: Final = 20  # messages in one error
@@ -122,6 +123,12 @@ class Problems:
         shown = path_text(self.source.full_path(path))
         self.add_text(order, f"{heading}: {shown}: {message}" if shown else f"{heading}: {message}", snippet)
 
+    def warn(self, path: Path, message: str) -> None:
+        """Say something about the value at `path` that is no mistake: an `InputWarning`."""
+        _, heading, _ = self.source.locate(path, False, None, None)
+        text = f"{heading}: {path_text(self.source.full_path(path))}: {message}"
+        warnings.warn(printable(text), InputWarning, stacklevel=2)
+
     def add_text(self, order: tuple[int, int], text: str, snippet: str) -> None:
         """Note a mistake whose message is complete; `order` is its line and column."""
         self.found.append((order, len(self.found), printable(text) + (f"\n{snippet}" if snippet else "")))
@@ -134,7 +141,7 @@ class Problems:
     def raise_if_any(self) -> None:
         """One InputError with everything found so far, in the order of the source."""
         if self.found:
-            texts = [text for _, _, text in sorted(self.found)]
+            texts = list(dict.fromkeys(text for _, _, text in sorted(self.found)))
             if len(texts) > MAX_SHOWN:
                 more = f"{'at least ' * (len(texts) >= MAX_FOUND)}{len(texts) - MAX_SHOWN} more"
                 texts = [*texts[:MAX_SHOWN], f"... and {more}"]

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Union
 
 from contin.errors import ExpressionError, InputError, NotFiniteError
+from contin.limits import brief
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate
 from contin.model.explain import explain_not_finite
@@ -53,7 +54,7 @@ def _formula(name: str, value: Override, names: list[str], functions: Mapping[st
         try:
             return parse(value, names, functions)
         except ExpressionError as error:
-            raise InputError(f"parameter {name} = {value!r}: {error}") from None
+            raise InputError(f"parameter {name} = {brief(value)}: {error}") from None
     if isinstance(value, bool):
         raise InputError(f"parameter {name}: expected a number or a formula, got {value}")
     formula = value if isinstance(value, Expression) else as_expression(_plain(value, name))

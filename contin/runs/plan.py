@@ -12,7 +12,9 @@ from contin.errors import ContinError, ExpressionError, InputError, NotFiniteErr
 from contin.limits import as_double
 from contin.model.advice import closest
 from contin.model.source import PartSource, Path, Problems, Source, Span
+from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
+from contin.runs.references import check_references
 from contin.runs.samples import Samples, read_samples
 from contin.runs.schema import ContinuationEntry, DiagramEntry, PhaseEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
@@ -120,8 +122,12 @@ def make_plan_for(
     diagram = None if entry.diagram is None else planner.diagram(entry.diagram)
     phase = None if entry.phase is None else planner.phase(entry.phase)
     runs = planner.runs(entry.continuations, file)
-    problems.raise_if_any()
+    check_references(entry, model, problems)
     axes = entry.outputs
+    quantities = [] if entry.sweep is None else list(entry.sweep.measures)
+    shown = [(("outputs", "x"), axes.x), *((("outputs", "y"), name) for name in axes.y or [])]
+    check_columns(shown, model, problems, quantities)
+    problems.raise_if_any()
     return Plan(model, planner.overrides, runs, diagram, phase, outputs, axes.x, axes.y, entry.title or model.title)
 
 
@@ -374,6 +380,8 @@ class _Planner:
         return low, high
 
     def default_range(self, name: str, path: Path) -> tuple[float, float] | None:
+        if self.names and not self.values:
+            return None  # the values of the parameters are wrong, which is noted
         bounds = self.model.parameter_range(name, self.overrides)
         if bounds is None:
             self.problems.add(

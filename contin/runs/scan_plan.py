@@ -67,9 +67,10 @@ def plan_scan(
             axes.append((name, np.array([number for number in numbers if number is not None])))
     written_starts = entry.scan.starts or []
     if isinstance(written_starts, Mapping):
-        names, starts = tuple(written_starts), [
-            planner.start(start, ("scan", "starts", name)) for name, start in written_starts.items()
-        ]
+        names, starts = (
+            tuple(written_starts),
+            [planner.start(start, ("scan", "starts", name)) for name, start in written_starts.items()],
+        )
     else:
         names, starts = (), [planner.start(start, ("scan", "starts", k)) for k, start in enumerate(written_starts)]
     problems.raise_if_any()

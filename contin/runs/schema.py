@@ -21,8 +21,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
 from contin.limits import LARGEST_COUNT, LARGEST_TABLE, MOST_INTERVALS, MOST_POINTS, as_double, is_finite
+from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
 
 DIRECTIONS: Final = ("both", "up", "down")
 
@@ -34,6 +34,8 @@ def _wrong(message: str) -> PydanticCustomError:
 def _run_name(value: object) -> object:
     if not isinstance(value, str) or not value.strip():
         raise _wrong(f"expected a name, got {shown(value)}")
+    if not value.isprintable():
+        raise _wrong(f"a run's name may not contain control characters, got {shown(value)}")
     if "." in value:
         raise _wrong(f"a run's name may not contain a dot (`from: NAME.LABEL` is split there), got {shown(value)}")
     return value
@@ -54,13 +56,13 @@ def _interval(value: object) -> object:
 
 
 def _positive(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (0 < value and is_finite(value)):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (value > 0 and is_finite(value)):
         raise _wrong(f"expected a positive number, got {shown(value)}")
     return float(value)
 
 
 def _not_negative(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (0 <= value and is_finite(value)):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (value >= 0 and is_finite(value)):
         raise _wrong(f"expected 0 or a positive number, got {shown(value)}")
     return float(value)
 
@@ -88,7 +90,9 @@ def _mapping_or_not(value: object) -> str:
 
 
 Positive = Annotated[float, PlainValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
-Count = Annotated[int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": LARGEST_COUNT})]
+Count = Annotated[
+    int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": LARGEST_COUNT})
+]
 RunName = Annotated[str, PlainValidator(_run_name), WithJsonSchema({"type": "string", "pattern": r"^[^.]+$"})]
 Reference = Annotated[str, PlainValidator(_reference), WithJsonSchema({"type": "string", "pattern": r"^.+\..+$"})]
 File = Annotated[str, PlainValidator(_file), WithJsonSchema({"type": "string"})]

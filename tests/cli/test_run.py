@@ -64,7 +64,7 @@ def test_quiet_prints_nothing(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("reference", "note"),
-    [("line.BP1", "has no point BP1 (points: LP1)"), ("absent.LP1", "there is no branch 'absent' (branches: line)")],
+    [("line.BP1", "has no point BP1 (points: LP1)"), ("line.2.LP1", "there is no branch 'line.2' (branches: line)")],
 )
 def test_a_start_that_does_not_exist_skips_the_run_and_those_that_need_it(tmp_path, reference, note):
     out = tmp_path / "out.json"

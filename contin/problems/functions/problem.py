@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
 from contin.problems.functions.guarded import called, numbers
+from contin.problems.functions.names import check_name, check_names
 
 if TYPE_CHECKING:
     from contin.model.parts import Expectation
@@ -105,9 +106,10 @@ class FunctionProblem:
             raise InputError(f"states names {len(states)} states; u0 has {self.n}")
         default = tuple(f"u{k}" for k in range(self.n)) if self.n <= NAMED else ()
         self.state_names = tuple(states) if states is not None else default
-        clash = sorted(set(self.state_names) & set(self.parameter_names))
-        if clash:
-            raise InputError(f"{', '.join(clash)}: both a state and a parameter; name the states with states=[...]")
+        check_names(parameters=self.parameter_names, states=self.state_names)
+        for given, what in ((name, "name"), (title, "title"), *((key, "symmetries") for key in symmetries or {})):
+            if given is not None:
+                check_name(what, given, column=False)
         self.parameter_jacobian, self.derivative, self.record = parameter_jacobian, derivative, record
         self.ranges = dict(ranges or {})
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())

@@ -80,7 +80,6 @@ class FunctionSystem:
     def raw(self, u: NDArray[Any], p: NDArray[Any]) -> NDArray[Any]:
         """F(u, p) (n,), real or complex, as the user's function gives it."""
 
-
         def evaluate() -> NDArray[Any]:
             return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
 
