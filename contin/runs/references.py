@@ -65,6 +65,6 @@ def _of_diagram(branch: str, entry: RunEntry, model: Any) -> bool:
 def _roots(entry: RunEntry) -> list[str]:
     """Names of the explorer's first branches (`contin.api.diagrams`)."""
     assert entry.diagram is not None
-    starts = entry.diagram.start or [None]
+    starts: Sequence[object] = entry.diagram.start or [None]
     alone = len(starts) == 1
     return [s if isinstance(s, str) else "start" if alone else f"start{k + 1}" for k, s in enumerate(starts)]
