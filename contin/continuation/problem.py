@@ -104,6 +104,7 @@ class Verified:
     normal_form: Mapping[str, Any] = field(default_factory=dict)
     vectors: Mapping[str, Any] = field(default_factory=dict)
     also: tuple[str, ...] = ()
+    remark: str = ""  # what could not be told about it, such as why its normal form is empty: a note of the branch
     crowded: bool = False  # other eigenvalues are critical here too: more than this type may happen
 
 

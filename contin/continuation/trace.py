@@ -169,7 +169,7 @@ def _assemble(
     if is_remarking(problem):
         with contained(notes.append):
             notes.extend(problem.remarks(z))
-    notes = [*notes, *unrecorded(columns, z, problem)]
+    notes = [*notes, *unrecorded(columns, z, problem), *_remarks(rows.labelled, problem)]
     columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
@@ -193,6 +193,12 @@ def _assemble(
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
     )  # fmt: skip
+
+
+def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> list[str]:
+    """What could not be told about labelled points, with their places."""
+    name = problem.parameters[0]
+    return [f"{v.remark} near {name} = {v.z[-1]:.10g}" for _, v, _ in labelled if v.remark]
 
 
 def unrecorded(columns: Mapping[str, Any], z: Array, problem: Problem) -> list[str]:

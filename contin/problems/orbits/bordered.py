@@ -21,10 +21,16 @@ def factors(matrix: Any) -> Any:
 
     Minimum degree on A + A^T leaves the borders to the end and fills in proportion to the intervals. The usual order,
     by columns (of A^T A, in which one dense row couples all), takes some ten times as long at 400 intervals.
+    Raises LinAlgError where the matrix is exactly singular, or not finite.
     """
     from scipy.sparse.linalg import splu
 
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A")
+    if not np.all(np.isfinite(matrix.data)):
+        raise np.linalg.LinAlgError("a matrix is not finite")
+    try:
+        return splu(matrix, permc_spec="MMD_AT_PLUS_A")
+    except RuntimeError as error:  # SuperLU
+        raise np.linalg.LinAlgError("a matrix is exactly singular") from error
 
 
 @dataclass(frozen=True, eq=False)

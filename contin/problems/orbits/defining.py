@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.problems.orbits.bordered import Bordered
-from contin.problems.orbits.layout import make_scale
+from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.loci.held import HeldCurve
 from contin.problems.orbits.marched_in_kernel import corrected
@@ -42,7 +42,9 @@ class SolvedOrbit:
     residual: float
     error: float
     right: NDArray[Any]
-    confirmed: bool = True  # the same point was found on a finer mesh
+    scale: Array  # the metric
+    finer: SolvedOrbit | None = None  # the same on a mesh of half the lengths; only interpolated if not confirmed
+    confirmed: bool = True  # the same point was found on the finer mesh
 
 
 def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
@@ -55,17 +57,16 @@ def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float
     if found is None:
         return None
     profile = problem.profile(found.z)
-    finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
-    finer_scale = make_scale(
-        finer.h, profile.m, problem.sizes(found.z, scale), float(scale[profile.u.size]), float(scale[-1])
-    )
+    finer, finer_scale = on_finer_mesh(problem, found.z, scale)
     refined = _newton(problem, type_, finer.vector(), finer_scale, found.theta, samples=0)
     if refined is None:
-        return replace(found, error=found.error + float(scale[-1]) * problem.tolerance, confirmed=False)
+        interpolated = replace(found, z=finer.vector(), scale=finer_scale)
+        error = found.error + float(scale[-1]) * problem.tolerance
+        return replace(found, error=error, finer=interpolated, confirmed=False)
     discretisation = SAFETY * abs(refined.z[-1] - found.z[-1])
     period = problem.profile(refined.z).period
     confirmed = abs(period - profile.period) < SAME_PERIOD * profile.period
-    return replace(found, error=found.error + discretisation, confirmed=confirmed)
+    return replace(found, error=found.error + discretisation, finer=refined, confirmed=confirmed)
 
 
 def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
@@ -83,16 +84,22 @@ def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
     if not float(np.min(np.abs(multipliers - 1.0))) < UNRESOLVED:
         return None
     residual = float(np.max(np.abs(linear.residual)))
-    return SolvedOrbit(z, 0.0, residual, 2.0 * abs(float(found[-1] - z[-1])), right)
+    error = SAFETY * abs(float(found[-1] - z[-1]))
+    refined = SolvedOrbit(found, 0.0, residual, error, right, on_finer_mesh(problem, z, scale)[1])
+    return SolvedOrbit(z, 0.0, residual, error, right, scale, refined)
+
+
+def on_finer_mesh(problem: Any, z: Array, scale: Array) -> tuple[Profile, Array]:
+    """The orbit interpolated on a mesh of half the lengths, and the metric there."""
+    profile = problem.profile(z)
+    finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
+    period = float(scale[profile.u.size])
+    return finer, make_scale(finer.h, profile.m, problem.sizes(z, scale), period, float(scale[-1]))
 
 
 def same_period_on_finer_mesh(problem: Any, z: Array, scale: Array) -> Array | None:
     """The orbit of the same period on a mesh of half the lengths."""
-    profile = problem.profile(z)
-    finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
-    finer_scale = make_scale(
-        finer.h, profile.m, problem.sizes(z, scale), float(scale[profile.u.size]), float(scale[-1])
-    )
+    finer, finer_scale = on_finer_mesh(problem, z, scale)
     fixed = np.zeros(finer_scale.size)
     fixed[finer.u.size] = 1.0
     guess = Sample(finer.vector(), fixed, np.zeros(4), 0, np.empty(0, complex))
@@ -146,4 +153,4 @@ def _measured(
         shift[-1] = shift[-2]
         back = curve.step(x + metric * shift, metric)
         scatter = max(scatter, np.inf if back is None else abs(float(shift[-1] + back[0][-1])))
-    return SolvedOrbit(z, curve.theta(x), residual, 2.0 * scatter * float(scale[-1]), right)
+    return SolvedOrbit(z, curve.theta(x), residual, 2.0 * scatter * float(scale[-1]), right, scale)

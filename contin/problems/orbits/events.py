@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -14,8 +13,10 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems import special
 from contin.problems.orbits import planar
 from contin.problems.orbits.bordered import Bordered
+from contin.problems.orbits.defining import flat_fold, solve_special
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
+from contin.problems.orbits.normal_form import normal_form
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
 
@@ -96,8 +97,6 @@ def _distance_from_one(sample: Sample) -> float:
 
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
-    from contin.problems.orbits.defining import flat_fold, solve_special
-
     theta, width = 0.0, float(frame.scale[-1])
     flat = type_ == "flat"
     if flat:
@@ -147,7 +146,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
         vectors={"right": solved.right, "theta": solved.theta},
     )  # fmt: skip
-    return _with_normal_form(problem, point, frame.scale)
+    return normal_form(problem, point, solved)
 
 
 def _orientable(problem: Any, z: Array) -> bool:
@@ -172,7 +171,7 @@ def _turns(problem: Any, fold: Any, frame: Frame) -> bool:
         regular = Bordered.with_borders(
             linear.jacobian, np.empty((linear.nu + 1, 0)), np.pad(fold.right, ((0, 1), (0, 0)))
         )
-    except RuntimeError:  # exactly singular
+    except np.linalg.LinAlgError:
         return False
     column = linear.jacobian[:, [-1]].toarray()[:, 0]
     left = regular.factors.solve(np.append(np.zeros(linear.nu + 1), 1.0), "T")[:-1]
@@ -190,12 +189,6 @@ def _at_rest(problem: Any, z: Array, frame: Frame) -> bool:
     """True where a family is at its Hopf point; a forced system may rest as well as move."""
     extent = float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
     return problem.autonomous and extent < NO_ORBIT
-
-
-def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    from contin.problems.orbits.normal_form import normal_form
-
-    return replace(point, normal_form=normal_form(problem, point, scale))
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:

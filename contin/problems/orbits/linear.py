@@ -101,7 +101,7 @@ class OrbitLinear:
         """(nu + 1, nu + 2) sparse, scaled."""
         profile, w = self.profile, self._points
         h, period = profile.h, profile.period
-        fu = self._state_derivatives
+        fu = self.state_derivatives
         f, fp, ft = (np.moveaxis(a, -1, 0) for a in (w.f, w.fp, w.ft))  # (N, m, n)
         by_period = f + (0.0 if self.problem.autonomous else period * self._times[:, :, None] * ft)
         local = self._local(fu, -h * period, True)
@@ -110,7 +110,7 @@ class OrbitLinear:
         return self._assemble(local, column_t, column_p, periodic=True, phase=True)
 
     @property
-    def _state_derivatives(self) -> Array:
+    def state_derivatives(self) -> Array:
         """f_u at the Gauss points, (N, m, n, n)."""
         from contin.kernels.collocation import LANES
 
@@ -234,7 +234,7 @@ class OrbitLinear:
         """f_z at the Gauss points, (N, m, n, n + p_size); only the columns of u, the active parameter and t."""
         w, n = self._points, self.profile.n
         first = np.zeros((self.profile.intervals, self.profile.m, n, n + self.problem.system.p_size))
-        first[:, :, :, :n] = self._state_derivatives
+        first[:, :, :, :n] = self.state_derivatives
         first[:, :, :, n + self.problem.active] = np.moveaxis(w.fp, -1, 0)
         if not self.problem.autonomous:
             first[:, :, :, -1] = np.moveaxis(w.ft, -1, 0)
@@ -252,7 +252,7 @@ class OrbitLinear:
     def variational(self, rho: complex) -> Any:
         """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
         profile = self.profile
-        local = self._local(self._state_derivatives, -profile.h * profile.period, True)
+        local = self._local(self.state_derivatives, -profile.h * profile.period, True)
         if isinstance(rho, complex):
             local = local.astype(complex)
         return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)

@@ -10,14 +10,17 @@ u = u0(tau) + xi v(tau) + ..., where the mean of |v|^2 over the orbit is 1 (2-no
 autonomous system v is the generalised eigenfunction v' = A v + u0', whose size is given. Every coefficient follows from
 the solvability of a linear boundary-value problem, w^* right = 0 with the left null vector w of its matrix; no adjoint
 equation is solved. Cost: a few sparse factorisations, and second and third derivatives at every Gauss point.
+
+The error of a coefficient has two parts: rounding, a part of the sum of the moduli of its terms, and the change from
+the same point on a mesh of half the lengths (discretisation, and how well the point was located).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,42 +28,67 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
+from contin.normalforms.result import sense
 from contin.problems.orbits.bordered import Bordered, factors
+from contin.problems.orbits.defining import SolvedOrbit
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
 
-SHEARLESS = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
-VERTICAL = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
-UNDECIDED = 1e-10  # a coefficient this small beside the terms it is the sum of has no sign
+SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
+VERTICAL: Final = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
+ROUNDING: Final = 1e-10  # error of a coefficient beside the sum of the moduli of its terms
+SAFETY: Final = 2.0  # the finer mesh has an error of its own
+NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 Values = NDArray[Any]  # of a function at the Gauss points, (N, m, n)
 
 
-def normal_form(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
-    """Coefficients of the periodic normal form, criticality for PD and NS, the kind of a BPC; empty where unknown."""
-    linear = OrbitLinear(problem, point.z, scale, point.z)
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient, and the sum of the moduli of the terms that it is the sum of."""
+
+    value: complex
+    size: float
+    signed: bool = True  # False where the sign of the coordinate is arbitrary, and with it that of the coefficient
+
+    def error(self, finer: Coefficient) -> float:
+        """From the same coefficient on a finer mesh."""
+        moved = abs(self.value - finer.value)
+        if not self.signed:
+            moved = min(moved, abs(self.value + finer.value))
+        return ROUNDING * max(self.size, finer.size) + SAFETY * moved
+
+
+def normal_form(problem: Any, point: Verified, solved: SolvedOrbit) -> Verified:
+    """The point with its coefficients, their errors, and the criticality of PD and NS or the kind of BPC.
+
+    What cannot be computed is a remark.
+    """
     try:
-        if point.type == "LPC":
-            return {"b": fold(linear)}
         if point.type == "BPC":
-            return branch_point(problem, point, scale)
-        if point.type == "PD":
-            c, size = period_doubling(linear)
-            return {"c": c, **_criticality(c, size)}
-        if point.type == "NS":
-            d, size = torus(linear, float(point.vectors["theta"]))
-            return {"d": [d.real, d.imag], **_criticality(d.real, size)}
-    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):  # exactly singular, or not finite
-        pass
-    return {}
+            kind = branch_point(problem, point, solved.scale)
+            remark = "" if kind else "BPC: the families that cross there were not told apart; no kind is stated"
+            return replace(point, normal_form=kind, remark=remark)
+        coarse = coefficient(problem, point.type, solved)
+        fine = coefficient(problem, point.type, solved.finer or solved)
+    except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
+    name, value, error = NAMES[point.type], coarse.value, coarse.error(fine)
+    if not np.isfinite(error):
+        return replace(point, remark=f"{point.type}: its normal form is not finite")
+    form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
+    if point.type != "LPC":
+        form["criticality"] = sense(value.real, error)
+    return replace(point, normal_form={**form, "errors": {name: error}})
 
 
-def _criticality(coefficient: float, size: float) -> Mapping[str, str]:
-    """Supercritical: what is born lives where the orbit is unstable, and is stable if nothing else is unstable."""
-    if abs(coefficient) <= UNDECIDED * size:
-        return {"criticality": "degenerate"}
-    return {"criticality": "supercritical" if coefficient < 0.0 else "subcritical"}
+def coefficient(problem: Any, type_: str, solved: SolvedOrbit) -> Coefficient:
+    """b of LPC, c of PD or d of NS."""
+    linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
+    if type_ == "LPC":
+        return fold(linear)
+    return period_doubling(linear) if type_ == "PD" else torus(linear, solved.theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +126,10 @@ class Variation:
         """Zero where the equation with right-hand side g has a solution; linear in g, of arbitrary scale."""
         return complex(np.vdot(self.null[1] if left is None else left, self._right(g)))
 
+    def modulus(self, g: Values, left: NDArray[Any] | None = None) -> float:
+        """Sum of the moduli of the terms of `projection`."""
+        return float(np.abs(self.null[1] if left is None else left) @ np.abs(self._right(g)))
+
     def solve(self, g: Values, singular: bool) -> NDArray[Any]:
         """A solution at the nodes."""
         right = self._right(g)
@@ -128,7 +160,7 @@ class Forms:
         return np.asarray(np.einsum("cj,ijk->ick", basis(profile.m).values, w[nodes]))
 
     def first(self, w: Values) -> Values:
-        return np.asarray(np.einsum("icka,ica->ick", np.moveaxis(self.linear._points.fu, -1, 0), w))
+        return np.asarray(np.einsum("icka,ica->ick", self.linear.state_derivatives, w))
 
     def apply(self, *functions: Values) -> Values:
         """D^k f [w_1, ..., w_k]."""
@@ -167,7 +199,7 @@ def branch_point(problem: Any, point: Verified, scale: Array) -> Mapping[str, An
     return {"kind": "pitchfork" if flat < VERTICAL else "transcritical", **kernel}
 
 
-def fold(linear: OrbitLinear) -> float:
+def fold(linear: OrbitLinear) -> Coefficient:
     """b = <p, B(v, v) / 2 + A v> / <p, v> with v' = A v + u0'; b = <p, B(v, v)> / (2 <p, v>) with v' = A v where the
     period does not change across the fold, or is forced.
     """
@@ -179,7 +211,7 @@ def fold(linear: OrbitLinear) -> float:
     kernel = np.linalg.qr(right)[0]
     if float(np.linalg.norm(periodic.matrix @ kernel)) > SHEARLESS * float(abs(periodic.matrix).max()):
         v = forms.values(periodic.solve(forms.field, singular=True))
-        return float((periodic.projection(0.5 * forms.apply(v, v) + forms.first(v)) / periodic.projection(v)).real)
+        return _projected(periodic, v, [0.5 * forms.apply(v, v), forms.first(v)])
     along = [periodic.projection(forms.field, w) for w in left.T]  # <p, u0'> = 0 selects p
     p = along[1] * left[:, 0] - along[0] * left[:, 1]
     field = linear.field.ravel() / linear.units[: linear.nu]
@@ -188,23 +220,22 @@ def fold(linear: OrbitLinear) -> float:
     return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
 
 
-def _without_drift(periodic: Variation, forms: Forms, w: NDArray[Any], p: NDArray[Any]) -> float:
+def _without_drift(periodic: Variation, forms: Forms, w: NDArray[Any], p: NDArray[Any]) -> Coefficient:
     v = forms.values(w)
-    return float((0.5 * periodic.projection(forms.apply(v, v), p) / periodic.projection(v, p)).real)
+    return replace(_projected(periodic, v, [0.5 * forms.apply(v, v)], p), signed=False)
 
 
-def period_doubling(linear: OrbitLinear) -> tuple[float, float]:
-    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>), and the size of the terms that it is made of."""
+def period_doubling(linear: OrbitLinear) -> Coefficient:
+    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>)."""
     forms, periodic, antiperiodic = Forms(linear), Variation(linear, 1.0), Variation(linear, -1.0)
     v = forms.values(_normalised(linear, antiperiodic.null[0]))
     second = forms.apply(v, v)
     a, h2 = _second_order(forms, periodic, second, factor=0.5)
     terms = [forms.apply(v, v, v) / 6.0, 0.5 * forms.apply(v, h2), -a * forms.first(v)]
-    c, size = _projected(antiperiodic, v, terms)
-    return c.real, size
+    return _projected(antiperiodic, v, terms)
 
 
-def torus(linear: OrbitLinear, theta: float) -> tuple[complex, float]:
+def torus(linear: OrbitLinear, theta: float) -> Coefficient:
     """d = <p, C(v, v, v') + 2 B(h11, v) + B(h20, v') - 2 a A v> / (2 <p, v>) + i a theta / T (v' the conjugate).
 
     Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
@@ -218,8 +249,8 @@ def torus(linear: OrbitLinear, theta: float) -> tuple[complex, float]:
     terms = [
         0.5 * forms.apply(v, v, v.conj()), forms.apply(h11, v), 0.5 * forms.apply(h20, v.conj()), -a * forms.first(v),
     ]  # fmt: skip
-    d, size = _projected(turning, v, terms)
-    return d + 1j * a * theta / linear.profile.period, size
+    d = _projected(turning, v, terms)
+    return replace(d, value=d.value + 1j * a * theta / linear.profile.period)
 
 
 def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -> tuple[float, Values]:
@@ -230,8 +261,11 @@ def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -
     return factor * a, forms.values(periodic.solve(g - a * forms.field, singular=True))
 
 
-def _projected(critical: Variation, v: Values, terms: list[Values]) -> tuple[complex, float]:
-    """Sum of the terms' projections in units of v's, and the sum of their sizes."""
-    unit = critical.projection(v)
-    parts = [critical.projection(g) / unit for g in terms]
-    return complex(sum(parts)), float(sum(abs(x) for x in parts))
+def _projected(critical: Variation, v: Values, terms: list[Values], left: NDArray[Any] | None = None) -> Coefficient:
+    """Sum of the terms' projections in units of v's.
+
+    The moduli are those of the integrands, so that a projection which vanishes by symmetry has a size, too.
+    """
+    unit = critical.projection(v, left)
+    parts = [critical.projection(g, left) / unit for g in terms]
+    return Coefficient(complex(sum(parts)), float(sum(critical.modulus(g, left) for g in terms) / abs(unit)))

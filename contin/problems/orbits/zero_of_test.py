@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, Final
 
 from contin.continuation.problem import Frame, Sample
@@ -15,8 +16,17 @@ STEPS: Final = 40
 ACCURATE: Final = 1e-11  # (scaled arclength) width of the last bracket
 
 
-def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Sample | None:
-    """The point next to a sample at which test `index` is nearest to zero; None where it does not change its sign.
+@dataclass(frozen=True, eq=False)
+class Zero:
+    """The point at which a test is nearest to zero, and how far (scaled arclength) its zero may be from there."""
+
+    sample: Sample
+    value: float  # of the test
+    error: float
+
+
+def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Zero | None:
+    """The zero of test `index` next to a sample; None where it does not change its sign.
 
     Every third step halves the bracket. Cost: some ten points of the curve.
     """
@@ -31,6 +41,7 @@ def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Sample
     (s_a, a), (s_b, b) = bracket
     f_a, f_b = float(a.tests[index]), float(b.tests[index])
     best = a if abs(f_a) < abs(f_b) else b
+    slope = abs(f_b - f_a) / (s_b - s_a)
     for k in range(STEPS):
         if s_b - s_a < ACCURATE or f_a == f_b:
             break
@@ -47,7 +58,8 @@ def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Sample
             s_a, f_a = s, f
         else:
             s_b, f_b = s, f
-    return best
+    value = abs(float(best.tests[index]))
+    return Zero(best, value, ACCURATE + (value / slope if slope > 0.0 else s_b - s_a))
 
 
 def _bracket(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,8 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.locate import locate
+from contin.problems.shooting.normal_form import with_normal_form
+from contin.problems.shooting.switch import side_of_branch
 from contin.problems.special import nearest_pair
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
@@ -52,10 +54,11 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     width = float(frame.scale[-1])
     error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
     error += found.error * width
-    return Verified(
+    point = Verified(
         type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets)) > 1.0)),
-        normal_form=_normal_form(problem, type_, found.z, frame.scale, theta), vectors={"theta": theta},
+        vectors={"theta": theta},
     )  # fmt: skip
+    return _with_normal_form(problem, point, frame.scale)
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
@@ -73,15 +76,11 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     return found
 
 
-def _normal_form(problem: Any, type_: str, z: Array, scale: Array, theta: float) -> Mapping[str, Any]:
+def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
     """Of a PD and NS the criticality; of a branch point: does the flow have corners on the orbit, and on which side do
     the new orbits lie?"""
-    if type_ in ("PD", "NS"):
-        from contin.problems.shooting.normal_form import criticality
-
-        return criticality(problem, type_, z, problem.sizes(z, scale), theta)
-    if type_ != "BPC":
-        return {}
-    from contin.problems.shooting.switch import side_of_branch
-
-    return side_of_branch(problem, z, scale)
+    if point.type in ("PD", "NS"):
+        return with_normal_form(problem, point, scale)
+    if point.type == "BPC":
+        return replace(point, normal_form=side_of_branch(problem, point.z, scale))
+    return replace(point, remark="LPC: the coefficient b is not computed for orbits by shooting")

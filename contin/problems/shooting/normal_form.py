@@ -7,16 +7,18 @@ eigenfunction of mean square 1 has over w's eigenvector.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.problem import Verified
 from contin.normalforms.maps import circle_manifold, flip_manifold
+from contin.normalforms.result import sense
 from contin.problems.shooting.return_map import NoDerivatives, ReturnMap
 
-UNDECIDED: Final = 1e-5  # a coefficient this small beside the terms it is the sum of has no sign
+UNDECIDED: Final = 1e-5  # error of a coefficient beside the terms it is the sum of: derivatives are by differences
 
 
 def period_doubling(problem: Any, z: Array, sizes: Array) -> tuple[float, float]:
@@ -35,13 +37,17 @@ def torus(problem: Any, z: Array, sizes: Array, theta: float) -> tuple[float, fl
     return float(factor * (manifold.g((2, 1), 0) / manifold.values[0]).real), factor * manifold.magnitude((2, 1), 0)
 
 
-def criticality(problem: Any, type_: str, z: Array, sizes: Array, theta: float) -> Mapping[str, Any]:
-    """{c, criticality} of a PD, {criticality} of a NS; empty where the return map has no derivatives."""
+def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
+    """The point with {c, criticality} of a PD, {criticality} of a NS; what cannot be computed is a remark."""
+    sizes = problem.sizes(point.z, scale)
     try:
-        value, size = period_doubling(problem, z, sizes) if type_ == "PD" else torus(problem, z, sizes, theta)
-    except (NoDerivatives, np.linalg.LinAlgError, ValueError, ZeroDivisionError):
-        return {}
-    named: dict[str, Any] = {"c": value} if type_ == "PD" else {}
-    if abs(value) <= UNDECIDED * size:
-        return {**named, "criticality": "degenerate"}
-    return {**named, "criticality": "supercritical" if value < 0.0 else "subcritical"}
+        if point.type == "PD":
+            value, size = period_doubling(problem, point.z, sizes)
+        else:
+            value, size = torus(problem, point.z, sizes, float(point.vectors["theta"]))
+    except (NoDerivatives, np.linalg.LinAlgError, ZeroDivisionError) as error:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({error})")
+    form: dict[str, Any] = {"criticality": sense(value, UNDECIDED * size)}
+    if point.type == "PD":
+        form = {"c": value, **form, "errors": {"c": UNDECIDED * size}}
+    return replace(point, normal_form=form)

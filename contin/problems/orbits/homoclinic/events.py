@@ -23,7 +23,7 @@ from contin.continuation.settings import Settings
 from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 from contin.problems.orbits.saddles import extent_of
-from contin.problems.orbits.zero_of_test import ACCURATE, zero_of_test
+from contin.problems.orbits.zero_of_test import zero_of_test
 
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
@@ -102,19 +102,19 @@ def watch(type_: str) -> int:
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test along the curve."""
     index = watch(type_)
-    found = zero_of_test(problem, near, frame, index)
-    if found is None:
+    zero = zero_of_test(problem, near, frame, index)
+    if zero is None:
         return f"{type_} not verified: its test function has no zero nearby"
-    value = abs(float(found.tests[index]))
-    if value > JUMP:
+    found = zero.sample
+    if zero.value > JUMP:
         return f"{type_} not verified: its test function jumps"
     if _vanishes(problem, found, frame, index):
         return ""  # an invariant plane or a skew product: no coupling, all along the curve
     moved = problem.discretisation(found, frame, index)
     if moved is None:
         return f"{type_} not verified: not found again on a mesh of half the lengths"
-    error = 10.0 * ACCURATE * float(frame.scale[-1]) + moved
-    return Verified(_named(type_, found.eigenvalues), found.z, value, error, found.eigenvalues, found.unstable)
+    error = 10.0 * zero.error * float(frame.scale[-1]) + moved
+    return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
 def _vanishes(problem: Any, found: Sample, frame: Frame, index: int) -> bool:

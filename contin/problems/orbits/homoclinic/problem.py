@@ -102,7 +102,7 @@ class ConnectionProblem(MarchedInPython):
         rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
         try:
             _, _, left = Bordered.of(jacobian.tocsr()[rows][:, :nu].tocsc(), 1).solve()
-        except RuntimeError:
+        except np.linalg.LinAlgError:
             return None
         values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
         return np.asarray(values.reshape(-1, n))
@@ -126,7 +126,7 @@ class ConnectionProblem(MarchedInPython):
         finer = replace(self, curve=curve, _last={})
         start = finer._on_interval(z, found, scale, h, Settings())
         again = None if start is None else zero_of_test(finer, start.origin, Frame(scale), index)
-        return None if again is None else float(np.max(np.abs(again.z[-2:] - found.z[-2:])))
+        return None if again is None else float(np.max(np.abs(again.sample.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0

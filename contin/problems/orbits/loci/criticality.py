@@ -15,6 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
+from contin.problems.shooting.return_map import NoDerivatives
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 POLES: Final = {"PD": (3, 4), "NS": (4, 5, 6)}  # tests of R2, LPPD; LPNS, R1, R2: the coefficient is infinite there
@@ -32,9 +33,22 @@ def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> fl
         return float("nan")
     try:
         value, size = curve.critical_coefficient(z, scale)
-    except (RuntimeError, np.linalg.LinAlgError, ValueError, ZeroDivisionError):  # a singular system (sparse, dense)
+    except (np.linalg.LinAlgError, ZeroDivisionError, NoDerivatives) as error:
+        curve.critical.setdefault("failures", []).append(str(error))
         return float("nan")
     return float("nan") if decided and abs(value) <= UNDECIDED * size else float(value)
+
+
+def remarks(curve: Any) -> list[str]:
+    """That the coefficient has no value at some places, where its zeros cannot be seen."""
+    failures = curve.critical.get("failures", [])
+    if not failures:
+        return []
+    name, label = ("c", "GPD") if curve.type == "PD" else ("Re d", "CH")
+    return [
+        f"{name} of the normal form could not be computed at {len(failures)} places ({failures[0]}); {label} there are "
+        "not told"
+    ]
 
 
 def is_measured(curve: Any, sample: Sample) -> bool:
@@ -87,6 +101,11 @@ def _passes_pole(curve: Any, a: Sample, b: Sample) -> bool:
 def is_zero(curve: Any, value: float) -> bool:
     """True for a zero, not a pole, of the coefficient that `cut_at_change` found."""
     return abs(value) <= ZERO * float(curve.critical.get("typical", np.inf))
+
+
+def is_pole(curve: Any, value: float) -> bool:
+    """True where it is larger than beside the place at which it changes its sign."""
+    return not abs(value) <= float(curve.critical.get("typical", np.inf))
 
 
 def _with(curve: Any, sample: Sample, value: float) -> Sample:

@@ -72,10 +72,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
         orbit = self.orbit(z)
         linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
-        if self.type == "PD":
-            return period_doubling(linear)
-        d, size = torus(linear, self.theta(z))
-        return d.real, size
+        found = period_doubling(linear) if self.type == "PD" else torus(linear, self.theta(z))
+        return found.value.real, found.size
 
     # -- the kernel ---------------------------------------------------------------------------------------------------
 

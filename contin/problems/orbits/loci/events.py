@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import criticality
-from contin.problems.orbits.zero_of_test import ACCURATE, zero_of_test
+from contin.problems.orbits.zero_of_test import zero_of_test
 
 # test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
 NAMES: Final = {
@@ -24,6 +24,7 @@ NAMES: Final = {
     "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4", "CH"),
 }
 PAIRS: Final = {"LPC": "LPNS", "BPC": "LPNS", "PD": "PDNS", "NS": "NSNS"}  # a pair of the other multipliers
+RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 NEUTRAL: Final = ""
 DEGENERATE: Final = 1e-9  # a test function this small all along is zero
@@ -53,26 +54,38 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test function along the curve, by secants in a bracket; '' where only a neutral pair crosses."""
     index = watch(problem.locus, type_)
-    found = zero_of_test(problem, near, frame, index)
-    if found is None:
+    zero = zero_of_test(problem, near, frame, index)
+    if zero is None:
         return f"{type_} not verified: its test function has no zero nearby"
+    found = zero.sample
     if type_ == "CPC" and (problem.has_shrunk(found.z, frame.scale) or problem.has_met_half(found.z, frame.scale)):
         return NEUTRAL  # the curve turns round at its generalised Hopf point or period doubling
     if type_ == PAIRS[problem.locus] and not _complex_pair(problem, found):
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
         return NEUTRAL
-    if type_ in ("GPD", "CH") and not criticality.is_zero(problem.curve, float(found.tests[index])):
-        return NEUTRAL  # a pole, at a strong resonance
-    error = 10.0 * ACCURATE * float(frame.scale[-1]) + SAFETY * _discretisation(problem, found, frame, index)
-    return Verified(type_, found.z, abs(float(found.tests[index])), error, found.eigenvalues, found.unstable)
+    if type_ in ("GPD", "CH"):
+        if criticality.is_pole(problem.curve, zero.value):
+            return NEUTRAL  # at a strong resonance
+        resolved = criticality.is_zero(problem.curve, zero.value)
+    else:
+        resolved = zero.value <= RESIDUAL_LIMIT
+    if not resolved:
+        return f"{type_} not verified: its test function jumps across zero (residual {zero.value:.1e})"
+    moved = _discretisation(problem, found, frame, index)
+    if moved is None:
+        return f"{type_} not verified: it is not there on a mesh of half the lengths"
+    error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
+    return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
-def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> float:
-    """How far the point moves, in either parameter, on a mesh of half the lengths; 0 where it is not found there."""
+def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> float | None:
+    """How far the point moves, in either parameter, on a mesh of half the lengths; None where it is not found there."""
     refined = problem.refined(found, frame)
-    again = None if refined is None else zero_of_test(refined[0], refined[1], refined[2], index)
-    return 0.0 if again is None else float(np.abs(again.z[[-1, -2]] - found.z[[-1, -2]]).max())
+    if refined is None:
+        return 0.0
+    again = zero_of_test(refined[0], refined[1], refined[2], index)
+    return None if again is None else float(np.abs(again.sample.z[[-1, -2]] - found.z[[-1, -2]]).max())
 
 
 def _complex_pair(problem: Any, sample: Sample) -> bool:

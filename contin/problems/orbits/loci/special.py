@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.family import alike
-from contin.problems.orbits.loci import events
+from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.multipliers import nontrivial, without
 from contin.problems.orbits.two_parameters import SMALL, OfPeriodicOrbits
 
@@ -40,6 +40,9 @@ class OfSpecialOrbits(OfPeriodicOrbits):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        return criticality.remarks(self.curve)
 
     def has_met_half(self, z: Array, scale: Array) -> bool:
         """True where the orbit is one of half its period, but for a difference that does not matter."""

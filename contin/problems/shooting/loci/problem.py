@@ -77,7 +77,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     def remarks(self, z: Array) -> Sequence[str]:
         touched = self.curve.touched
         if touched is None:
-            return ()
+            return super().remarks(z)
         surface = self.system.pieces.name(touched)
         return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
 
