@@ -113,7 +113,8 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     start, here = _first_sample(seed, scale, settings)
     known = [f.point for f in here]
     if seed.born:  # the parent is not a label of the branch, should it come back to it
-        known.append(Verified("BPC" if problem.kind == "orbit" else "BP", seed.z, 0.0, 0.0, start.eigenvalues, 0))
+        type_ = {"orbit": "BPC", "locus": "ZH"}.get(problem.kind, "BP")
+        known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
     return Departure(seed, bounds, settings, scale, start, here, known)
 
 

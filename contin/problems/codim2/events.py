@@ -16,9 +16,10 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
 from contin.problems import defining
-from contin.problems.codim2 import degenerate
+from contin.problems.codim2 import crossing, degenerate
 from contin.problems.codim2.forms import described
-from contin.problems.codim2.functions import critical_indices, function_of
+from contin.problems.codim2.functions import critical_indices, function_of, scaled_matrix
+from contin.problems.codim2.monitors import null_pair
 from contin.problems.codim2.triple_zero import triple_zero
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
@@ -56,6 +57,7 @@ ACCURATE = 1e-11  # an estimated error above this is more than that of a regular
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
+DOUBLE = 1e-6  # w . v of unit null vectors below this: a Jordan block
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
 
 
@@ -114,6 +116,10 @@ def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified 
     function = function_of(problem, type_, near)
     if isinstance(function, str):
         return f"{type_} not verified: {function}"
+    if type_ == "ZH" and problem.locus == "HB" and crossing.is_forced(problem, near.z, frame.scale):
+        met = crossing.solve(problem, function, near, frame)
+        if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
+            return _point(problem, type_, _Solution(met.y, met.residual, met.error), frame)
     solved = solve(problem, function, near, frame.scale)
     if type_ == "CP":
         exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
@@ -127,8 +133,13 @@ def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified 
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     if not solved.error <= ILL_CONDITIONED:
         return f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
+    return _point(problem, type_, solved, frame)
+
+
+def _point(problem: Any, type_: str, solved: _Solution, frame: Frame) -> Verified | str:
+    """The point with its eigenvalues and normal form; '' for a neutral saddle, a sentence where it is another type."""
     z = solved.y * frame.scale
-    if is_neutral(problem, type_, z):
+    if is_neutral(problem, type_, z) or (type_ == "DP" and _is_double_zero(problem, z)):
         return ""
     values = eigenvalues(problem, z)
     critical = critical_indices(problem, type_, z, values)
@@ -138,7 +149,15 @@ def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified 
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     point = Verified(type_, z, solved.residual, error, values, unstable)
-    return described(problem, point, values[critical])
+    plane = type_ == "ZH" and problem.locus != "LP" and crossing.is_forced(problem, z, frame.scale, crossing.EXACT)
+    return described(problem, point, values[critical], plane)
+
+
+def _is_double_zero(problem: Any, z: Array) -> bool:
+    """True where the coefficient of a DP vanishes with w . v: at a Bogdanov-Takens point, which has its own test."""
+    shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
+    v, w = null_pair(scaled_matrix(problem, z) - shift, np.zeros(problem.n))
+    return problem.n > 1 and abs(float(w @ v)) < DOUBLE
 
 
 def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
@@ -232,5 +251,11 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     found: list[Verified | str] = []
     for index, (type_, _) in events.items():
         if a.tests[index] * b.tests[index] < 0.0:
+            if type_ == "GH" and any(_is_crossing(item) for item in found):
+                continue  # l1 has no pole there, and did not change its sign: the test counts with one
             found.append(verify(problem, type_, a, frame))
     return found
+
+
+def _is_crossing(item: Verified | str) -> bool:
+    return isinstance(item, Verified) and bool(item.vectors.get("plane"))

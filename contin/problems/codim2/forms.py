@@ -20,8 +20,12 @@ def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
     return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
 
 
-def described(problem: Any, point: Verified, critical: Any) -> Verified:
-    """The point with its normal form; without, where the point is more degenerate than its type."""
+def described(problem: Any, point: Verified, critical: Any, plane: bool = False) -> Verified:
+    """The point with its normal form; without, where the point is more degenerate than its type.
+
+    `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.
+    """
+    from contin.normalforms.invariant_plane import zero_hopf_on_plane
     from contin.normalforms.point import normal_form
 
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
@@ -29,10 +33,12 @@ def described(problem: Any, point: Verified, critical: Any) -> Verified:
     if point.type == "CH" and frequencies:
         frequency = float(np.angle(next(v for v in critical if v.imag > 0.0)))
     active = (problem.curve.first,) if point.type == "DP" else ()
-    vectors: dict[str, Any] = {"critical": critical}
+    vectors: dict[str, Any] = {"critical": critical} | ({"plane": True} if plane else {})
     try:
         if point.type == "DP":
             form = branching_form(problem, point.z)
+        elif plane:
+            form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
             form = normal_form(point.type, jet_at(problem, point.z, active), frequency=frequency)
     except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):

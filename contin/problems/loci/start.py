@@ -90,6 +90,8 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
         from contin.problems.orbits.loci.born import folds_at_generalised_hopf
 
         return [folds_at_generalised_hopf(problem, point, parameters)]
+    if point.vectors.get("plane"):
+        return _across_plane(problem, point, parameters)
     types = CURVES.get(point.type, (own,))
     found: list[tuple[str, float]] = []
     for type_ in dict.fromkeys(types):
@@ -116,6 +118,26 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
         kind = str(problem.memory.get("kind", ""))
         return [_beside_branch_points(seed, point, kind) if seed.problem.locus == "LP" else seed for seed in seeds]
     return seeds
+
+
+def _across_plane(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Curves through a zero-Hopf point on an invariant plane: the other Hopf curve, then the branch points.
+
+    From the branch points both Hopf curves.
+    """
+    from contin.problems.loci.crossing import hopf_curves
+
+    own, curve = problem.locus, problem.curve
+    u, p, parent = point.z[: problem.n], curve.full_parameters(point.z), Parent(point.branch, point.label)
+
+    def seed(type_: str) -> Seed:
+        scalar = _scalars(point, type_)[0]
+        periods = problem.state_periods
+        return seed_of(problem.system, type_, parameters, u, p, curve.sizes, periods, scalar, parent)
+
+    same_order = tuple(parameters) == problem.parameters
+    found = hopf_curves(seed("HB"), point, own == "HB" and same_order)
+    return found if own == "BP" else [*found, seed("BP")]
 
 
 def _beside_branch_points(seed: Seed, point: SpecialPoint, kind: str) -> Seed:
