@@ -22,9 +22,9 @@ def zero_hopf_on_plane(jet: Jet, omega: float | None = None) -> NormalForm:
 
         w0' = w0 (nu + b w0 + c R),  R' = 2 R (alpha + d w0 + e R)
 
-    (key `amplitudes`), whose Hopf curves are alpha = 0 in the plane and b alpha = d nu off it. The cycles beside the
-    plane have a zero trace, and a curve of tori begins, where b e (b e - c d) < 0. Where G200 vanishes too, a reflection
-    w0 -> -w0 is broken instead.
+    (key `amplitudes`), whose Hopf curves are alpha = 0 in the plane and b alpha = d nu off it. The trace at the cycles
+    beside the plane vanishes, and a curve of tori begins, where b e (b e - c d) < 0. Where G200 vanishes too, a
+    reflection w0 -> -w0 is broken instead.
     """
     form = zero_hopf(jet, omega)
     coefficients = {key: value for key, value in form.coefficients.items() if key not in ("s", "theta", "E")}
@@ -35,7 +35,7 @@ def zero_hopf_on_plane(jet: Jet, omega: float | None = None) -> NormalForm:
         coefficients["amplitudes"] = dict(zip("bcde", amplitudes, strict=True))
         first, second = b * e, c * d
         case = "Hopf-transcritical (invariant plane): "
-        if abs(d) <= form.errors["G110"] or abs(first - second) <= SMALL * (abs(first) + abs(second)) or e == 0.0:
+        if abs(d) <= form.errors["G110"] or abs(first - second) <= SMALL * (abs(first) + abs(second)):
             case += "degenerate"
         else:
             case += "a torus branches off the cycles beside the plane" if first * (first - second) < 0.0 else "no torus"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -43,7 +42,7 @@ def hopf_curves(seed: Seed, point: SpecialPoint, own: bool) -> list[Seed]:
     ]
 
 
-def _arms(problem: Any, z: Array, direction: Array) -> Sequence[int]:
+def _arms(problem: Any, z: Array, direction: Array) -> tuple[int, ...]:
     """One arm where a declared symmetry maps the other one onto it."""
     n, system = problem.n, problem.system
     u, d = z[:n], direction[:n]

@@ -76,9 +76,11 @@ def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[
 
 
 def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve of tori (NS) at a zero-Hopf point; none where its cycles are neutral saddles."""
+    """The curve of tori (NS) at a zero-Hopf point; none where its cycles are neutral saddles, or it is degenerate."""
     from contin.normalforms.zero_hopf import torus_predictor
 
+    if "s" not in point.normal_form:  # the coefficients that decide are zero to their errors
+        return []
     place = _Place.of(problem, point, parameters)
     omegas = [float(v.imag) for v in np.asarray(point.vectors["critical"]) if v.imag > 0.0]
     try:
