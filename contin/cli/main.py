@@ -18,6 +18,7 @@ from contin._version import __version__
 from contin.cli.interrupt import listen
 from contin.cli.printable import printable
 from contin.errors import ContinError
+from contin.machine import environment
 
 BAD_INPUT = 2
 
@@ -334,6 +335,7 @@ def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input ends with one message and exit code 2, never with a traceback."""
+    environment.fix()
     listen()
     try:
         with warnings.catch_warnings():

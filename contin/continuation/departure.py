@@ -19,6 +19,7 @@ from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified,
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
+from contin.machine import elementary
 
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
 
@@ -200,7 +201,7 @@ def _origin(
     bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
 
     def beside(size: float) -> Sample | None:
-        guess = start.z + scale * (size * oriented.tangent + 0.5 * size**2 * bend)
+        guess = start.z + scale * (size * oriented.tangent + 0.5 * elementary.square(size) * bend)
         found = problem.probe(oriented, size, guess, frame, settings)
         if found is None:
             return None
@@ -210,7 +211,7 @@ def _origin(
 
     accepted = None
     first = settings.first_step if seed.reach is None else 10.0 * seed.reach
-    for size in first * 10.0 ** -np.arange(1.0, 5.5, 0.5):
+    for size in first * elementary.pow(10.0, -np.arange(1.0, 5.5, 0.5)):
         found = beside(size)
         if found is None:
             continue

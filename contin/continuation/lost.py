@@ -15,6 +15,7 @@ from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.piece import Piece
 from contin.continuation.problem import Problem, is_adaptive, is_planar
+from contin.machine import elementary
 
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
 CONVERGED: Final = 1e-4  # ... and in the last of them the parameter moved by less than this part of its range
@@ -97,7 +98,7 @@ class _Record:
 
     @property
     def _next(self) -> float:
-        return float(10.0 ** (len(self.decades) + 1))
+        return elementary.pow(10.0, len(self.decades) + 1.0)
 
     @property
     def _width(self) -> float:

@@ -17,6 +17,7 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import dot, norm
+from contin.machine import elementary
 
 NEWTON_LIMIT = 7
 STAGNATION = 1e-6
@@ -132,8 +133,8 @@ def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     t = found.last.solve(np.append(np.zeros(n), 1.0))
     length = norm(t)
     t = t / length
-    exponent = found.last.log_determinant + np.log(length) - reference
-    determinant = found.last.sign * np.exp(min(max(exponent, -700.0), 700.0))
+    exponent = found.last.log_determinant + elementary.log(length) - reference
+    determinant = found.last.sign * elementary.exp(min(max(exponent, -700.0), 700.0))
     tests, unstable, eigenvalues = problem.stability(found.z)
     return Sample(found.z, t, np.concatenate([[t[-1], determinant], tests]), unstable, eigenvalues)
 
@@ -154,7 +155,7 @@ def march(
     """`Problem.march` in terms of linearisations; `again` where a matrix is dear, see `correct`."""
     scale = frame.scale
     n = len(scale) - 1
-    cos_max = np.cos(np.radians(settings.max_angle))
+    cos_max = elementary.cos(np.radians(settings.max_angle))
     target_angle = np.radians(settings.max_angle) / 2.5
     evaluations = 1
     here = problem.linearisation(origin.z, origin.tangent, scale)
@@ -179,7 +180,7 @@ def march(
         return chunk(Stop.CORRECTOR, step)
     first = measure(problem, Corrected(origin.z, np.zeros(n + 1), here, 0.0, 1), reference)
     if first.tests[1] != 0.0:
-        reference += float(np.log(abs(first.tests[1])))
+        reference += float(elementary.log(abs(first.tests[1])))
         first.tests[1] = np.sign(first.tests[1])
     rows[0] = first
     h, h_previous = step, length if before is not None else 0.0
@@ -228,10 +229,10 @@ def march(
             break
         rows.append(sample)
         lengths.append(h)
-        angle = target_angle if corner else float(np.arccos(min(cosine, 1.0)))
+        angle = target_angle if corner else float(elementary.acos(min(cosine, 1.0)))
         factor = min(GROWTH, target_angle / angle if angle > 0 else GROWTH)
         if found.first_correction > 0:
-            factor = min(factor, (0.02 / found.first_correction) ** (1 / 3))
+            factor = min(factor, elementary.pow(0.02 / found.first_correction, 1 / 3))
         if found.iterations > 3:
             factor = min(factor, 3.0 / found.iterations)
         h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
@@ -290,4 +291,4 @@ def is_dip(before: Any, here: Any, after: Any, h_before: float, h_after: float) 
         return True
     second = (right - left) / (h_before + h_after)
     slope = (left * h_after + right * h_before) / (h_before + h_after)
-    return bool(second > 0 and b - slope**2 / (4 * second) < DIP_FRACTION * b)
+    return bool(second > 0 and b - elementary.square(slope) / (4 * second) < DIP_FRACTION * b)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, Final
 
+from contin.machine import elementary
 from contin.model.expression import COMPARISONS, Expression, postorder
 
 Value = Any  # float, or mpmath's mpf
@@ -93,7 +94,7 @@ class _Arithmetic:
         if base == 0 and exponent < 0:
             return self.inf
         try:
-            result = math.pow(base, exponent) if self.real is float else base**exponent
+            result = elementary.pow(base, exponent) if self.real is float else base**exponent
         except OverflowError:
             return -self.inf if base < 0 and exponent % 2 == 1 else self.inf
         except ValueError:
@@ -113,7 +114,8 @@ class _Arithmetic:
         if (op in ("log", "log10") and a == 0) or (op == "log1p" and a == -1):
             return -self.inf
         try:
-            result = getattr(self.lib, _RENAMED.get(op, op))(*x)
+            ours = self.real is float and op in elementary.FUNCTIONS
+            result = getattr(elementary if ours else self.lib, _RENAMED.get(op, op))(*x)
         except OverflowError:
             return -self.inf if a < 0 and op == "sinh" else self.inf
         except ValueError:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.bogdanov_takens import JordanChain, jordan_chain
 from contin.normalforms.jet import Jet, Real, lift
 from contin.normalforms.linear import solve
@@ -32,19 +33,20 @@ class BogdanovTakensUnfolding:
 
     def saddle(self, eps: float) -> Real:
         """u - u0 of the saddle, w0 = 2 eps^2/a."""
-        return np.asarray(2.0 * eps**2 / self.a * self.chain.q0 + self.H @ self.beta(eps))
+        return np.asarray(2.0 * elementary.square(eps) / self.a * self.chain.q0 + self.H @ self.beta(eps))
 
     def orbit(self, eps: float, times: Real) -> Real:
         """u - u0 on the homoclinic orbit at the times (its turning point at 0), up to O(eps^4): (len(times), n)."""
         s = eps * np.asarray(times, dtype=float)
-        square = 1.0 / np.cosh(np.clip(s, -300.0, 300.0)) ** 2
-        w0 = eps**2 / self.a * (2.0 - 6.0 * square)
-        w1 = eps**3 / self.a * 12.0 * square * np.tanh(s)
+        square = 1.0 / elementary.square(elementary.cosh(np.clip(s, -300.0, 300.0)))
+        w0 = elementary.square(eps) / self.a * (2.0 - 6.0 * square)
+        w1 = elementary.pow(eps, 3.0) / self.a * 12.0 * square * elementary.tanh(s)
         return np.asarray(np.outer(w0, self.chain.q0) + np.outer(w1, self.chain.q1) + self.H @ self.beta(eps))
 
     def beta(self, eps: float) -> Real:
         """(b1, b2) on the homoclinic curve."""
-        return np.array([-4.0 * eps**4 / self.a, 10.0 * self.b * eps**2 / (7.0 * self.a)])
+        square = elementary.square(eps)
+        return np.array([-4.0 * square * square / self.a, 10.0 * self.b * square / (7.0 * self.a)])
 
 
 def bogdanov_takens_unfolding(jet: Jet) -> BogdanovTakensUnfolding:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Complex, Jet, Real
 from contin.normalforms.linear import EigenPair, eigen_pair, eigenvalues, null_pair
@@ -29,7 +30,7 @@ class CyclePredictor:
 
     def orbit(self, rho: float, phases: Real) -> Real:
         """u - u0 at the phases, (len(phases), n)."""
-        w = rho * np.exp(1j * np.asarray(phases, dtype=float))
+        w = rho * elementary.exp(1j * np.asarray(phases, dtype=float))
         wave = 2.0 * (np.outer(w, self.q) + np.outer(w * w, self.h20)).real
         cycle: Real = wave + rho * rho * (self.h11 + self.p2 @ self.hp)
         return cycle

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.jet import Complex, Real, Vector
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
@@ -40,7 +41,7 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
         rows, columns = scaled.max(axis=1), scaled.max(axis=0)
         both = np.concatenate([rows, columns])
         both[both == 0.0] = 1.0
-        step = np.exp2(-np.rint(0.5 * np.log2(both)))
+        step = elementary.exp2(-np.rint(0.5 * elementary.log2(both)))
         if not np.any(step != 1.0):
             break
         r_step, c_step = step[: len(rows)], step[len(rows) :]
@@ -68,7 +69,8 @@ def balance(matrix: Vector, sweeps: int = 12) -> Real:
         scaled = size * d / d[:, None]
         rows, columns = scaled.sum(axis=1), scaled.sum(axis=0)
         linked = (rows > 0) & (columns > 0)
-        step = np.exp2(np.rint(0.5 * np.log2(np.where(linked, rows, 1.0) / np.where(linked, columns, 1.0)) * 0.5))
+        unbalance = np.where(linked, rows, 1.0) / np.where(linked, columns, 1.0)
+        step = elementary.exp2(np.rint(0.5 * elementary.log2(unbalance) * 0.5))
         if np.all(step == 1.0):
             break
         d = d * step

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.bogdanov_takens import jordan_chain
 from contin.normalforms.jet import Jet
 from contin.normalforms.linear import solve
@@ -40,11 +41,11 @@ def chenciner(jet: Jet, theta: float | None = None) -> NormalForm:
     manifold = circle_manifold(jet, theta)
     value = manifold.values[0]
     d, d2 = manifold.g((2, 1), 0) / value, manifold.g((3, 2), 0) / value
-    l2 = d2.real + 0.5 * d.imag**2
-    error = TRUST * (manifold.magnitude((3, 2), 0) + d.imag**2)
+    l2 = d2.real + 0.5 * elementary.square(d.imag)
+    error = TRUST * (manifold.magnitude((3, 2), 0) + elementary.square(d.imag))
     outer = {"supercritical": ", outer circle stable", "subcritical": ", outer circle unstable"}
     words = "Chenciner point" + outer.get(sense(l2, error), ", l2 zero to its estimated error")
-    coefficients = {"l2": l2, "theta": float(np.angle(value)), "d": parts(d), "d2": parts(d2)}
+    coefficients = {"l2": l2, "theta": float(elementary.angle(value)), "d": parts(d), "d2": parts(d2)}
     return NormalForm("CH", coefficients, words, {"q": manifold.right[0], "p": manifold.left[0]}, {"l2": error})
 
 
@@ -92,10 +93,10 @@ def resonance_1_3(jet: Jet) -> NormalForm:
     manifold = circle_manifold(jet, 2.0 * np.pi / 3.0)
     back = np.conj(manifold.values[0])
     B, C = manifold.g((0, 2), 0), manifold.g((2, 1), 0)
-    B1, C1 = 3.0 * back * B, 3.0 * back * C - 3.0 * abs(B) ** 2
+    B1, C1 = 3.0 * back * B, 3.0 * back * C - 3.0 * elementary.square(abs(B))
     coefficients: dict[str, object] = {"B": parts(B), "C": parts(C), "B1": parts(B1), "C1": parts(C1)}
     if abs(B) > TRUST * manifold.magnitude((0, 2), 0):
-        a = C1.real / abs(B1) ** 2
+        a = C1.real / elementary.square(abs(B1))
         coefficients |= {"a": a, "case": f"invariant circle {'stable' if a < 0 else 'unstable'}"}
     else:
         coefficients["case"] = "degenerate: B is zero to its estimated error"

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import conjugate
 from contin.normalforms.jet import Jet, Real
@@ -72,8 +73,8 @@ def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
         upper = [value for value in eigenvalues(jet.A) if value.imag > 0.0]
         if not upper:
             raise ValueError("no complex multipliers: this is not a Neimark-Sacker point (a neutral saddle has none)")
-        theta = float(np.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
-    value = np.exp(1j * theta)
+        theta = float(elementary.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
+    value = elementary.exp(1j * theta)
     pair = null_pair(jet.A - value * np.eye(jet.n), complex(value), jet.scale)
     return CentreManifold(jet, [pair, conjugate(pair)])
 
@@ -90,7 +91,7 @@ def neimark_sacker(jet: Jet, theta: float | None = None) -> NormalForm:
     d = manifold.g((2, 1), 0) / value
     error = TRUST * manifold.magnitude((2, 1), 0)
     criticality = sense(d.real, error)
-    coefficients = {"theta": float(np.angle(value)), "d": parts(d), "criticality": criticality}
+    coefficients = {"theta": float(elementary.angle(value)), "d": parts(d), "criticality": criticality}
     for order in (3, 4):
         if abs(value**order - 1.0) < 1e-6:
             coefficients["resonance"] = order

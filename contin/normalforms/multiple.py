@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
 from contin.normalforms.polynomial_roots import Root, distance, sphere_roots
@@ -74,7 +75,7 @@ def _quadratic(r: Reduction) -> list[Direction]:
         y = np.where(np.abs(root.y) < 1e-9, 0.0, y)
         y = y / np.linalg.norm(y @ r.lifted)
         cubic = np.einsum("aijk,i,j,k->a", r.T3, y, y, y)
-        system = np.vstack([np.einsum("aij,j->ai", r.T2, y), y / unit**2])
+        system = np.vstack([np.einsum("aij,j->ai", r.T2, y), y / elementary.square(unit)])
         y2 = np.linalg.lstsq(system, np.append(-cubic / 6.0, 0.0), rcond=1e-10)[0]
         found.append(_direction(r, y, y2, note))
     return _ordered(found)

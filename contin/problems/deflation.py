@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.errors import ContinError, InputError
+from contin.machine import elementary
 from contin.problems.special import eigenvalues_of
 from contin.problems.start import Equilibrium, converge
 
@@ -84,8 +85,8 @@ class Box:
         n = len(self.lower)
         ratio = 2.0
         for _ in range(30):
-            ratio = (1.0 + ratio) ** (1.0 / (n + 1))
-        steps = ratio ** -np.arange(1.0, n + 1.0)
+            ratio = elementary.pow(1.0 + ratio, 1.0 / (n + 1))
+        steps = elementary.pow(ratio, -np.arange(1.0, n + 1.0))
         fractions = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
         return np.asarray(self.lower + fractions * self.widths)
 

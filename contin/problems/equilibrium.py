@@ -18,6 +18,7 @@ from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
+from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
@@ -208,7 +209,7 @@ class EquilibriumProblem:
         re, im, lengths, info = np.empty((rows, n)), np.empty((rows, n)), np.zeros(rows), np.zeros(6)
         z[0], t[0] = origin.z, origin.tangent
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
+            step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
             settings.newton_tolerance,
             length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5, self._trust,
         ])  # fmt: skip

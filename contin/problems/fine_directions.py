@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.defining import singular_basis
 from contin.problems.scaled import ScaledSystem
 
@@ -46,7 +47,7 @@ def fine_directions(local: ScaledSystem, y: Array, bend: float) -> list[tuple[Ar
         if t is None or offset is None:
             return []
         v = circle.direction(t)
-        branches.append((v, 2.0 * (offset - (offset @ v) * v) / DISTANCE**2))
+        branches.append((v, 2.0 * (offset - (offset @ v) * v) / elementary.square(DISTANCE)))
     return branches
 
 
@@ -72,16 +73,16 @@ class _Circle:
 
     def direction(self, t: float) -> Array:
         """v(t), a unit vector."""
-        return np.asarray(self.kernel @ np.array([np.cos(t), np.sin(t)]))
+        return np.asarray(self.kernel @ np.array([elementary.cos(t), elementary.sin(t)]))
 
     def solve(self, t: float) -> tuple[Array | None, float]:
         """The offset from y with F = 0 but for the angular equation, and the value g of that."""
         n = self.local.n
         v = self.direction(t)
-        radial = self.mixed @ np.array([np.cos(t), np.sin(t)])  # what the parameter balances
+        radial = self.mixed @ np.array([elementary.cos(t), elementary.sin(t)])  # what the parameter balances
         angular = self.left @ np.array([-radial[1], radial[0]]) / np.linalg.norm(radial)
         offset = DISTANCE * v
-        offset[n] = 0.5 * self.bend * DISTANCE**2
+        offset[n] = 0.5 * self.bend * elementary.square(DISTANCE)
         for _ in range(BUDGET):
             f, jacobian = self.local.linearise(self.y + offset)
             g = float(angular @ f)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.defining import Solved
 from contin.problems.scaled import ScaledSystem
@@ -117,9 +118,9 @@ def _oscillatory(
     if _critical_throughout(problem, local, y, pair, tangent, corank):
         return ""
     if problem.is_map:
-        angle = float(np.angle(pair))
+        angle = float(elementary.angle(pair))
         solved = defining.critical_pair(
-            local, y, lambda w: np.exp(1j * w) - 1.0, lambda w: 1j * np.exp(1j * w), angle, corank
+            local, y, lambda w: elementary.exp(1j * w) - 1.0, lambda w: 1j * elementary.exp(1j * w), angle, corank
         )
     else:
         angle = abs(pair.imag)
@@ -130,7 +131,7 @@ def _oscillatory(
     frequency = abs(float(solved.extra[0]))
     if abs(frequency - angle) > 0.3 * angle:
         return f"{type_} not verified: the frequency moved from {angle:.3g} to {frequency:.3g}"
-    target = np.exp(1j * frequency) if problem.is_map else 1j * frequency
+    target = elementary.exp(1j * frequency) if problem.is_map else 1j * frequency
     accepted = _accept(
         problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target)) * corank)
     )

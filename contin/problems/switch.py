@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems import defining, special
 from contin.problems.fine_directions import DISTANCE
 from contin.problems.maps.switch import doubled
@@ -110,7 +111,7 @@ def renewed_metric(local: ScaledSystem, z: Array, d: Array, k: Array) -> tuple[A
     direction, curvature = d * ratio, k * ratio
     norm = float(np.linalg.norm(direction))
     direction = direction / norm
-    curvature = curvature / norm**2
+    curvature = curvature / elementary.square(norm)
     return scale, direction, curvature - float(curvature @ direction) * direction
 
 

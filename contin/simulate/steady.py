@@ -18,6 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.simulate.extrema import extremes, extremes_between, trajectory_around
 from contin.simulate.flight import fly
 from contin.simulate.reach import left_reach
@@ -174,10 +175,10 @@ def _has_settled(values: Array, tolerance: float) -> bool:
     windows = values[len(values) - 3 * count :].reshape(3, count, -1)
     if not np.all(np.isfinite(windows)):
         return False
-    weights = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** 4
+    weights = elementary.pow(elementary.sin(np.pi * (np.arange(count) + 0.5) / count), 4.0)
     weights /= weights.sum()
     means = np.einsum("j,wjk->wk", weights, windows)
-    spreads = np.sqrt(np.einsum("j,wjk->wk", weights, (windows - means[:, None]) ** 2))
+    spreads = np.sqrt(np.einsum("j,wjk->wk", weights, elementary.square(windows - means[:, None])))
     size = np.maximum(np.abs(windows).max(axis=(0, 1)), BEFORE * np.abs(values).max(axis=0))
     size = np.where(size > 0.0, size, 1.0)
     first, second = (
@@ -197,7 +198,7 @@ def _summary(samples: _Samples, around: Callable[[int], Array] | None = None) ->
     values = samples.values
     if not len(values):
         return np.full((3, values.shape[1]), np.nan)
-    weights = np.sin(np.pi * (np.arange(len(values)) + 0.5) / len(values)) ** 4
+    weights = elementary.pow(elementary.sin(np.pi * (np.arange(len(values)) + 0.5) / len(values)), 4.0)
     mean = weights @ values / weights.sum()
     smallest, largest = extremes(values) if around is None else extremes_between(values, around)
     return np.array([smallest, mean, largest])

@@ -16,6 +16,7 @@ import numpy as np
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.errors import FormatVersionError, InputError
 from contin.store.atomic import write_text
+from contin.store.built import built
 
 FORMAT_VERSION: Final = 1
 
@@ -60,6 +61,7 @@ def result_document(
         "branches": [_branch(branch, orbit) for branch in branches],
         **({} if phase is None else {"phase": plain(phase)}),
         **({} if simulated is None else plain(simulated)),
+        "built": built(),
         "notes": list(dict.fromkeys(every_note)),  # a diagram lists those of its branches too
         "timing": plain(timing),
     }

@@ -138,6 +138,12 @@ RESULT_SCHEMA: Final[dict[str, Any]] = {
         "simulations": {"type": "array", "items": SIMULATION},
         "sweep": SWEEP,
         "notes": {"type": "array", "items": {"type": "string"}},
+        "built": {
+            "type": "object",
+            "required": ["version", "target", "libraries"],
+            "properties": {"libraries": {"enum": ["fixed", "by processor"]}},
+            "additionalProperties": {"type": "string"},
+        },
         "timing": {"type": "object", "required": ["total"], "additionalProperties": {"type": "number"}},
     },
 }

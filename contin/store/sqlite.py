@@ -1,6 +1,6 @@
 """Results in one SQLite file (`.contin`): every branch a row, every column its bytes, readable with any SQLite tool.
 
-meta     key, value                      JSON: contin (format version), model, notes, timing
+meta     key, value                      JSON: contin (format version), model, built, notes, timing
 branch   position, name, header          JSON of the branch without its columns
 series   branch, position, name, kind, data      little-endian float64 ('f'), int64 ('i') or bytes 0/1 ('b')
 """
@@ -112,7 +112,7 @@ def _document(connection: sqlite3.Connection) -> dict[str, Any]:
         "contin": meta["contin"],
         "model": meta["model"],
         "branches": branches,
-        **{key: meta[key] for key in ("phase", "simulations", "sweep") if key in meta},
+        **{key: meta[key] for key in ("phase", "simulations", "sweep", "built") if key in meta},
         "notes": meta["notes"],
         "timing": meta["timing"],
     }

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.expression import (
     PI,
@@ -222,8 +223,8 @@ def _is_invariant(formula: Expression, oscillators: WeakOscillators) -> bool:
     phase = np.linspace(0.0, 2 * math.pi, 24, endpoint=False)
     for pair in oscillators.pairs:
         radius, start = chance.uniform(0.5, 2.0), chance.uniform(0.0, 6.0)
-        env[pair.position] = radius * np.cos(phase + start)
-        env[pair.velocity] = -w * radius * np.sin(phase + start)
+        env[pair.position] = radius * elementary.cos(phase + start)
+        env[pair.velocity] = -w * radius * elementary.sin(phase + start)
     values = sample([formula], env)[0]
     return bool(np.all(np.isfinite(values)) and np.ptp(values) <= 1e-10 * max(1.0, float(np.abs(values).max())))
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Any
 
+from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, substitute
 from contin.model.printing import to_text
@@ -180,7 +181,7 @@ def _arcs(
     pieces: list[list[Any]] = []
     for start, stop in zip(cuts, [*cuts[1:], _shifted(cuts[0])], strict=True):
         middle = 0.5 * (start.number + stop.number)
-        point = {**values, X: radius * math.cos(middle), Y: -w * radius * math.sin(middle)}
+        point = {**values, X: radius * elementary.cos(middle), Y: -w * radius * elementary.sin(middle)}
         formula = resolved(function, point)
         if pieces and pieces[-1][2] is formula:
             pieces[-1][1] = stop
@@ -233,7 +234,7 @@ def _crossings(
     w = to_sympy(omega, positive)
     a, b, c = line.numbers
     w_number = number_of(w, values)
-    size = math.hypot(a, b * w_number)
+    size = elementary.hypot(a, b * w_number)
     if size == 0 or abs(c) >= size * radius:
         return []
     if line.c == 0 and (line.a == 0 or line.b == 0):
@@ -243,10 +244,10 @@ def _crossings(
     level = sympy.simplify(-line.c / (length * r))
     other = sympy.sqrt(1 - level**2)
     cos_delta, sin_delta = sympy.simplify(line.a / length), sympy.simplify(line.b * w / length)
-    delta, delta_number = _angle(sympy, line, cos_delta, sin_delta), math.atan2(b * w_number, a)
+    delta, delta_number = _angle(sympy, line, cos_delta, sin_delta), elementary.atan2(b * w_number, a)
     cuts = []
     for sign in (1, -1):
-        beta = sign * math.acos(-c / (size * radius))
+        beta = sign * elementary.acos(-c / (size * radius))
         phi = sign * sympy.acos(level) - delta
         number = beta - delta_number
         turns = -math.floor(number / (2 * math.pi) + SAME)

@@ -12,7 +12,6 @@ one replaced by a negative one (Beyn and Thuemmler, Freezing solutions of equiva
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
 from contin.model.model import Model
@@ -156,7 +156,7 @@ def _turned(model: Model, u: Array, p: Array) -> Array:
     names = list(model.state_names)
     values = dict(zip(model.parameter_names, map(float, p), strict=True))
     here = dict(zip(names, map(float, u), strict=True))
-    angle = -math.atan2(here[b], here[a]) / float(evaluate(speed, values))
+    angle = -elementary.atan2(here[b], here[a]) / float(evaluate(speed, values))
     if angle == 0.0:
         return u
     matrix = _matrix([model.rotation.get(n, ZERO) for n in names], names, {**values, **here})

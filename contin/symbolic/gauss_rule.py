@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.model.expression import Expression, add, call, mul, number, power, sub, substitute, symbol
 from contin.symbolic.cells import Arc, Cut
 from contin.symbolic.sampling import sample
@@ -104,7 +105,7 @@ def _cosine(k: int, n: int) -> float:
     """cos((2k + 1) pi/(2n)) with all its digits, also next to a quarter turn."""
     if k >= n:
         return _cosine(2 * n - 1 - k, n)
-    return math.sin((n - 2 * k - 1) * math.pi / (2 * n))
+    return elementary.sin((n - 2 * k - 1) * math.pi / (2 * n))
 
 
 def _sum(terms: list[Expression]) -> Expression:
@@ -132,7 +133,7 @@ def arc_rule(
             middle, half = 0.5 * (arc.stop.number + arc.start.number), 0.5 * (arc.stop.number - arc.start.number)
             for xi, w in zip(nodes, weights, strict=True):
                 phi = middle + half * xi
-                c, s = math.cos(phi), math.sin(phi)
+                c, s = elementary.cos(phi), elementary.sin(phi)
                 value = _value(arc.formula, mul(number(c), radius), mul(number(-s), omega, radius))
                 factor = float(fold * w * half / (2 * math.pi))
                 with_sin.append(mul(number(factor * s), value))

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.machine import elementary
 from contin.model.expression import Expression, numeric_value, postorder
 
 Array = NDArray[np.float64]
@@ -56,7 +57,7 @@ def _any(*x: Any) -> Any:
 _OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
     "add": _total,
     "mul": _product,
-    "pow": np.float_power,
+    "pow": elementary.pow,
     "if": lambda c, a, b: np.where(np.asarray(c) != 0, a, b),
     "<": np.less,
     "<=": np.less_equal,
@@ -72,9 +73,9 @@ _OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
     "abs": np.abs,
     "sign": np.sign,
     "heaviside": lambda x: np.heaviside(x, 0.5),
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "atan2": np.arctan2,
-    **{name: getattr(np, name) for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()},
+    "sqrt": np.sqrt,
+    **{
+        name: getattr(elementary, name)
+        for name in "sin cos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log1p log10".split()
+    },
 }

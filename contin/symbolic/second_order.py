@@ -26,6 +26,7 @@ from typing import Final
 import numpy as np
 
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.model.expression import ONE, PI, ZERO, Expression, add, mul, number, power, substitute, symbol
 from contin.model.printing import to_text
 from contin.symbolic.amplitudes import AmplitudeEquation, SlowSystem
@@ -173,7 +174,8 @@ class _Builder:
                 if powers is None:
                     raise InputError("second-order averaging: forces must be polynomials, piece by piece")
                 m, n = powers.get((0, False), 0), powers.get((0, True), 0)
-                shape = np.cos(phi) ** m * (-np.sin(phi)) ** n * np.exp(-1j * phi)
+                monomial_values = elementary.pow(elementary.cos(phi), m) * elementary.pow(-elementary.sin(phi), n)
+                shape = monomial_values * elementary.exp(-1j * phi)
                 key = (mul(coefficient, power(self.omega, number(n))), m + n, 0)
                 parts[key] = parts.get(key, np.zeros(phi.size, dtype=complex)) + np.where(inside, shape, 0.0)
         return [Pulse(mul(scale, c), unit, i, d, values) for (c, d, _), values in parts.items()]
@@ -316,7 +318,7 @@ def _in_order(coefficient: Expression) -> Expression:
 def _constant(value: float) -> Expression:
     """p/q, p/(q pi) or p/(q pi^2) where the number is one to rounding: means of trigonometric polynomials are."""
     for k in range(3):
-        scaled = value * math.pi**k
+        scaled = value * elementary.pow(math.pi, k)
         guess = Fraction(scaled).limit_denominator(LARGEST_DENOMINATOR)
         if abs(float(guess) - scaled) <= 2e-15 * max(1.0, abs(scaled)):
             if k == 0:

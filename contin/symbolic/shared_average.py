@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.machine import elementary
 from contin.model.expression import Expression, add, mul, number, power, symbol
 from contin.model.parts import Limit
 from contin.symbolic.cells import SAME
@@ -68,7 +69,7 @@ class _Shared:
         """<term>: equidistant nodes are enough for a size."""
         nodes = [(k + 0.5) * math.pi / n for k in range(2 * n)]
         turn = self.turn(amplitudes)
-        values = (turn.at(self.term, number(math.cos(tau)), number(math.sin(tau))) for tau in nodes)
+        values = (turn.at(self.term, number(elementary.cos(tau)), number(elementary.sin(tau))) for tau in nodes)
         return mul(number(0.5 / n), add(*values))
 
     def size(self) -> int:
@@ -102,7 +103,7 @@ def _samples(
     for u, v in trial.values():
         radius = setting.reach * np.sqrt(chance.uniform(0.01, 1.0, 12)) / 2
         angle = chance.uniform(0, 2 * math.pi, 12)
-        env[str(u.value)], env[str(v.value)] = radius * np.cos(angle), radius * np.sin(angle)
+        env[str(u.value)], env[str(v.value)] = radius * elementary.cos(angle), radius * elementary.sin(angle)
     return env
 
 
@@ -110,7 +111,7 @@ def _smooth_rule(term: Expression, turn: Turn, n: int) -> Complex:
     re, im = [], []
     for k in range(n):
         tau = (k + 0.5) * 2 * math.pi / n
-        c, s = math.cos(tau), math.sin(tau)
+        c, s = elementary.cos(tau), elementary.sin(tau)
         c, s = (0.0 if abs(t) < SAME else t for t in (c, s))
         value = turn.at(term, number(c), number(s))
         re.append(mul(number(c / n), value))

@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import Expression, as_expression, logical, mul, power, symbols_in
 from contin.symbolic.centres import LOCAL
@@ -67,7 +68,7 @@ def _sampled(
     for sample in range(SAMPLES if names else 1):
         values = evaluate_all(formulas, {name: sample_value(name, sample) for name in names})
         sizes = values[len(coefficients) :]
-        largest = max(abs(v) ** (1.0 / s.exponent) for v, s in zip(sizes, scales, strict=True))
+        largest = max(elementary.pow(abs(v), 1.0 / s.exponent) for v, s in zip(sizes, scales, strict=True))
         if largest > 0.0 and all(math.isfinite(v) for v in values):
             samples.append((1.0 / largest, values[: len(coefficients)]))
     return samples
@@ -77,17 +78,17 @@ def _sufficient_degree(coefficients: Sequence[Coefficient], scales: Sequence[Sca
     """Degree at which the remainder's third derivative is below `ACCURACY` (of the largest low derivative)."""
     degrees = []
     for unit, values in _sampled(coefficients, scales, radius):
-        scaled = [abs(c) * unit**k for k, c in enumerate(values)]
-        natural = max([*scaled[:4], *(c * k**3 * radius ** (k - 3) for k, c in enumerate(scaled) if k > 3)])
+        scaled = [abs(c) * elementary.pow(unit, k) for k, c in enumerate(values)]
+        natural = max([*scaled[:4], *(c * k**3 * elementary.pow(radius, k - 3) for k, c in enumerate(scaled) if k > 3)])
         largest = max(scaled)
         if largest == 0.0:
             continue
-        growth = [(largest / c) ** (1.0 / k) for k, c in enumerate(scaled) if k >= 4 and c > 0.0]
+        growth = [elementary.pow(largest / c, 1.0 / k) for k, c in enumerate(scaled) if k >= 4 and c > 0.0]
         distance = min([*growth, 6.0]) if growth else 1.0
         if distance < 0.8 or natural == 0.0:
             return None
         k = 4
-        while largest * k**3 * radius ** (k - 3) / distance**k > ACCURACY * natural:
+        while largest * k**3 * elementary.pow(radius, k - 3) / elementary.pow(distance, k) > ACCURACY * natural:
             k += 1
         degrees.append(k - 1)
     return max(degrees) if degrees else None
@@ -104,7 +105,7 @@ def _agrees(local: Expression, coefficients: Sequence[Coefficient], scales: Sequ
             if not math.isfinite(exact):
                 continue
             compared += 1
-            terms = [c * x**k for k, c in enumerate(values)]
+            terms = [c * elementary.pow(x, k) for k, c in enumerate(values)]
             if abs(sum(terms) - exact) > VERIFIED * max(abs(t) for t in terms):
                 return False
     return compared > 0

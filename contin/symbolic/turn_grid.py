@@ -13,6 +13,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.machine import elementary
+
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 SAME: Final = 1e-9  # angles closer than this are one
@@ -57,7 +59,7 @@ class TurnGrid:
 
     def harmonic(self, k: int) -> Complex:
         """exp(i k phi)"""
-        return np.asarray(np.exp(1j * k * self.phi))
+        return np.asarray(elementary.exp(1j * k * self.phi))
 
     def antiderivative(self, f: Complex) -> Complex:
         """The zero-mean K with dK/dphi = f - mean(f)."""

@@ -69,7 +69,7 @@ def test_orbits_and_maps_carry_multipliers_and_equilibria_eigenvalues():
 
 def test_keys_stand_in_the_order_of_the_format():
     made = document(pitchfork())
-    assert list(made) == ["contin", "model", "branches", "notes", "timing"]
+    assert list(made) == ["contin", "model", "branches", "built", "notes", "timing"]
     keys = "name kind locus parameters parent image_of columns points ends steps seconds effort".split()
     assert [list(b) for b in made["branches"]] == [keys] * 3
     keys = "label type index values residual error eigenvalues normal_form".split()

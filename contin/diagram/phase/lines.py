@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
+from contin.machine import elementary
 
 Box = tuple[tuple[float, float], tuple[float, float]]
 
@@ -132,10 +133,10 @@ def _cubic(points: Array, begin: Array, end: Array) -> Array:
     for k in range(PARTS):
         s = k / PARTS
         parts.append(
-            a * (1 - 3 * s**2 + 2 * s**3)
-            + b * (3 * s**2 - 2 * s**3)
-            + begin * (s - 2 * s**2 + s**3)
-            + end * (s**3 - s**2)
+            a * (1 - 3 * elementary.square(s) + 2 * elementary.pow(s, 3.0))
+            + b * (3 * elementary.square(s) - 2 * elementary.pow(s, 3.0))
+            + begin * (s - 2 * elementary.square(s) + elementary.pow(s, 3.0))
+            + end * (elementary.pow(s, 3.0) - elementary.square(s))
         )
     rows = np.stack(parts, axis=1).reshape(-1, 2)
     return np.vstack([rows, points[-1:]])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 
 MERGED: Final = 1e-6  # vertices nearer than this are one, and a vertex nearer than this to an edge is on it
 BLOCK: Final = 500  # segments whose crossings are looked for at once
@@ -76,7 +77,7 @@ def _touches(a: Array, b: Array, i: NDArray[np.int64], j: NDArray[np.int64]) -> 
     """(segment i, part of it) where segment j crosses it, or has an end on it."""
     d, e, offset = b[i] - a[i], b[j] - a[j], a[j] - a[i]
     across = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
-    size_d, size_e = np.hypot(*d.T), np.hypot(*e.T)
+    size_d, size_e = elementary.hypot(*d.T), elementary.hypot(*e.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = (offset[:, 0] * e[:, 1] - offset[:, 1] * e[:, 0]) / across
         s = (offset[:, 0] * d[:, 1] - offset[:, 1] * d[:, 0]) / across
@@ -85,8 +86,8 @@ def _touches(a: Array, b: Array, i: NDArray[np.int64], j: NDArray[np.int64]) -> 
     found, parts = [i[crossing]], [t[crossing]]
     for end in (a[j], b[j]):
         way = end - a[i]
-        part = np.sum(way * d, axis=1) / np.maximum(size_d**2, 1e-300)
-        gap = np.hypot(*(way - part[:, None] * d).T)
+        part = np.sum(way * d, axis=1) / np.maximum(elementary.square(size_d), 1e-300)
+        gap = elementary.hypot(*(way - part[:, None] * d).T)
         on = (gap <= MERGED) & (part > 0.0) & (part < 1.0)
         found.append(i[on])
         parts.append(part[on])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.diagram.phase.nodes import Edges, noded
+from contin.machine import elementary
 
 SMALLEST: Final = 2e-6  # a face with less area is a sliver
 THINNEST: Final = 2e-4  # so is one in which no point is farther than this from the border
@@ -63,7 +64,7 @@ def _trace(vertices: Array, edges: Edges) -> tuple[list[list[int]], dict[tuple[i
     following: dict[tuple[int, int], int] = {}
     for v, around in neighbours.items():
         directions = vertices[around] - vertices[v]
-        ordered = [around[k] for k in np.argsort(np.arctan2(directions[:, 1], directions[:, 0]))]
+        ordered = [around[k] for k in np.argsort(elementary.atan2(directions[:, 1], directions[:, 0]))]
         for k, u in enumerate(ordered):
             following[u, v] = ordered[k - 1]  # coming from u, turn to the next neighbour clockwise
     cycles: list[list[int]] = []

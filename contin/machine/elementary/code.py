@@ -4,49 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from importlib import import_module
+from typing import Any
 
 from contin.machine import target
-from contin.machine.elementary import (
-    circular,
-    distance,
-    exponential,
-    hyperbolic,
-    inverse_circular,
-    logarithm,
-    power,
-)
-from contin.machine.elementary.translate import module_text, symbol
-
-FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
-    function.__name__: function
-    for function in (
-        exponential.exp,
-        exponential.exp2,
-        exponential.expm1,
-        logarithm.log,
-        logarithm.log1p,
-        logarithm.log10,
-        logarithm.log2,
-        power.pow,
-        circular.sin,
-        circular.cos,
-        circular.sincos,
-        circular.tan,
-        inverse_circular.asin,
-        inverse_circular.acos,
-        inverse_circular.atan,
-        inverse_circular.atan2,
-        hyperbolic.sinh,
-        hyperbolic.cosh,
-        hyperbolic.tanh,
-        hyperbolic.asinh,
-        hyperbolic.acosh,
-        hyperbolic.atanh,
-        distance.hypot,
-    )
-}
-"""Elementary functions by their names in C; `sincos` gives sine and cosine, in two registers."""
+from contin.machine.elementary.names import FUNCTIONS, symbol
 
 _lock = threading.Lock()
 _addresses: dict[str, int] = {}
@@ -55,7 +17,9 @@ _engines: list[Any] = []  # own the code, for as long as this process lives
 
 def llvm_text(names: Iterable[str] = tuple(FUNCTIONS)) -> str:
     """LLVM text of a module that defines `contin_NAME` for each name and needs no symbol from outside."""
-    return module_text([_function(name) for name in names])
+    from contin.machine.elementary.translate import module_text  # not before: most processes need no translation
+
+    return module_text([source(name) for name in names])
 
 
 def addresses(names: Iterable[str] = tuple(FUNCTIONS)) -> dict[str, int]:
@@ -82,7 +46,9 @@ def _address(name: str, wanted: str) -> int:
 def _compile(name: str, wanted: str) -> None:
     import llvmlite.binding as llvm
 
-    function = _function(name)
+    from contin.machine.elementary.translate import module_text
+
+    function = source(name)
     looped = wanted != symbol(name)
     text = module_text([] if looped else [function], [function] if looped else [])
     llvm.initialize_native_target()
@@ -99,8 +65,9 @@ def _compile(name: str, wanted: str) -> None:
         llvm.add_symbol(wanted, _addresses[wanted])
 
 
-def _function(name: str) -> Any:
-    try:
-        return FUNCTIONS[name]
-    except KeyError:
-        raise KeyError(f"no elementary function {name!r}; there are {', '.join(FUNCTIONS)}") from None
+def source(name: str) -> Callable[..., Any]:
+    """The function as it is written in Python."""
+    if name not in FUNCTIONS:
+        raise KeyError(f"no elementary function {name!r}; there are {', '.join(FUNCTIONS)}")
+    found: Callable[..., Any] = getattr(import_module(f"{__package__}.{FUNCTIONS[name]}"), name)
+    return found

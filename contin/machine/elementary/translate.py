@@ -16,10 +16,10 @@ import sys
 from collections.abc import Callable, Collection, Sequence
 from functools import cache
 from pathlib import Path
-from types import FunctionType
 from typing import Any, Final
 
 from contin.machine.elementary import language
+from contin.machine.elementary.names import symbol
 
 DOUBLE, INTEGER, TRUTH = "double", "i64", "i1"
 _TYPES: Final = {"float": DOUBLE, "int": INTEGER, "bool": TRUTH, "Pair": "{double, double}"}
@@ -69,7 +69,6 @@ attributes #1 = { noinline cold nounwind willreturn memory(none) }
 attributes #2 = { nounwind willreturn memory(none) }
 attributes #3 = { nounwind }
 """
-PREFIX: Final = "contin_"
 
 _FOLDED: Final[dict[type[ast.operator], Callable[[Any, Any], float]]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
@@ -80,12 +79,7 @@ Value = tuple[str, str]
 """(LLVM type, name or literal)"""
 
 
-def symbol(name: str) -> str:
-    """The symbol under which an elementary function is exported."""
-    return PREFIX + name
-
-
-def module_text(exported: Sequence[FunctionType], loops: Sequence[FunctionType] = ()) -> str:
+def module_text(exported: Sequence[Callable[..., Any]], loops: Sequence[Callable[..., Any]] = ()) -> str:
     """A module that exports `contin_NAME` for each function, and for each of `loops` `contin_NAME_many` over arrays.
 
     contin_NAME_many(n, x, out) sets out[i] = NAME(x[i]) for i < n, contin_NAME_many(n, x, y, out) likewise.
@@ -138,11 +132,12 @@ def _elements(structure: str) -> list[str]:
 class _Function:
     """One function's text; `called` and `tables` are what it needs from the module."""
 
-    def __init__(self, function: FunctionType, public: Collection[str]) -> None:
+    def __init__(self, function: Callable[..., Any], public: Collection[str]) -> None:
         self.function, self.public = function, public
+        self.globals: dict[str, Any] = vars(sys.modules[function.__module__])
         self.tree = _tree(function)
         self.tables: dict[str, str] = {}
-        self.called: list[FunctionType] = []
+        self.called: list[Callable[..., Any]] = []
         self.lines: list[str] = []
         self.variables: dict[str, str] = {}
         self.count = 0
@@ -237,7 +232,7 @@ class _Function:
             return _constant(folded)
         match node:
             case ast.Name(id=name):
-                return self._read(name) if name in self.variables else _constant(self.function.__globals__[name])
+                return self._read(name) if name in self.variables else _constant(self.globals[name])
             case ast.UnaryOp(op=op, operand=operand):
                 return self._unary(op, self._value(operand))
             case ast.BinOp(left=left, op=op, right=right):
@@ -285,7 +280,7 @@ class _Function:
         return kind, result
 
     def _element(self, name: str, index: str) -> Value:
-        entries = self.function.__globals__[name]
+        entries = self.globals[name]
         kind = _constant(entries[0])[0]
         whole = f"[{len(entries)} x {kind}]"
         content = ", ".join(f"{kind} {_constant(entry)[1]}" for entry in entries)
@@ -300,7 +295,7 @@ class _Function:
         given = ", ".join(f"{kind} {value}" for kind, value in arguments)
         if name in ("high_product", "carry"):
             return INTEGER, self._line(f"call i64 @{name}({given})")
-        function = self.function.__globals__[name]
+        function = self.globals[name]
         self.called.append(function)
         kind = _type_of(_tree(function).returns)
         return kind, self._line(f"call {kind} @{self._symbol(name)}({given})")

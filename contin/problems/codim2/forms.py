@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
+from contin.machine import elementary
 
 
 def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
@@ -31,7 +32,7 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
     if point.type == "CH" and frequencies:
-        frequency = float(np.angle(next(v for v in critical if v.imag > 0.0)))
+        frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
     active = (problem.curve.first,) if point.type == "DP" else ()
     vectors: dict[str, Any] = {"critical": critical} | ({"plane": True} if plane else {})
     try:

@@ -13,6 +13,7 @@ import numpy as np
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation.problem import Sample
+from contin.machine import elementary
 
 Function = Callable[[Array], float]
 COSINES = {"R1": 1.0, "R2": -1.0, "R3": -0.5, "R4": 0.0}
@@ -23,7 +24,7 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
     """The function whose zero on the curve is a point of this type; a string says why there is none."""
     locus = problem.locus
     if type_ == "BT" and locus == "HB":
-        size = float(np.linalg.norm(scaled_matrix(problem, near.z))) ** 2
+        size = elementary.square(float(np.linalg.norm(scaled_matrix(problem, near.z))))
         return lambda z: problem.curve.scalar(z) / size
     if locus == "NS" and type_ in COSINES:
         return lambda z: problem.curve.scalar(z) - COSINES[type_]
@@ -133,7 +134,7 @@ def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
     if abs(cosine) >= 1.0:
         return 0.0
     try:
-        form = neimark_sacker(jet_at(problem, z), float(np.arccos(cosine)))
+        form = neimark_sacker(jet_at(problem, z), float(elementary.acos(cosine)))
     except (ZeroDivisionError, np.linalg.LinAlgError):
         return 0.0
     value = float(form.coefficients["d"][0])

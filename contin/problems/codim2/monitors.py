@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
 
@@ -38,7 +39,7 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
         product = real_test(others, 0.0)
         kappa = problem.curve.scalar(z)
         sign = lyapunov(problem, z) * np.sign(product) if kappa > 0.0 else 0.0
-        size = float(np.linalg.norm(matrix)) ** 2
+        size = elementary.square(float(np.linalg.norm(matrix)))
         return np.array([kappa / size, product, pairs, sign]), unstable, values
     v, psi = null_pair(matrix, problem.curve.reference())
     if problem.locus == "BP":

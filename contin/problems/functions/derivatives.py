@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 
 COMPLEX_STEP = 1e-30
 CIRCLE = 0.1  # radius of the circle, relative to the size of the unknowns
@@ -38,7 +39,7 @@ def stencil(order: int) -> tuple[tuple[int, float], ...]:
     offsets = np.arange(-half, half + 1, dtype=float)
     powers = np.vander(offsets / half, increasing=True).T  # scaled, so that the system is well conditioned
     right = np.zeros(len(offsets))
-    right[order] = math.factorial(order) / float(half) ** order
+    right[order] = math.factorial(order) / elementary.pow(half, order)
     weights = np.linalg.solve(powers, right)
     return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
 
@@ -77,10 +78,10 @@ class Lines:
             half = CIRCLE_POINTS // 2
             total = np.zeros(n)
             for j in range(half + 1):  # the lower half is the conjugate of the upper
-                w = np.exp(1j * np.pi * j / half)
+                w = elementary.exp(1j * np.pi * j / half)
                 value = np.asarray(self.function(u + r * w * v[:n], p + r * w * v[n:]), dtype=complex)
                 total += (1.0 if j in (0, half) else 2.0) * (value * w**-order).real
-            return total * (math.factorial(order) / (CIRCLE_POINTS * r**order))
+            return total * (math.factorial(order) / (CIRCLE_POINTS * elementary.pow(r, order)))
         lower = 1 if self.slope is not None and order > 1 else 0
         k = order - lower
         h = STEPS[k] * reach
@@ -90,7 +91,7 @@ class Lines:
             at = u + t * v[:n], p + t * v[n:]
             value = self.slope(*at, v) if lower and self.slope is not None else self.function(*at)
             total += weight * np.asarray(value, dtype=float)
-        return total / h**k
+        return total / elementary.pow(h, k)
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
         """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""

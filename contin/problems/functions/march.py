@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ def dense_linearisation(f: Array, jacobian: Array, tangent: Array, scale: Array)
     diagonal = np.diagonal(lu)
     exchanges = int(np.sum(pivots != np.arange(len(pivots))))
     sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
-    logarithm = float(np.sum(np.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
+    logarithm = float(np.sum(elementary.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
     return DenseLinearisation(f / d, (lu, pivots), sign, logarithm)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 
 FORCED = 1e-9  # an unfolding parameter below this is zero
 
@@ -146,7 +147,7 @@ class BorderedCurve:
         if known is None or abs(self.scalar(z)) > FORCED:
             return np.array([1.0, 0.0])
         along = np.linalg.svd(self.linearise(z, known)[1])[2][-1]
-        width = float(np.hypot(along[-1], along[-2]))
+        width = float(elementary.hypot(along[-1], along[-2]))
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 else known.across
 
     def left_vector(self, z: Array) -> Array:
@@ -217,7 +218,8 @@ class BorderedCurve:
             return np.concatenate([self.sizes, ends])
         typical = 1.0
         if self.type == "HB":
-            typical = max(abs(self.scalar(z)), 1e-2 * float(np.abs(self._scaled(self.matrix(z))).max()) ** 2)
+            largest = float(np.abs(self._scaled(self.matrix(z))).max())
+            typical = max(abs(self.scalar(z)), 1e-2 * elementary.square(largest))
         return np.concatenate([self.sizes, [typical], ends])
 
 

@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.symbolic import loci
 
 PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
@@ -183,7 +184,7 @@ class ExtendedCurve:
         """On a forced curve of branch points: the direction across it, in which the products with w vanish best."""
         _, jacobian = self.linearise(z)
         along = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
-        width = np.hypot(along[-1], along[-2])
+        width = elementary.hypot(along[-1], along[-2])
         if width > 0.0 and abs(self.scalar(z)) < 1e-9:
             self._gauge.values = np.array([-along[-2], along[-1]]) / width
 
@@ -229,7 +230,7 @@ class ExtendedCurve:
     def _frequency_squared(self, z: Array) -> float:
         """A typical size of kappa: its own, or that of the slowest other eigenvalue where it vanishes (at BT)."""
         values = np.sort(np.abs(np.linalg.eigvals(self.matrix(z) * self.sizes / self.sizes[:, None])))
-        typical = float(values[2]) ** 2 if self.n > 2 else float(np.abs(self.matrix(z)).max()) ** 2
+        typical = elementary.square(float(values[2] if self.n > 2 else np.abs(self.matrix(z)).max()))
         return max(abs(self.scalar(z)), 0.1 * typical, 1e-12)
 
     @cached_property

@@ -16,6 +16,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
+from contin.machine import elementary
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
 from contin.problems.two_parameters import TwoParameterProblem
@@ -87,7 +88,7 @@ class LocusProblem(TwoParameterProblem):
         first = self._realigned(origin, frame.scale) if renewed else origin.tangent
         z[0], t[0] = origin.z, first
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)),
+            step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
             settings.newton_tolerance, length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
             self._trust,
         ])  # fmt: skip
@@ -218,7 +219,7 @@ class LocusProblem(TwoParameterProblem):
             pairs = others[others.imag > IMAGINARY * size]
             if len(pairs):
                 seen = True
-                if float(np.abs(pairs.real).min()) > IMAGINARY**2 * size:
+                if float(np.abs(pairs.real).min()) > elementary.square(IMAGINARY) * size:
                     return False
         return seen
 

@@ -12,6 +12,7 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems import newton_fixed
 from contin.problems.loci.bordered import BorderedCurve
 from contin.problems.loci.extended import ExtendedCurve
@@ -47,9 +48,9 @@ def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
     sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
     scalar = 0.0
     if point.type == "HB":
-        scalar = float(point.vectors["omega"]) ** 2
+        scalar = elementary.square(float(point.vectors["omega"]))
     elif point.type == "NS":
-        scalar = float(np.cos(point.vectors["omega"]))
+        scalar = float(elementary.cos(point.vectors["omega"]))
     parent = Parent(point.branch, point.label)
     return [
         seed_of(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
@@ -170,7 +171,9 @@ def _scalars(point: SpecialPoint, type_: str) -> list[float]:
     if point.type in ("R1", "R2"):
         return [1.0 if point.type == "R1" else -1.0]
     pairs = [v for v in np.asarray(point.vectors["critical"]) if v.imag > 0.0]
-    return [float(v.imag) ** 2 if type_ == "HB" else float(np.cos(np.angle(v))) for v in pairs]
+    if type_ == "HB":
+        return [elementary.square(float(v.imag)) for v in pairs]
+    return [elementary.cos(elementary.angle(v)) for v in pairs]
 
 
 def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:

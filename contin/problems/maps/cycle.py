@@ -23,6 +23,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
+from contin.machine import elementary
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseMarch
@@ -279,7 +280,7 @@ def lifted(seed: Seed, symmetries: tuple[str, ...] | None = None) -> Seed:
     scale = np.append(sizes, seed.scale[-1])
     d, c = raw[0] / scale, raw[1] / scale
     norm = float(np.linalg.norm(d))
-    d, c = d / norm, c / norm**2
+    d, c = d / norm, c / elementary.square(norm)
     return replace(
         seed, problem=problem, z=problem.lift(seed.z), direction=d, curvature=c - float(c @ d) * d, scale=scale,
         symmetries=seed.symmetries if symmetries is None else symmetries,

@@ -10,6 +10,7 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.maps.iterate import iterate
 
 
@@ -42,9 +43,9 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         bend = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2)
         d, k = direction / point.scale, bend / point.scale
         norm = float(np.linalg.norm(d))
-        d, k = d / norm, k / norm**2
+        d, k = d / norm, k / elementary.square(norm)
     scale, d, k = renewed_metric(local, point.z, d, k)
-    multipliers = np.asarray(point.eigenvalues) ** 2
+    multipliers = elementary.square(np.asarray(point.eigenvalues))
     measured = int(point.values["unstable"]), multipliers
     seed = Seed(born, point.z, d, k, scale, (1,), Parent(point.branch, point.label), measured=measured)
     return [lifted(seed, (HALF_PERIOD,))]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
+from contin.machine import elementary
 from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.linear import OrbitLinear
@@ -112,7 +113,7 @@ def _newton(
 ) -> SolvedOrbit | None:
     curve = HeldCurve.of(type_, problem)
     metric = curve.join(scale, float(scale[-1]), 1.0)
-    x, before = curve.join(z, float(z[-1]), float(np.cos(theta)) if type_ == "NS" else 0.0), np.inf
+    x, before = curve.join(z, float(z[-1]), float(elementary.cos(theta)) if type_ == "NS" else 0.0), np.inf
     for _ in range(NEWTON_BUDGET):
         found = curve.step(x, metric)
         if found is None:

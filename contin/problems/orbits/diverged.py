@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
 
@@ -117,8 +118,8 @@ def _extrapolated(
     q = k * max(value.imag / abs(value.real) for value in slowest)
     if q > 0.0:
         bends = (
-            (4.0 * slopes[0] + 2.0 * slopes[1]) / gained - 6.0 * moved / gained**2,
-            -(2.0 * slopes[0] + 4.0 * slopes[1]) / gained + 6.0 * moved / gained**2,
+            (4.0 * slopes[0] + 2.0 * slopes[1]) / gained - 6.0 * moved / elementary.square(gained),
+            -(2.0 * slopes[0] + 4.0 * slopes[1]) / gained + 6.0 * moved / elementary.square(gained),
         )
         steps = [(bend + 2.0 * k * slope) / (k * k + q * q) for bend, slope in zip(bends, slopes, strict=True)]
     else:
@@ -137,9 +138,9 @@ def _with_next(
     k, faster = first.rate, min(next_.rate, 2.0 * first.rate)
     if first.spiral or next_.spiral or faster < APART * k or faster * gained > LONGEST:
         return first
-    there = np.array([[k, faster], [k * np.exp(k * gained), faster * np.exp(faster * gained)]])
+    there = np.array([[k, faster], [k * elementary.exp(k * gained), faster * elementary.exp(faster * gained)]])
     a, b = np.linalg.solve(there, [-slopes[0], -slopes[1]])
-    missed = abs(moved + a * np.expm1(k * gained) + b * np.expm1(faster * gained))
+    missed = abs(moved + a * elementary.expm1(k * gained) + b * elementary.expm1(faster * gained))
     doubt = LEFT_OUT * abs(b)
     known = missed * max(1.0, abs(a + b) / abs(moved)) if moved != 0.0 else np.inf
     if abs(b) > CORRECTION * abs(a):

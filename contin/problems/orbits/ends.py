@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.machine import elementary
 from contin.problems.orbits.diverged import diverged
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.invariant_circle import invariant_circle
@@ -65,7 +66,7 @@ def _lingers(problem: Any, origin: Sample, frame: Frame) -> bool:
 
 def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     """Where the square of the amplitude, linear in the parameter beside a Hopf point, vanishes."""
-    now, then = extent_of(profile, sizes) ** 2, extent_of(earlier, sizes) ** 2
+    now, then = elementary.square(extent_of(profile, sizes)), elementary.square(extent_of(earlier, sizes))
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
 
 
@@ -106,7 +107,7 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     order = np.argsort(np.minimum(np.abs(values - 1j * frequency), np.abs(values + 1j * frequency)))
     others = values[order[2:]]
     with np.errstate(over="ignore"):
-        multipliers = np.concatenate([[1.0, 1.0], np.exp(others * point.period)]).astype(complex)
+        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * point.period)]).astype(complex)
     name = problem.parameters[0]
     where = ", ".join(f"{s} = {v:.10g}" for s, v in zip(problem.system.state_names, found[:-1], strict=True))
     text = f"the orbits shrink to the Hopf point at {name} = {found[-1]:.12g} ({where}), period {point.period:.10g}"

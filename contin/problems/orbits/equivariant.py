@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
+from contin.machine import elementary
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
@@ -58,7 +59,7 @@ def patterns(equilibria: Any, point: SpecialPoint, omega: float) -> list[tuple[C
                 continue
             found.append(c)
             q = basis @ c
-            q *= np.exp(-1j * np.angle(q[np.argmax(np.abs(q))])) / np.linalg.norm(q)
+            q *= elementary.exp(-1j * elementary.angle(q[np.argmax(np.abs(q))])) / np.linalg.norm(q)
             p = dual @ covectors[k].conj()
             pairs.append((q, p / np.conj(np.vdot(p, q))))
     return pairs
@@ -73,7 +74,7 @@ def through_an_orbit(seed: Seed, size: float) -> Seed:
     assert seed.curvature is not None
     assert seed.scale is not None
     problem: Any = seed.problem
-    z = seed.z + seed.scale * (size * seed.direction + 0.5 * size**2 * seed.curvature)
+    z = seed.z + seed.scale * (size * seed.direction + 0.5 * elementary.square(size) * seed.curvature)
     linear = OrbitLinear(problem, z, seed.scale, z)
     x, row = linear.unknowns, seed.direction[linear.unknowns]
     if len(x) > LARGEST:
@@ -87,7 +88,7 @@ def through_an_orbit(seed: Seed, size: float) -> Seed:
         linear = OrbitLinear(problem, z, seed.scale, linear.reference)
     if float(np.abs(linear.residual).max()) > SOLVED:
         return seed
-    curvature = 2.0 / size**2 * ((z - seed.z) / seed.scale - size * seed.direction)
+    curvature = 2.0 / elementary.square(size) * ((z - seed.z) / seed.scale - size * seed.direction)
     return replace(seed, curvature=curvature, reach=size)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.machine import elementary
 from contin.problems import special
 from contin.problems.orbits import planar
 from contin.problems.orbits.bordered import Bordered
@@ -107,7 +108,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
             return "" if type_ == "neutral" else "NS: the two multipliers that cross are real"
         if type_ == "neutral":
             return "a pair of multipliers touches the unit circle without a change of the unstable count"
-        theta = float(np.angle(pair))
+        theta = float(elementary.angle(pair))
     if type_ in ("LPC", "BPC") and _at_rest(problem, near.z, frame):
         return ""
     if type_ == "PD" and _orientable(problem, near.z):

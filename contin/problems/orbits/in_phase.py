@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile, Transfer
 from contin.problems.orbits.symmetry import shifted
 
@@ -47,9 +48,9 @@ def apart(problem: Any, start: Array, near: Array, scale: Array) -> float:
     moments = []
     for orbit in (own, other):
         mean = orbit.weights @ orbit.u
-        moments.append(np.array([mean, np.sqrt(orbit.weights @ (orbit.u - mean) ** 2)]))
+        moments.append(np.array([mean, np.sqrt(orbit.weights @ elementary.square(orbit.u - mean))]))
     states = ((moments[0] - moments[1]) / sizes)[:, periodic] / np.sqrt(own.n)
-    return float(np.sqrt(np.sum(np.square(gaps)) + np.sum(states**2)))
+    return float(np.sqrt(np.sum(np.square(gaps)) + np.sum(elementary.square(states))))
 
 
 def best_shift(problem: Any, own: Profile, other: Profile, sizes: Array) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.machine import elementary
 from contin.problems.orbits.dwelling import dwelling, slowest_points
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
@@ -91,7 +92,7 @@ def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame)
     if abs(distance) > REACHED * width or constant == 0.0:
         return None
     slope = abs(float(raw[position] / raw[-1]))
-    if not CONSTANT[0] < 2.0 * abs(distance) ** 1.5 * slope / constant < CONSTANT[1]:
+    if not CONSTANT[0] < 2.0 * elementary.pow(abs(distance), 1.5) * slope / constant < CONSTANT[1]:
         return None
     name = problem.parameters[0]
     values = np.linalg.eigvals(equilibria_of(problem).linear_part(found))

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.memory import memory_of
@@ -44,7 +45,8 @@ def march(
     out = Rows.of(limit + 1, origin.z.size, TESTS, family.n)
     out.z[0], out.t[0] = origin.z, origin.tangent
     controls = np.array([
-        step, settings.min_step, settings.max_step, np.cos(np.radians(settings.max_angle)), settings.newton_tolerance,
+        step, settings.min_step, settings.max_step, elementary.cos(np.radians(settings.max_angle)),
+        settings.newton_tolerance,
         length if before is not None else 0.0, np.radians(settings.max_angle) / 2.5,
         _error_limit(family, profile, frame.scale), _period_limit(family, profile, frame.scale),
         0.0 if family.intervals is None else WORTHWHILE,

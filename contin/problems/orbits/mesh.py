@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 
 SMALLEST, LARGEST = 10, 400  # number of intervals
@@ -48,7 +49,7 @@ def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
     small = np.flatnonzero(closed & (np.ptp(np.sign(profile.u), axis=0) == 0.0) & (low < VARYING * high))
     if small.size:
         density = np.maximum(density, RELATIVE * _relative_density(profile, small))
-        error = max(error, float(np.max(scheme.error * profile.h ** (profile.m + 1) * density)))
+        error = max(error, float(np.max(scheme.error * elementary.pow(profile.h, profile.m + 1) * density)))
     return float(error), density
 
 
@@ -57,7 +58,7 @@ def _relative_density(profile: Profile, states: NDArray[np.intp]) -> Array:
     h, m = profile.h, profile.m
     nodes = np.arange(profile.intervals)[:, None] * m + np.arange(m + 1)
     u = profile.u[nodes][:, :, states]  # (N, m + 1, k)
-    top = np.einsum("j,ijk->ik", basis(m).top, u) / h[:, None] ** m
+    top = np.einsum("j,ijk->ik", basis(m).top, u) / elementary.pow(h[:, None], m)
     jumps = 2.0 * np.abs(top - np.roll(top, 1, axis=0)) / (h + np.roll(h, 1))[:, None]
     local = np.maximum(jumps, np.roll(jumps, -1, axis=0)) / np.abs(u).max(axis=1)
     return np.asarray(local.max(axis=1))
@@ -76,15 +77,15 @@ def choose_mesh(
         h = np.full(fixed or max(profile.intervals, SMALLEST), 0.0)
         h[:] = 1.0 / len(h)
         return MeshChoice(h, error)
-    monitor = _smoothed(density ** (1.0 / order), profile.h)
+    monitor = _smoothed(elementary.pow(density, 1.0 / order), profile.h)
     monitor = np.maximum(monitor, FLOOR * float(monitor @ profile.h))
     total = float(monitor @ profile.h)
     constant = basis(profile.m).error
-    needed = int(np.ceil(total * (constant / (MARGIN * tolerance)) ** (1.0 / order)))
+    needed = int(np.ceil(total * elementary.pow(constant / (MARGIN * tolerance), 1.0 / order)))
     count = fixed or min(max(needed, SMALLEST), LARGEST)
     cumulated = np.concatenate([[0.0], np.cumsum(monitor * profile.h)]) / total
     mesh = np.interp(np.linspace(0.0, 1.0, count + 1), cumulated, profile.mesh)
-    return MeshChoice(np.diff(mesh), constant * (total / count) ** order)
+    return MeshChoice(np.diff(mesh), constant * elementary.pow(total / count, order))
 
 
 def _smoothed(values: Array, h: Array) -> Array:

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.machine import elementary
+
 Multipliers = NDArray[np.complex128]
 
 
@@ -19,7 +21,7 @@ def nontrivial(problem: Any, values: Multipliers) -> Multipliers:
 def critical(type_: str, theta: float) -> tuple[complex, ...]:
     """The multipliers that are on the unit circle at a special orbit; of NS exp(+-i theta)."""
     if type_ == "NS":
-        return complex(np.exp(1j * theta)), complex(np.exp(-1j * theta))
+        return complex(elementary.exp(1j * theta)), complex(elementary.exp(-1j * theta))
     return (-1.0,) if type_ == "PD" else (1.0,)
 
 

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
 from contin.normalforms.result import sense
 from contin.problems.orbits.bordered import Bordered, factors
 from contin.problems.orbits.defining import SolvedOrbit
@@ -177,7 +178,7 @@ class Forms:
 
 def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:
     """Mean square 1 over the orbit."""
-    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(np.abs(w) ** 2, axis=1)))
+    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(w)), axis=1)))
 
 
 def branch_point(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
@@ -241,10 +242,10 @@ def torus(linear: OrbitLinear, theta: float) -> Coefficient:
     Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
     """
     forms, periodic = Forms(linear), Variation(linear, 1.0)
-    turning = Variation(linear, complex(np.exp(1j * theta)))
+    turning = Variation(linear, complex(elementary.exp(1j * theta)))
     v = forms.values(_normalised(linear, turning.null[0]))
     a, h11 = _second_order(forms, periodic, forms.apply(v, v.conj()).real, factor=1.0)
-    twice = Variation(linear, complex(np.exp(2j * theta)))
+    twice = Variation(linear, complex(elementary.exp(2j * theta)))
     h20 = forms.values(twice.solve(forms.apply(v, v), singular=False))
     terms = [
         0.5 * forms.apply(v, v, v.conj()), forms.apply(h11, v), 0.5 * forms.apply(h20, v.conj()), -a * forms.first(v),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
 
 LOST = 1e-3  # distance of the trivial multiplier from 1 from which the other one is computed anew
 EXPLODING = 1e-4  # ... and |dp/ds| (scaled) below which it always is: orbits explode at nearly one parameter
@@ -57,4 +58,4 @@ def multiplier(problem: Any, z: Array) -> float:
     evaluate(problem.equations, w, z, True)
     divergence = w.fu[:, 0, 0, :] + w.fu[:, 1, 1, :]  # (m, N)
     growth = profile.period * float(basis(profile.m).gauss_weights @ divergence @ profile.h)
-    return float(np.exp(np.clip(growth, -LARGEST, LARGEST)))
+    return float(elementary.exp(np.clip(growth, -LARGEST, LARGEST)))

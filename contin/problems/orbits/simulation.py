@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import AtRestError, NoSolutionError
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
@@ -162,7 +163,7 @@ def _return(
     from contin.simulate.trajectory import Section, integrate
 
     unit = np.where(extent > 0.0, extent, 1.0)
-    normal = system.value(u, p) / unit**2
+    normal = system.value(u, p) / elementary.square(unit)
     normal[periods > 0.0] = 0.0
     if not normal.any():
         return None

@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile, make_scale, sizes_of
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.symmetry import symmetry_names
@@ -79,7 +80,7 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
     rest = Profile(m, np.tile(point.z[:-1], (HOPF_INTERVALS * m + 1, 1)), period, h, float(point.z[-1]))
     phases = 2.0 * np.pi * rest.times
-    first = 2.0 * (np.exp(1j * phases)[:, None] * cycles.q).real
+    first = 2.0 * (elementary.exp(1j * phases)[:, None] * cycles.q).real
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
     sizes = point.scale[:-1] / np.sqrt(n)
     own = np.abs(point.z[:-1])
@@ -94,7 +95,7 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     shift = -2.0 * period * cycles.omega2 / cycles.omega
     k = np.concatenate([second.ravel(), [shift], zeros, [2.0 * cycles.p2[0]]]) / scale
     norm = float(np.linalg.norm(d))
-    d, k = d / norm, k / norm**2
+    d, k = d / norm, k / elementary.square(norm)
     k = k - float(k @ d) * d
     base = equilibria.base.copy()
     base[equilibria.active] = point.z[-1]
@@ -111,7 +112,7 @@ def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tu
     order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
     others = values[order[2:]]
     with np.errstate(over="ignore"):
-        multipliers = np.concatenate([[1.0, 1.0], np.exp(others * period)]).astype(complex)
+        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * period)]).astype(complex)
     return int(np.sum(others.real > 0.0)), multipliers
 
 
@@ -149,5 +150,5 @@ def configured(seed: Seed, settings: Settings) -> Seed:
     d, k = direction(seed.direction), direction(seed.curvature)
     assert d is not None
     norm = float(np.linalg.norm(d))
-    k = None if k is None else k / norm**2
+    k = None if k is None else k / elementary.square(norm)
     return replace(seed, problem=changed, z=moved(seed.z), direction=d / norm, curvature=k, scale=scale)

@@ -12,6 +12,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.halting import HALF_PERIOD
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.multiple import crossing_tangents
 from contin.problems.orbits.symmetry import halves_alike
@@ -104,4 +105,4 @@ def _unstable(point: SpecialPoint) -> int:
 
 
 def _squared(values: Any) -> Any:
-    return np.asarray(values) ** 2
+    return elementary.square(np.asarray(values))

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.problem import ShootingProblem
@@ -87,7 +88,7 @@ def scaled(raw: Array, bend: Array | None, scale: Array) -> tuple[Array, Array |
     d = d / length
     if bend is None:
         return d, None
-    k = bend / scale / length**2
+    k = bend / scale / elementary.square(length)
     return d, k - float(k @ d) * d
 
 
@@ -134,6 +135,6 @@ def born_by_shooting(seed: Seed, settings: Settings) -> Seed:
     scale = curve.join(nodes.metric(sizes, metric), float(seed.scale[-2]), 1.0)
     d, k = scaled(laid(raw), laid(bend), scale)
     assert k is not None
-    curve.settle(z + scale * (REACH * d + 0.5 * REACH**2 * k), scale)  # at rest every orbit is special
+    curve.settle(z + scale * (REACH * d + 0.5 * elementary.square(REACH) * k), scale)  # at rest every orbit is special
     shot_problem = ShotLocusProblem(curve, second_bounds=problem.second_bounds, first_bounds=problem.first_bounds)
     return replace(seed, problem=shot_problem, z=z, direction=d, curvature=k, scale=scale, reach=REACH)

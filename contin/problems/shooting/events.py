@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.locate import locate
@@ -46,7 +47,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         pair = nearest_pair(others, True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return "NS: the two multipliers that cross are real"
-        theta = float(np.angle(pair))
+        theta = float(elementary.angle(pair))
     targets = critical(type_, theta)
     gap = distance(others, targets)
     if not gap < UNCLEAR:

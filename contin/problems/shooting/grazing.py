@@ -13,6 +13,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.shooting.sampling import crossings, states
 
 SAMPLES: Final = 400
@@ -98,7 +99,7 @@ def clearance(problem: Any, z: Array, surfaces: list[int]) -> float:
 def _bottom(a: float, b: float, c: float) -> float:
     """Smallest value of the parabola through three equally spaced values with the middle one lowest."""
     bend = a - 2.0 * b + c
-    return b - 0.125 * (a - c) ** 2 / bend if bend > 0.0 else b
+    return b - 0.125 * elementary.square(a - c) / bend if bend > 0.0 else b
 
 
 def surface(problem: Any, z: Array, j: int, times: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.segments import Segments
 
@@ -55,7 +56,7 @@ class BorderedShooting:
 
     @property
     def log_determinant(self) -> float:
-        return float(np.sum(np.log(np.abs(np.diag(self._factors[0])))))
+        return float(np.sum(elementary.log(np.abs(np.diag(self._factors[0])))))
 
     def solve(self, right: Array) -> Array:
         from scipy.linalg import lapack
@@ -104,7 +105,7 @@ def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
 def _symmetric_first(problem: Any, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array) -> list[Array]:
     """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
     rates = plane[:, -1]
-    size = float(np.hypot(*rates))
+    size = float(elementary.hypot(*rates))
     if size < 1e-12:
         return [plane[0], plane[1]]
     along = (rates @ plane) / size

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.sampling import flights, states
 from contin.simulate.flight import fly
@@ -57,7 +58,7 @@ def room(problem: Any, z: Array) -> float:
 
 def section_at(problem: Any, u: Array, p: Array, sizes: Array) -> tuple[Array, float]:
     """The plane through u that the flow crosses squarely in the metric of `sizes`; normal of unit scaled length."""
-    normal = problem.system.value(u, p) / sizes**2
+    normal = problem.system.value(u, p) / elementary.square(sizes)
     angles = np.asarray(problem.system.model.periods(problem.constants()), dtype=float) > 0.0
     if np.any(normal[~angles] != 0.0):
         normal = np.where(angles, 0.0, normal)

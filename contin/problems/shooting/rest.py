@@ -15,6 +15,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.shooting.layout import Nodes
 
 TINY: Final = 0.02  # amplitude, relative to the states' sizes, of an orbit that has shrunk
@@ -42,7 +43,7 @@ def at_rest(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Renew
             return None
         rows.append(found.z)
     profiles = [problem.profile(z) for z in rows]
-    squares = np.array([_extent(problem, z, frame.scale) ** 2 for z in rows])
+    squares = np.array([elementary.square(_extent(problem, z, frame.scale)) for z in rows])
     if not np.all(np.diff(squares) > 0.0):
         return None
     values = np.array([[p.parameter, p.period, *(p.weights @ p.u)] for p in profiles])

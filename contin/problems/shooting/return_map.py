@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.shooting.layout import Nodes
 from contin.simulate.flight import fly
@@ -89,7 +90,7 @@ class ReturnMap:
         if key not in self._lines:
             g = {k: self.jacobian(k * STEP * direction) for k in (-2, -1, 1, 2)}
             first = (8.0 * (g[1] - g[-1]) - (g[2] - g[-2])) / (12.0 * STEP)
-            second = (16.0 * (g[1] + g[-1]) - (g[2] + g[-2]) - 30.0 * self._centre) / (12.0 * STEP**2)
+            second = (16.0 * (g[1] + g[-1]) - (g[2] + g[-2]) - 30.0 * self._centre) / (12.0 * elementary.square(STEP))
             self._lines[key] = first, second
         return self._lines[key]
 
@@ -105,7 +106,7 @@ class ReturnMap:
             a, b, c = directions
             along, other = (a, c) if np.array_equal(a, b) else (a, b) if np.array_equal(a, c) else (b, a)
             size = float(np.linalg.norm(along))
-            return np.asarray(self._line(along / size)[1] @ other * size**2)
+            return np.asarray(self._line(along / size)[1] @ other * elementary.square(size))
         along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in self._lines)
         size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
         return np.asarray(self._line(along / size)[0] @ other * size)
@@ -140,4 +141,4 @@ class ReturnMap:
         times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period
         parts = np.column_stack([v.real, v.imag])
         samples = self._fly(self.nodes.u[0], period, variations=parts, times=times).samples
-        return float(np.mean(np.sum(samples[:, self.problem.n :] ** 2, axis=1)))
+        return float(np.mean(np.sum(elementary.square(samples[:, self.problem.n :]), axis=1)))

@@ -18,6 +18,7 @@ from contin.continuation import march as generic
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.orbits.switch import in_another
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.linear import family_tangents
@@ -84,12 +85,12 @@ def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Cr
         near = _orbit_across(problem, z, own, across, scale, sense * d / 2.0)
         if far is None or near is None:
             continue
-        along, bend = (4.0 * near - far) / d, 4.0 * (far - 2.0 * near) / d**2
+        along, bend = (4.0 * near - far) / d, 4.0 * (far - 2.0 * near) / elementary.square(d)
         size = float(np.linalg.norm(along))
         if float(np.linalg.norm(bend)) * d > SHARP * size:
             continue
         direction = along / size
-        curvature = bend / size**2
+        curvature = bend / elementary.square(size)
         curvature = curvature - float(curvature @ direction) * direction
         return Crossing(direction, curvature, z + np.where(far == 0.0, 0.0, far * scale))
     return None
@@ -178,5 +179,8 @@ def _doubled(problem: Any, point: SpecialPoint) -> Seed:
     )
     return Seed(
         family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
-        measured=(int(np.sum(np.abs(point.eigenvalues) > 1.0 + 1e-4)), np.asarray(point.eigenvalues) ** 2),
+        measured=(
+            int(np.sum(np.abs(point.eigenvalues) > 1.0 + 1e-4)),
+            elementary.square(np.asarray(point.eigenvalues)),
+        ),
     )  # fmt: skip

@@ -6,7 +6,6 @@ Jacobians, time are proportional to n.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,6 +22,7 @@ from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.sparse import special
 from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
@@ -56,7 +56,7 @@ class LargeLinearisation:
         if isinstance(self._solution, KrylovBordered):  # where the determinant's sign is not known, neither is this
             return 0.0
         length = norm(self.solve(np.append(np.zeros(len(self.residual)), 1.0)))
-        return -2.0 * math.log(length) if 0.0 < length < np.inf else 0.0
+        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
@@ -201,7 +201,7 @@ class LargeProblem:
             return found
         if linear.matrix is not None:
             right, up = work.region.of(linear.matrix)
-            radius = float(np.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
+            radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         found = leading(linear, n, start, radius, work.reach)
         if found.values.size:
             work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]

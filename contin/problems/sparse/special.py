@@ -21,6 +21,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.sparse import forms
 from contin.problems.sparse.linear import Linear
 from contin.problems.sparse.reduced import Reduced
@@ -324,7 +325,7 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     scale = _metric(point.z, direction, bend, point.scale)
     d, c = direction / scale, bend / scale
     length = norm(d)
-    d, c = d / length, c / length**2
+    d, c = d / length, c / elementary.square(length)
     symmetries = reversing_symmetries(problem, point.z, d * scale)
     seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
     return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]

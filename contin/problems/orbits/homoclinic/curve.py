@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
+from contin.machine import elementary
 from contin.problems.orbits.homoclinic.saddle_node import borders, fold_scalar
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
@@ -232,7 +233,7 @@ class ConnectionCurve(CurveOfOrbits):
         nodes = np.arange(old.intervals)[:, None] * m + np.arange(m + 1)
         local = np.einsum("c,cj,cq,iqk->ijk", scheme.gauss_weights, scheme.values, scheme.slopes, old.u[nodes])
         row = np.zeros_like(old.u)
-        np.add.at(row, nodes, local / sizes**2)
+        np.add.at(row, nodes, local / elementary.square(sizes))
         return row.ravel()
 
     def at(self, z: Array) -> OrbitProblem:

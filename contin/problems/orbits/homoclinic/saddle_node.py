@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 
 STEP: Final = 1e-3  # of the second difference, relative to the states' sizes
 
@@ -44,7 +45,7 @@ def critical_direction(matrix: Array) -> tuple[Array, Array]:
 def quadratic(system: Any, u: Array, p: Array, sizes: Array, left: Array, q: Array) -> float:
     """<left, f_uu(q, q)> / 2 in states relative to their sizes, by a second difference."""
     before, here, after = (system.value(u + s * STEP * sizes * q, p) for s in (-1.0, 0.0, 1.0))
-    return 0.5 * float(left @ ((before - 2.0 * here + after) / sizes)) / STEP**2
+    return 0.5 * float(left @ ((before - 2.0 * here + after) / sizes)) / elementary.square(STEP)
 
 
 def centrality(matrix: Array, leaving: Array, arriving: Array, extent: float) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import InputError, NotFiniteError
+from contin.machine import elementary
 from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.start import solved_connection
@@ -95,7 +96,7 @@ def _directions(vectors: Array) -> list[Array]:
     if basis.shape[1] == 1:
         return [basis[:, 0], -basis[:, 0]]
     angles = 2.0 * np.pi * np.arange(ANGLES) / ANGLES
-    return [np.cos(a) * basis[:, 0] + np.sin(a) * basis[:, 1] for a in angles]
+    return [elementary.cos(a) * basis[:, 0] + elementary.sin(a) * basis[:, 1] for a in angles]
 
 
 def _until_lost(integrate: Any, system: Any, u: Array, p: Array, times: Array) -> Array:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.orbits.homoclinic.saddle_node import quadratic
 
 LONGEST = 30.0  # time of a tail in units of the slowest rate, where there is one
@@ -43,11 +44,11 @@ class Tail:
 
     def _slow(self, parts: Array) -> Array:
         r, b = self.rate, self.quadratic * self.start
-        factors = self.shrink**parts
+        factors = elementary.pow(self.shrink, parts)
         if self._is_neutral:
             return np.asarray((1.0 - 1.0 / factors) / b) if b != 0.0 else np.full(len(parts), np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
-            times = np.log(factors * (r + b) / (r + b * factors)) / r
+            times = elementary.log(factors * (r + b) / (r + b * factors)) / r
         return np.asarray(times)
 
     @property
@@ -62,9 +63,9 @@ class Tail:
             if self._is_neutral:
                 c = self.start / (1.0 - b * times)
             else:
-                grown = np.exp(r * times)
+                grown = elementary.exp(r * times)
                 c = r * self.start * grown / (r + b * (1.0 - grown))
-        others = np.real(np.exp(np.outer(times, self.rates)) @ self.fast.T)
+        others = np.real(elementary.exp(np.outer(times, self.rates)) @ self.fast.T)
         return np.asarray(c[:, None] * self.slow + others)
 
 
@@ -92,12 +93,12 @@ def tail_of(
     fast: NDArray[np.complex128] = (vectors[:, others] * parts[others] * sizes[:, None]).astype(complex)
     rates = values[others]
     others_now = np.abs(fast / sizes[:, None]).max(axis=0, initial=0.0)
-    needed = np.minimum(np.log(np.maximum(others_now / aim, 1.0)), LONGEST) / -rates.real
+    needed = np.minimum(elementary.log(np.maximum(others_now / aim, 1.0)), LONGEST) / -rates.real
     least = float(np.max(needed, initial=0.0))
     factor = min(aim / max(abs(start) * float(np.max(np.abs(q))), 1e-300), 1.0)
     tail = Tail(rate, bend, start, factor, q * sizes, rates, fast, least)
     last = tail.times(np.ones(1))[0]
     if not (last > 0.0 and (rate >= 0.0 or last < -LONGEST / rate or bend * start < 0.0)):
-        factor = max(factor, float(np.exp(-LONGEST)))
+        factor = max(factor, float(elementary.exp(-LONGEST)))
         return Tail(rate, 0.0, start, factor, q * sizes, rates, fast, least)
     return tail

@@ -13,6 +13,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.loci.start import indices
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.loci.curve import OrbitCurve
@@ -72,7 +73,7 @@ def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[
     except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
         return []
     parent = Parent(point.branch, point.label)
-    return [_seed("NS", problem.system, place, cycles, float(np.cos(angle)), parent) for cycles, angle in found]
+    return [_seed("NS", problem.system, place, cycles, float(elementary.cos(angle)), parent) for cycles, angle in found]
 
 
 def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -89,7 +90,7 @@ def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[st
         return []
     if rate == 0.0:
         return []
-    bend = -((2.0 * np.pi * rate / cycles.omega) ** 2)  # cos(2 pi rate rho / omega)
+    bend = -(elementary.square(2.0 * np.pi * rate / cycles.omega))  # cos(2 pi rate rho / omega)
     return [_seed("NS", problem.system, place, cycles, 1.0, Parent(point.branch, point.label), bend)]
 
 
@@ -105,7 +106,7 @@ def _seed(
     period = 2.0 * np.pi / cycles.omega
     rest = Profile(m, np.tile(place.u, (HOPF_INTERVALS * m + 1, 1)), period, h, float(place.p[place.first]))
     phases = 2.0 * np.pi * rest.times
-    first = 2.0 * (np.exp(1j * phases)[:, None] * cycles.q).real
+    first = 2.0 * (elementary.exp(1j * phases)[:, None] * cycles.q).real
     second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
     orbits = OrbitProblem(system, place.p.copy(), place.first, np.zeros(n), m)
     curve = OrbitCurve(type_, orbits, place.second)
@@ -117,7 +118,7 @@ def _seed(
     bend = np.concatenate([second.ravel(), [shift], zeros, [2.0 * cycles.p2[0]]])
     k = curve.join(bend, 2.0 * float(cycles.p2[1]), further2) / scale
     norm = float(np.linalg.norm(d))
-    d, k = d / norm, k / norm**2
+    d, k = d / norm, k / elementary.square(norm)
     k = k - float(k @ d) * d
     z = curve.join(rest.vector(), float(place.p[place.second]), further)
     return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent)

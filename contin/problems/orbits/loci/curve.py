@@ -19,6 +19,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
@@ -46,7 +47,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     # -- layout -------------------------------------------------------------------------------------------------------
 
     def theta(self, z: Array) -> float:
-        return float(np.arccos(np.clip(z[-3], -1.0, 1.0))) if self.type == "NS" else 0.0
+        return float(elementary.acos(np.clip(z[-3], -1.0, 1.0))) if self.type == "NS" else 0.0
 
     def intervals(self, z: Array) -> int:
         return int((z.size - self._few) // self._many)
@@ -110,7 +111,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         rows.re[0], rows.im[0] = origin.eigenvalues.real, origin.eigenvalues.imag
         angle = np.radians(settings.max_angle)
         controls = np.array([
-            step, settings.min_step, settings.max_step, np.cos(angle), settings.newton_tolerance,
+            step, settings.min_step, settings.max_step, elementary.cos(angle), settings.newton_tolerance,
             0.0 if before is None else length, angle / 2.5, 0.0,
         ])  # fmt: skip
         work, bounds = self._work(origin.z, scale), np.array(walls, dtype=float)

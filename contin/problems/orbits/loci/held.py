@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.curve import OrbitCurve
 
@@ -61,7 +62,7 @@ class HeldCurve(OrbitCurve):
         if self.type == "PD":
             return (memory.v[:1, :nodes] / units[:nodes]).T
         if self.type == "NS":  # v(2) - 2 k v(1) + v(0) = 0 has the factors v(1) - exp(+-i theta) v(0)
-            turned = memory.v[1, :nodes] - np.exp(-1j * self.theta(z)) * memory.v[0, :nodes]
+            turned = memory.v[1, :nodes] - elementary.exp(-1j * self.theta(z)) * memory.v[0, :nodes]
             return (turned / units[:nodes])[:, None]
         count = nodes + (1 if self.type == "LPC" else 2)
         return (memory.y[2 : 3 + self.extra, :count] / units[:count]).T

@@ -14,6 +14,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
@@ -33,7 +34,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
     @property
     def maximum_chunk(self) -> int:
         """Steps in one kernel call, which cannot be interrupted: some 50 ms."""
-        return max(10, min(160, 1500 // self.curve.orbits.n**2))
+        return max(10, min(160, 1500 // elementary.square(self.curve.orbits.n)))
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 

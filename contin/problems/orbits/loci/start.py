@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.loci.start import indices
 from contin.problems.orbits.loci.beside import folds_of_doubled, tori_beside
 from contin.problems.orbits.loci.curve import OrbitCurve
@@ -39,7 +40,7 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
             f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC, HOM have. "
             "With one other parameter the orbit itself is followed from here"
         )
-    further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]
 
 

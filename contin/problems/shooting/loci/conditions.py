@@ -20,6 +20,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.shooting.loci.expansion import Expansion
 
 ANGLES: Final = np.pi * np.arange(6) / 6.0
@@ -87,8 +88,8 @@ def _turned(plane: Array, n: int) -> Array:
         sizes = float(np.linalg.norm(start) * np.linalg.norm(turned))
         return 1.0 - abs(float(start @ turned)) / sizes if sizes > 0.0 else 0.0
 
-    best = max(ANGLES, key=lambda t: area(np.cos(t) * plane[0] + np.sin(t) * plane[1]))
-    turn = np.array([[np.cos(best), np.sin(best)], [-np.sin(best), np.cos(best)]])
+    best = max(ANGLES, key=lambda t: area(elementary.cos(t) * plane[0] + elementary.sin(t) * plane[1]))
+    turn = np.array([[elementary.cos(best), elementary.sin(best)], [-elementary.sin(best), elementary.cos(best)]])
     return np.asarray(turn @ plane)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.problems.shooting.loci.conditions import Borders, borders, condition, matrix
 from contin.problems.shooting.loci.expansion import Expansion
@@ -107,7 +108,7 @@ class ShootingCurve(CurveByShooting):
         sizes = orbits.sizes(orbit, self.orbit(scale))
         if self.type == "PD":
             return period_doubling(orbits, orbit, sizes)
-        return torus(orbits, orbit, sizes, float(np.arccos(np.clip(self.further(z), -1.0, 1.0))))
+        return torus(orbits, orbit, sizes, float(elementary.acos(np.clip(self.further(z), -1.0, 1.0))))
 
     def expansion(self, z: Array, scale: Array) -> Expansion | None:
         return Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))

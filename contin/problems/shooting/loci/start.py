@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.loci.start import indices
 from contin.problems.orbits.loci.start import CURVES, seed_of, seeds_through
 from contin.problems.shooting.loci.curve import ShootingCurve
@@ -32,7 +31,7 @@ def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) 
         )
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]
-    further = float(np.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, problem, point.z, point, parameters, further)]
 
 

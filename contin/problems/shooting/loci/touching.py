@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.shooting.grazing import surface
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import flights
@@ -63,7 +64,7 @@ def vertex(h: Any, guess: float, period: float) -> tuple[float, float, float]:
         step = float(np.clip(0.5 * d * (a - c) / bend, -20.0 * d, 20.0 * d))
         time += step
         if abs(step) < 1e-3 * d:
-            b -= 0.125 * (a - c) ** 2 / bend
+            b -= 0.125 * elementary.square(a - c) / bend
             break
     return time, b, a - 2.0 * b + c
 

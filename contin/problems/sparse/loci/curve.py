@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.vectors import norm
+from contin.machine import elementary
 from contin.problems.sparse.eigen import Spectrum, leading
 from contin.problems.sparse.linear import Linear, Solution
 from contin.problems.sparse.loci.singular import Folds, Hopf, Singularity
@@ -165,7 +166,7 @@ class LargeCurve:
         if isinstance(at, Folds):
             c = np.real(at.at.v) / norm(np.real(at.at.v))
             b = known.b
-            if tangent is not None and float(np.hypot(tangent[-1], tangent[-2])) > FLAT * norm(tangent):
+            if tangent is not None and float(elementary.hypot(tangent[-1], tangent[-2])) > FLAT * norm(tangent):
                 one, two = self.slope(z, self.first), self.slope(z, self.second)
                 across = tangent[-2] * one - tangent[-1] * two
                 if norm(across) > 0.0:
@@ -333,5 +334,5 @@ class CurveLinearisation:
 def _axes(q: NDArray[Any]) -> tuple[Array, Array]:
     """Re q and Im q with the phase that makes them orthogonal and Re q the longer."""
     square = np.sum(q * q)
-    q = q * np.exp(-0.5j * np.angle(square)) if abs(square) > 0.0 else q
+    q = q * elementary.exp(-0.5j * elementary.angle(square)) if abs(square) > 0.0 else q
     return np.real(q).copy(), np.imag(q).copy()

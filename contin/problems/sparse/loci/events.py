@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
+from contin.machine import elementary
 from contin.problems.codim2.events import EVENTS
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.loci import forms
@@ -69,7 +70,7 @@ def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]
         sign = -1.0 if int(np.sum(real > 0.0)) % 2 else 1.0
         product = sign * float(np.abs(real).min()) / largest
     kappa = problem.curve.kappa(z)
-    typical = float(np.sort(np.abs(rest))[0]) ** 2 if rest.size else 1.0
+    typical = elementary.square(float(np.sort(np.abs(rest))[0])) if rest.size else 1.0
     visible = kappa > ROUNDED * problem.curve.memory.size  # nearer to a BT only rounding is left of l1, which grows
     lyapunov = _lyapunov(problem, z) * np.sign(product) if visible else 0.0
     return np.array([kappa / max(typical, 1e-300), product, pair, lyapunov]), unstable, values
@@ -118,7 +119,7 @@ def _measure(problem: Any, type_: str, near: Sample) -> Callable[[At], float] | 
     if type_ == "CP":
         return _sized(lambda at: _quadratic(curve.singular(at.z), problem.n), problem, near, type_)
     if type_ == "BT":
-        return lambda at: _chain(curve.singular(at.z)) / norm(np.real(curve.singular(at.z).at.v)) ** 2
+        return lambda at: _chain(curve.singular(at.z)) / elementary.square(norm(np.real(curve.singular(at.z).at.v)))
     if type_ == "GH":
         return _sized(lambda at: _lyapunov(problem, at.z), problem, near, type_)
     values, others, vectors = split(problem, near.z)

@@ -16,6 +16,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
+from contin.machine import elementary
 from contin.problems.codim2.events import TEST_OF
 from contin.problems.codim2.events import explain as explain_events
 from contin.problems.sparse.loci import events
@@ -84,7 +85,7 @@ class LargeLocus(TwoParameterProblem):
         """A size for kappa where it is zero: that of the eigenvalues next to the critical ones, squared."""
         branch, point = self.curve.branch(z)
         values = np.sort(np.abs(branch.spectrum(point).values))
-        return 1e-2 * float(values[min(2, len(values) - 1)]) ** 2 if values.size else 1.0
+        return 1e-2 * elementary.square(float(values[min(2, len(values) - 1)])) if values.size else 1.0
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         self.curve.precisely(z)

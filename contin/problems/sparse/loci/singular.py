@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.problems.sparse.linear import Linear, Solution
 
 Vector = NDArray[Any]
@@ -110,4 +111,4 @@ class Hopf:
             return np.array([-rate.imag / (2.0 * self.root), (rate.real - odd) / (2.0 * self.kappa)])
         up, low = (r.real for r in rates)
         mean, half = 0.5 * (up + low), 0.5 * (up - low)
-        return np.array([-half / (2.0 * self.root), -(mean - odd) / (2.0 * self.root**2)])
+        return np.array([-half / (2.0 * self.root), -(mean - odd) / (2.0 * elementary.square(self.root))])

@@ -14,6 +14,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.machine import elementary
 from contin.problems.loci.start import CURVES, indices
 from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.problem import LargeLocus
@@ -29,7 +30,7 @@ def loci_of_point(problem: LargeProblem, point: SpecialPoint, parameters: Sequen
             f"{point.branch}.{point.label}: of a large system folds and Hopf points have curves in two parameters; "
             f"this is {point.type}"
         )
-    kappa = float(point.vectors["omega"]) ** 2 if point.type == "HB" else 0.0
+    kappa = elementary.square(float(point.vectors["omega"])) if point.type == "HB" else 0.0
     q = np.asarray(point.vectors["q"]) if point.type == "HB" else (point.tangent * point.scale)[:-1]
     p = problem.full_parameters(point.z)
     return [_seed(problem, point.type, parameters, point.z[:-1], p, kappa, q, Parent(point.branch, point.label))]
@@ -44,7 +45,7 @@ def _seed(
     z = np.concatenate([u, [kappa] if type_ == "HB" else [], [p[second], p[first]]])
     curve.start(z, q)
     if type_ == "HB" and kappa == 0.0:  # q = q0 + i q1 with A q1 = q0: so fast is the motion beside a BT
-        curve.memory.size = (norm(np.real(q)) / norm(np.imag(q))) ** 2
+        curve.memory.size = elementary.square(norm(np.real(q)) / norm(np.imag(q)))
     return Seed(LargeLocus(curve), z, parent=parent)
 
 
@@ -61,7 +62,8 @@ def loci_through(problem: LargeLocus, point: SpecialPoint, parameters: Sequence[
         elif point.type == "BT":
             found.append(("HB", 0.0, known["null"] + 1j * known["generalised"]))
         else:
-            found += [("HB", float(w) ** 2, q) for w, q in zip(known["omegas"], known["pairs"], strict=True)]
+            pairs = zip(known["omegas"], known["pairs"], strict=True)
+            found += [("HB", elementary.square(float(w)), q) for w, q in pairs]
     here = curve.kappa(point.z)
     others = [f for f in found if f[0] != own or abs(f[1] - here) > SAME * max(abs(here), abs(f[1]))]
     origin = problem.curve.origin

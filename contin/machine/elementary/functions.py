@@ -1,0 +1,117 @@
+"""The elementary functions for Python: numbers give numbers, arrays give arrays.
+
+As in C, and unlike in `math`, nothing is raised: log(-1) is NaN, exp(1000) infinite.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contin.abi import Array
+from contin.machine.elementary.code import addresses, loop_address
+from contin.machine.elementary.names import symbol
+
+Complex = NDArray[np.complexfloating[Any, Any]]
+T = TypeVar("T")
+
+
+@cache
+def _scalar(name: str, arguments: int) -> Callable[..., float]:
+    return ctypes.CFUNCTYPE(ctypes.c_double, *[ctypes.c_double] * arguments)(addresses([name])[symbol(name)])
+
+
+@cache
+def _loop(name: str, arguments: int) -> Callable[..., None]:
+    return ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * (arguments + 1))(loop_address(name))
+
+
+def _apply(name: str, *x: Any) -> Any:
+    if all(isinstance(v, (float, int)) for v in x):
+        value = _scalar(name, len(x))(*x)
+        return np.float64(value) if any(isinstance(v, np.generic) for v in x) else value
+    arrays = np.broadcast_arrays(*x)
+    given = [np.ascontiguousarray(a, dtype=np.float64) for a in arrays]
+    out = np.empty(arrays[0].shape)
+    _loop(name, len(x))(out.size, *(a.ctypes.data for a in given), out.ctypes.data)
+    return out if out.ndim else np.float64(out)
+
+
+class _OfOne:
+    """A function of one real variable."""
+
+    def __init__(self, name: str) -> None:
+        self.__name__ = name
+
+    @overload
+    def __call__(self, x: float) -> float: ...
+    @overload
+    def __call__(self, x: Array) -> Array: ...
+    @overload
+    def __call__(self, x: ArrayLike) -> Any: ...
+    def __call__(self, x: Any) -> Any:
+        return _apply(self.__name__, x)
+
+
+class _OfTwo:
+    """A function of two real variables."""
+
+    def __init__(self, name: str) -> None:
+        self.__name__ = name
+
+    @overload
+    def __call__(self, x: float, y: float) -> float: ...
+    @overload
+    def __call__(self, x: Array, y: float | Array) -> Array: ...
+    @overload
+    def __call__(self, x: ArrayLike, y: ArrayLike) -> Any: ...
+    def __call__(self, x: Any, y: Any) -> Any:
+        return _apply(self.__name__, x, y)
+
+
+exp2, expm1 = _OfOne("exp2"), _OfOne("expm1")
+log, log1p, log10, log2 = _OfOne("log"), _OfOne("log1p"), _OfOne("log10"), _OfOne("log2")
+sin, cos, tan = _OfOne("sin"), _OfOne("cos"), _OfOne("tan")
+asin, acos, atan = _OfOne("asin"), _OfOne("acos"), _OfOne("atan")
+sinh, cosh, tanh = _OfOne("sinh"), _OfOne("cosh"), _OfOne("tanh")
+pow, atan2, hypot = _OfTwo("pow"), _OfTwo("atan2"), _OfTwo("hypot")
+
+
+@overload
+def exp(x: float) -> float: ...
+@overload
+def exp(x: complex) -> complex: ...
+@overload
+def exp(x: Array) -> Array: ...
+@overload
+def exp(x: Complex) -> NDArray[np.complex128]: ...
+def exp(x: Any) -> Any:
+    """e^x, of real and of complex x."""
+    if not np.iscomplexobj(x):
+        return _apply("exp", x)
+    size, turn = _apply("exp", np.real(x)), np.imag(x)
+    real, imaginary = size * _apply("cos", turn), size * _apply("sin", turn)
+    if isinstance(x, np.ndarray):
+        out = np.empty(x.shape, dtype=np.complex128)
+        out.real, out.imag = real, imaginary
+        return out
+    return np.complex128(real, imaginary) if isinstance(x, np.generic) else complex(real, imaginary)
+
+
+@overload
+def angle(z: complex) -> float: ...
+@overload
+def angle(z: Complex) -> Array: ...
+def angle(z: Any) -> Any:
+    """Argument of z, in [-pi, pi]."""
+    return _apply("atan2", np.imag(z), np.real(z))
+
+
+def square(x: T) -> T:
+    """x x, rounded once; `x**2` of a number is the C library's pow."""
+    return x * x  # type: ignore[operator,no-any-return]
