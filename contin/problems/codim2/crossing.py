@@ -16,6 +16,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
+from contin.machine import elementary
 from contin.problems import defining
 
 FORCED: Final = 1e-2  # slope |psi . F_p| near a point, relative to F_u and F_p, up to which it is looked for here
@@ -115,7 +116,7 @@ def _zeros(form: Array) -> list[Array]:
     """Directions (x, y) in which a quadratic form a x^2 + 2 b x y + c y^2 vanishes: by its eigenvectors."""
     values, vectors = np.linalg.eigh(form)
     low, high = float(values[0]), float(values[1])
-    if not low * high < REAL * max(abs(low), abs(high)) ** 2:
+    if not low * high < REAL * elementary.square(max(abs(low), abs(high))):
         return []
     return [vectors[:, 0] * np.sqrt(high) + sign * vectors[:, 1] * np.sqrt(-low) for sign in (1.0, -1.0)]
 
