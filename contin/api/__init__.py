@@ -2,7 +2,7 @@
 
 from contin.api.branches import continuation, walk
 from contin.api.diagrams import diagram, phase
-from contin.api.machine_code import compiled
+from contin.api.machine_code import compiled, prepare
 from contin.api.responses import solution
 from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
 
@@ -15,6 +15,7 @@ __all__ = [
     "find_equilibria",
     "periodic_orbit",
     "phase",
+    "prepare",
     "solution",
     "walk",
 ]

@@ -7,6 +7,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 from contin.problems.functions.problem import FunctionProblem
+from contin.problems.sparse.from_model import is_large
 
 _compiled: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
 
@@ -22,3 +23,9 @@ def compiled(model: Any) -> Any:
         with suppress(TypeError):  # an object that cannot be a weak key is compiled anew
             _compiled[model] = system
         return system
+
+
+def prepare(model: Any) -> None:
+    """Make what every run of a model needs: its machine code, of large sparse ones their formulas by shapes."""
+    if not is_large(model):
+        compiled(model)

@@ -15,6 +15,7 @@ from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
+from contin.problems.sparse.from_model import sparse_function
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 
@@ -43,6 +44,9 @@ def equilibrium(
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
         return _large_equilibrium(model, u, p, period)
+    sparse = sparse_function(model, u, p) if period == 1 else None
+    if sparse is not None:
+        return converge_large(sparse.system(), u, p)
     system = compiled(model) if period == 1 else iterate(compiled(model), period)
     try:
         return converge(system, u, p, np.asarray(model.periods(), dtype=float))

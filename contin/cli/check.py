@@ -2,27 +2,57 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
+from contin.cli.printable import printable
 from contin.errors import InputError
 
+if TYPE_CHECKING:
+    from contin.model.yaml_reader import Document
+
 MODEL_KEYS: Final = frozenset({"states", "equations"})  # a run file has neither
+LONG: Final = 500_000  # bytes of a file that takes more than a second to read
 
 
 def check_file(file: Path, execute: bool) -> int:
     """Check one file; with `execute`, carry out a model's `expect:` too. The exit code."""
     from contin.model.yaml_reader import read_file
-    from contin.runs.bundled import find_run, is_scan
+    from contin.runs.bundled import find_run
 
     file, place = find_run(file)
-    document = read_file(file)
+    with reading(file) as tell:
+        document = read_file(file)
+        tell("its formulas")
+        return check_document(file, place, document, execute)
+
+
+@contextmanager
+def reading(file: Path) -> Iterator[Callable[[str], None]]:
+    """A line on the terminal that says what is being read of a long file; the caller names the next part."""
+    shown = sys.stderr.isatty() and file.is_file() and file.stat().st_size > LONG
+    if not shown:
+        yield lambda what: None
+        return
+    from contin.cli.terminal import console
+
+    with console(sys.stderr, False).status(f"reading {printable(file.name)}") as status:
+        yield lambda what: status.update(f"reading {printable(file.name)}: {what}")
+
+
+def check_document(file: Path, place: Path, document: Document, execute: bool) -> int:
+    """Check what was read from a file; `place` is where its outputs go."""
     if isinstance(document.data, dict) and MODEL_KEYS & document.data.keys() and "model" not in document.data:
-        return check_model(file, execute)
+        return check_model(file, document, execute)
     if execute:
         raise InputError(
             f"{file}: --run carries out the `expect:` of a model file; this is a run file (use `contin run`)"
         )
+    from contin.runs.bundled import is_scan
+
     if is_scan(file):
         from contin.runs.scan_plan import plan_scan
 
@@ -46,11 +76,11 @@ def check_file(file: Path, execute: bool) -> int:
     return 0
 
 
-def check_model(file: Path, execute: bool) -> int:
+def check_model(file: Path, document: Document, execute: bool) -> int:
     """Check a model file, and with `execute` that its expected points are found."""
-    from contin.model.yaml_loader import load_model
+    from contin.model.yaml_loader import model_from_document
 
-    model = load_model(file)
+    model = model_from_document(document)
     counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
     print(f"{file}: good. Model {model.name}: {counts}")
     if not execute:

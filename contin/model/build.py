@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import gc
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from contin.errors import InputError
@@ -10,7 +12,7 @@ from contin.model import schema
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import Expression, is_condition
-from contin.model.inline import Formulas
+from contin.model.inline import MANY, Formulas
 from contin.model.lexer import canonical_name
 from contin.model.naming import check_label, check_names
 from contin.model.parts import (
@@ -44,8 +46,8 @@ def parts_from_mapping(
     data = plain(mapping)
     check_version(data, problems, version_required)
     entry = validate(data, problems)
-    builder = _Builder(entry, problems)
-    parts = builder.parts()
+    with without_collection(len(entry.states) > MANY):
+        parts = _Builder(entry, problems).parts()
     problems.raise_if_any()
     if check and (parts["symmetries"] or parts["rotation"]):
         check_symmetries(parts, problems)
@@ -53,6 +55,19 @@ def parts_from_mapping(
             check_rotation(parts, problems)
         problems.raise_if_any()
     return parts
+
+
+@contextmanager
+def without_collection(wanted: bool) -> Iterator[None]:
+    """Garbage is not looked for while many objects are made that stay: each look would go through all of them."""
+    stopped = wanted and gc.isenabled()
+    if stopped:
+        gc.disable()
+    try:
+        yield
+    finally:
+        if stopped:
+            gc.enable()
 
 
 def start_from_mapping(model: Model, mapping: Mapping[str, Any]) -> Start:
@@ -92,9 +107,10 @@ class _StartReader:
 
     def known(self, data: Mapping[str, Any], names: list[str], what: str, path: Path) -> dict[str, Expression]:
         found = {}
+        allowed = set(names)
         for key, value in data.items():
             name = canonical_name(key)
-            if name not in names:
+            if name not in allowed:
                 advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
                 self.problems.add((*path, key), f"not a {what}: {advice}", key=True)
                 continue
@@ -113,6 +129,7 @@ class _Builder:
             for n in entry.observables
         }
         self.formulas = Formulas(problems, symbols, observed)
+        self.formulas.expect_many(self.states)
 
     def parts(self) -> dict[str, Any]:
         entry = self.entry
@@ -186,8 +203,9 @@ class _Builder:
 
     def equations(self) -> tuple[Expression, ...]:
         written = {canonical_name(n): n for n in self.entry.equations}
+        known = set(self.states)
         for name, key in written.items():
-            if name not in self.states:
+            if name not in known:
                 advice = closest(name, self.states) or f"states are {', '.join(self.states)}"
                 self.problems.add(("equations", key), f"{name} is not a state: {advice}", key=True)
         missing = [s for s in self.states if s not in written]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import atexit
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Final, Union
 from weakref import WeakValueDictionary
@@ -101,16 +101,39 @@ class Expression:
 
 _interned: WeakValueDictionary[tuple[object, ...], Expression] = WeakValueDictionary()
 _bits: dict[str, int] = {}
+_next = 0  # bit of the next symbol
+_shared = 0  # bits that symbols of large models share
+CROWD: Final = 2_000  # symbols of one model from which they share bits: masks with a bit for each cost n^2 memory
+CROWD_BITS: Final = 1_024
 # else nodes that die while the interpreter does compare half-dismantled numbers
 atexit.register(_interned.data.clear)  # type: ignore[attr-defined]
 
 
 def symbol_bit(name: str) -> int:
     """The bit that stands for the symbol `name` in every `mask`, assigned on first use for the life of the process."""
+    global _next
     bit = _bits.get(name)
     if bit is None:
-        bit = _bits[name] = 1 << len(_bits)
+        bit = _bits[name] = 1 << _next
+        _next += 1
     return bit
+
+
+def crowd(names: Sequence[str]) -> None:
+    """Let the symbols of a large model share `CROWD_BITS` bits, unless they have some: call it before they are made.
+
+    Two of them may then have the same bit: what asks whether a node depends on *one* symbol takes a mask that says yes
+    as "perhaps" (`depends_on` looks closer); unions over all states of a model are exact as before.
+    """
+    global _next, _shared
+    if len(names) <= CROWD:
+        return
+    if not _shared:
+        _shared = ((1 << CROWD_BITS) - 1) << _next
+        _next += CROWD_BITS
+    lowest = _shared & -_shared
+    for k, name in enumerate(names):
+        _bits.setdefault(name, lowest << (k % CROWD_BITS))
 
 
 def mask_of(names: Iterable[str]) -> int:
@@ -123,7 +146,11 @@ def mask_of(names: Iterable[str]) -> int:
 
 def depends_on(expression: Expression, names: Iterable[str]) -> bool:
     """True where a symbol of `names` occurs in the expression."""
-    return bool(expression.mask & mask_of(names))
+    wanted = set(names)
+    common = expression.mask & mask_of(wanted)
+    if common & ~_shared or not common:
+        return bool(common)
+    return any(node.op == "symbol" and node.value in wanted for node in postorder([expression]))
 
 
 def _make(op: str, args: tuple[Expression, ...], value: Number | str | None = None) -> Expression:
@@ -459,6 +486,22 @@ def substitute(roots: Iterable[Expression], mapping: Mapping[Expression, Express
         if node not in done:
             done[node] = rebuild(node, tuple(done[a] for a in node.args)) if node.args else node
     return [done[root] for root in roots]
+
+
+def renamed(nodes: Sequence[Expression], names: Mapping[str, Expression]) -> Expression:
+    """The last of `nodes` (a `postorder`) with other symbols in place of its own, none of them twice.
+
+    No rule of the constructors can apply that did not apply before, so nodes are made as they are.
+    """
+    done: dict[Expression, Expression] = {}
+    for node in nodes:
+        if node.op == "symbol":
+            done[node] = names.get(str(node.value), node)
+        elif not node.args:
+            done[node] = node
+        else:
+            done[node] = _make(node.op, tuple([done[a] for a in node.args]), node.value)
+    return done[nodes[-1]]
 
 
 def symbols_in(roots: Iterable[Expression]) -> list[str]:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 from contin.errors import ExpressionError
-from contin.model.expression import Expression, is_condition, mask_of, number, substitute, symbol, symbols_in
+from contin.model.expression import Expression, crowd, is_condition, mask_of, number, substitute, symbol, symbols_in
 from contin.model.lexer import canonical_name, is_name, tokenize
 from contin.model.order import CircleError, dependency_order
 from contin.model.parser import Operand, parse_operand
 from contin.model.scope import Budget, Function, Scope, placeholders
 from contin.model.source import Path, Problems, Span
+from contin.model.templates import Templates
 
+MANY: Final = 100  # symbols from which formulas are likely to be written alike
 HEADING = re.compile(r"\s*([^\W\d]\w*)\s*\(([^()]*)\)\s*")
 
 
@@ -27,8 +29,22 @@ class Formulas:
         self.definitions: dict[str, Expression] = {}
         self.conditions: set[str] = set()
         self.budget = Budget()
+        self._numbers: dict[tuple[type, str], Operand] = {}
+        crowd(symbols)
         self.names = {name: symbol(name) for name in symbols}  # with the definitions, as they become known
+        self.templates: Templates | None = None
         self.unavailable = unavailable
+
+    def expect_many(self, states: Sequence[str]) -> None:
+        """Formulas of many states are likely to be written alike."""
+        if len(states) > MANY:
+            mask = mask_of(states)
+            self.templates = Templates({name: symbol(name) for name in states}, lambda name: self._brings(name, mask))
+
+    def _brings(self, name: str, mask: int) -> bool:
+        function = self.functions.get(name)
+        node = self.definitions.get(name) if function is None else function.body
+        return node is not None and bool(node.mask & mask)
 
     @property
     def scope(self) -> Scope:
@@ -57,12 +73,21 @@ class Formulas:
         if isinstance(value, Expression):
             return self._expression(value, path, scope)
         if not isinstance(value, str):
-            return Operand(number(value), False, 0)
+            return self._number(value)
         try:
+            if self.templates is not None and scope.names is self.names:
+                return self.templates.read(value, lambda: parse_operand(value, scope))
             return parse_operand(value, scope)
         except ExpressionError as error:
             self._note(path, value, str(error), error.position)
             return Operand(number(1), False, 0)
+
+    def _number(self, value: Any) -> Operand:
+        key = type(value), repr(value)  # -0.0 is not 0.0
+        known = self._numbers.get(key)
+        if known is None:
+            known = self._numbers[key] = Operand(number(value), False, 0)
+        return known
 
     def _note(self, path: Path, value: Any, message: str, position: int) -> None:
         text = value if isinstance(value, str) else None

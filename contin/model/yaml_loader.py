@@ -22,12 +22,12 @@ def load_model(path: str | FilePath) -> Model:
     FormatVersionError
         The file is written for a newer format.
     """
-    return _model(read_file(path))
+    return model_from_document(read_file(path))
 
 
 def load_model_text(text: str, filename: str = "model", check: bool = True) -> Model:
     """The model in a YAML text; `filename` is for messages, `check` compares symmetries with the equations."""
-    return _model(read_text(text, filename), check)
+    return model_from_document(read_text(text, filename), check)
 
 
 def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model", *, check: bool = True) -> Model:
@@ -40,6 +40,7 @@ def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model"
     return Model.from_parts(**parts_from_mapping(mapping, source, check=check))
 
 
-def _model(document: Document, check: bool = True) -> Model:
+def model_from_document(document: Document, check: bool = True) -> Model:
+    """The model in a document that has been read."""
     parts = parts_from_mapping(document.data, document.source, version_required=True, check=check)
     return Model.from_parts(**parts)

@@ -15,6 +15,7 @@ from typing import Any, Final, NoReturn
 from contin.errors import InputError
 from contin.limits import is_finite
 from contin.model.source import Marks, Path, Problems, Span, YamlSource
+from contin.model.yaml_lines import HELD, Entry, Shortened, shorten
 
 MAX_BYTES: Final = 20_000_000
 MAX_DEPTH: Final = 40  # mappings and lists inside each other
@@ -69,10 +70,23 @@ def read_text(text: str, filename: str = "text") -> Document:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if len(text) > MAX_BYTES:
         raise InputError(f"{filename}: larger than {MAX_BYTES // 1_000_000} MB")
-    reader = _Reader(filename, text)
+    short = shorten(text)
+    if short is not None:
+        try:
+            return _read(_Reader(filename, text, short))
+        except (_NotHeldError, InputError):
+            pass  # a run that was no mapping, or a mistake: the parser tells about the text as it is
+    return _read(_Reader(filename, text))
+
+
+def _read(reader: _Reader) -> Document:
     data = reader.run()
     reader.problems.raise_if_any()
     return Document(data, reader.source)
+
+
+class _NotHeldError(Exception):
+    """A run of lines that was held back stands where it is no part of a mapping."""
 
 
 @dataclass(slots=True)
@@ -87,10 +101,13 @@ class _Open:
     anchor: str | None = None
     first: dict[str, Span] = field(default_factory=dict)  # where each key stood first
     before: int = 0  # values read before it
+    flow: bool = False
 
 
 class _Reader:
-    def __init__(self, filename: str, text: str) -> None:
+    def __init__(self, filename: str, text: str, short: Shortened | None = None) -> None:
+        self.short = short
+        self.held: list[tuple[Entry, ...]] = []  # of the value that comes next
         self.marks: dict[Path, Marks] = {}
         self.source = YamlSource(filename, text, self.marks)
         self.problems = Problems(self.source)
@@ -103,7 +120,8 @@ class _Reader:
     def run(self) -> Any:
         for event in self.events():
             kind = type(event).__name__
-            span = Span(event.start_mark.index, event.end_mark.index)
+            start, end = event.start_mark.index, event.end_mark.index
+            span = Span(start, end) if self.short is None else Span(self.short.at(start), self.short.at(end))
             if kind == "DocumentStartEvent":
                 self.documents += 1
                 if self.documents > 1:
@@ -124,8 +142,8 @@ class _Reader:
         from ruamel.yaml.error import MarkedYAMLError
 
         try:
-            yield from YAML(typ="safe", pure=True).parse(self.source.text)
-        except InputError:
+            yield from YAML(typ="safe", pure=True).parse(self.short.text if self.short else self.source.text)
+        except (InputError, _NotHeldError):
             raise
         except MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
@@ -144,6 +162,8 @@ class _Reader:
     def scalar(self, event: Any, span: Span) -> None:
         if event.tag is not None:
             self.fail(span, f"the tag {event.tag} is not allowed; write the plain value")
+        if self.short is not None and self.is_held(event):
+            return
         plain = event.style in (None, "")
         written = self.source.text[span.start : span.end]
         trimmed = Span(span.start, span.start + len(written.rstrip())) if plain else span
@@ -159,6 +179,24 @@ class _Reader:
         if event.anchor:
             self.anchors[event.anchor] = (value, 1)
         self.put(value, trimmed)
+
+    def is_held(self, event: Any) -> bool:
+        """True for key and value of the line that stands for a run of lines, whose entries are taken in then."""
+        if self.held:
+            for entry in self.held.pop():
+                key, value = len(entry.key), len(entry.value)
+                self.count(1, Span(entry.value_at, entry.value_at + value))
+                self.take_key(entry.key, Span(entry.key_at, entry.key_at + key))
+                self.put(_resolve(entry.value), Span(entry.value_at, entry.value_at + value))
+            return True
+        if HELD not in event.value:
+            return False
+        number = event.value.removeprefix(HELD)
+        if not self.expects_key() or event.style not in (None, "") or not number.isdecimal() or self.stack[-1].flow:
+            raise _NotHeldError
+        assert self.short is not None
+        self.held.append(self.short.runs[int(number)])
+        return True
 
     def whole_characters(self, value: str, span: Span) -> str:
         """JSON writes characters beyond 16 bits as two escapes; put the halves together."""
@@ -178,7 +216,9 @@ class _Reader:
             self.fail(span, f"nested deeper than {MAX_DEPTH} levels")
         self.count(1, span)
         path = self.put(container, span)
-        self.stack.append(_Open(container, path, span, anchor=event.anchor, before=self.values))
+        self.stack.append(
+            _Open(container, path, span, anchor=event.anchor, before=self.values, flow=bool(event.flow_style))
+        )
 
     def close(self) -> None:
         done = self.stack.pop()

@@ -75,7 +75,7 @@ class ContinEngine:
         _verbs()
 
     def prepare(self, model: Model) -> None:
-        _verbs().compiled(model)
+        _verbs().prepare(model)
 
     def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
         api = _verbs()

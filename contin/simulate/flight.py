@@ -207,9 +207,7 @@ def _outcome(
     if status == kernel.STEPS and counts[2] <= budget:
         return STOPPED, f"{left:.2g} steps would still be needed, far more than the budget of {budget}"
     if status == kernel.STEPS:
-        return STOPPED, (
-            f"{budget} steps were not enough; a stiff model needs the method Radau, LSODA or BDF"
-        )
+        return STOPPED, (f"{budget} steps were not enough; a stiff model needs the method Radau, LSODA or BDF")
     return STOPPED, (
         "the step became too small: a singularity, a solution that escapes, or a stiff model (method Radau, LSODA, BDF)"
     )

@@ -72,7 +72,16 @@ PHASE: Final[dict[str, Any]] = {
             "items": {
                 "type": "object",
                 "required": [
-                    "name", "number", "words", "stable", "total", "point", "states", "area", "outline", "holes",
+                    "name",
+                    "number",
+                    "words",
+                    "stable",
+                    "total",
+                    "point",
+                    "states",
+                    "area",
+                    "outline",
+                    "holes",
                 ],
                 "properties": {
                     "name": {"type": "string"},

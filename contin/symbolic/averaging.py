@@ -38,9 +38,7 @@ class Averaged:
     dropped: tuple[str, ...]
 
 
-def average(
-    model: Model, form: str = "polar", time: str = "slow", order: int = 1, reach: float | None = None
-) -> Model:
+def average(model: Model, form: str = "polar", time: str = "slow", order: int = 1, reach: float | None = None) -> Model:
     """The averaged system of a model of weakly nonlinear oscillators, as a model.
 
     x_i' = y_i, y_i' = -omega^2 x_i + eps F_i becomes the motion of the amplitudes and phases of

@@ -12,12 +12,12 @@ from contin.model.expression import (
     ZERO,
     Expression,
     add,
+    depends_on,
     mul,
     postorder,
     sub,
     substitute,
     symbol,
-    symbol_bit,
 )
 from contin.symbolic.derivatives import derivative
 from contin.symbolic.series_arithmetic import reciprocal
@@ -91,7 +91,7 @@ def _solutions(w: Expression, shared: int) -> list[Centre]:
             continue
         name = str(node.value)
         slope = derivative(w, name)
-        if slope.mask & symbol_bit(name) or slope is ZERO:
+        if slope is ZERO or depends_on(slope, [name]):
             continue
         (offset,) = substitute([w], {node: ZERO})
         inverse = reciprocal(slope)

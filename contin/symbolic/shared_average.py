@@ -79,9 +79,7 @@ class _Shared:
 
         def values(size: int, corners: Sequence[Mapping[str, float]]) -> Array:
             formulas = self.rule(size, trial)
-            return np.hstack(
-                [np.array(sample(formulas, _samples(used, self.setting, corner))) for corner in corners]
-            )
+            return np.hstack([np.array(sample(formulas, _samples(used, self.setting, corner))) for corner in corners])
 
         return first_size(values, self.setting.towards_corners())
 
@@ -94,9 +92,7 @@ def has_conditions(term: Expression, mask: int) -> bool:
     return any(n.op in COMPARISONS and n.mask & mask and not is_guard(n) for n in postorder([term]))
 
 
-def _samples(
-    trial: Mapping[int, Complex], setting: Setting, values: Mapping[str, float]
-) -> dict[str, Array | float]:
+def _samples(trial: Mapping[int, Complex], setting: Setting, values: Mapping[str, float]) -> dict[str, Array | float]:
     """Random amplitudes of the expected size, the same ones every time."""
     chance = np.random.default_rng(11)
     env: dict[str, Array | float] = dict(values)

@@ -1,10 +1,10 @@
 """Test functions along a curve of special orbits, and the sense of a curve of folds.
 
-    tests 2, 3, 4   pairs, flips (see `contin.kernels.tests_of_stability`) and ones of the multipliers that are neither
-                    trivial nor critical; ones: sign of prod (1 - m_i), size min |m_i - 1| / (1 + |m_i|)
-    LPC   5         speed: component of the tangent along the curve in the plane of the parameters, zero at a cusp
-    NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
-    PD 5, NS 9      not known here (NaN): the coefficient of the normal form
+tests 2, 3, 4   pairs, flips (see `contin.kernels.tests_of_stability`) and ones of the multipliers that are neither
+                trivial nor critical; ones: sign of prod (1 - m_i), size min |m_i - 1| / (1 + |m_i|)
+LPC   5         speed: component of the tangent along the curve in the plane of the parameters, zero at a cusp
+NS    5 - 8     k - 1, k + 1, k + 1/2, k: zero at R1, R2, R3, R4
+PD 5, NS 9      not known here (NaN): the coefficient of the normal form
 """
 
 import math

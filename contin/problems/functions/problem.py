@@ -61,6 +61,8 @@ class FunctionProblem:
     typical : sizes of states that are zero in u0, a number or (n,): for differences. Default 1.
     source, expect : as in a model file: where the problem comes from, and points that runs must find (numbers only).
     preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r; matrix-free only.
+    written, explain : the model that this function was made of, all of whose derivatives are exact and of every order,
+        and (u, p) -> why it is not finite there, p (m,); None for a user's function.
     """
 
     forcing = None
@@ -89,6 +91,8 @@ class FunctionProblem:
         title: str | None = None,
         source: str | None = None,
         expect: Sequence[Mapping[str, Any]] = (),
+        written: Any = None,
+        explain: Callable[[Array, Array], str | None] | None = None,
     ) -> None:
         self.residual, self.jacobian = residual, jacobian
         self.u0 = np.array(u0, dtype=float).ravel()
@@ -116,6 +120,7 @@ class FunctionProblem:
         self.sparsity, self.preconditioner = sparsity, preconditioner
         self.typical = np.broadcast_to(np.asarray(typical, dtype=float), (self.n,))
         self.name, self.title, self.source = name, title, source
+        self.written, self.explain = written, explain
         self._expect = tuple(expect)
         self._periods = np.zeros(self.n)
         for key, value in (periods or {}).items():

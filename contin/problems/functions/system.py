@@ -139,6 +139,8 @@ class FunctionSystem:
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """What is not finite at this point, or fails, and why; None if nothing is."""
         states, others = np.asarray(u, dtype=float), np.asarray(p, dtype=float)
+        if self.model.explain is not None:
+            return self.model.explain(states, others)
         self._trouble = None
         value = self.value(states, others)
         if np.all(np.isfinite(value)) and self.model.method == "dense":
@@ -178,7 +180,7 @@ class FunctionSystem:
         u0, p0 = self.model.start_point()
         states, others = np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)
         sizes = np.concatenate([states, others])
-        analytic = is_analytic(self.raw, u0, p0, sizes)
+        analytic = self.model.written is None and is_analytic(self.raw, u0, p0, sizes)
         return Lines(self.raw, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
 
     def _slope(self, u: Array, p: Array, v: Array) -> Array:
@@ -254,7 +256,7 @@ class FunctionSystem:
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
 
         def real(parts: tuple[Array, ...]) -> Array:
-            if self.model.derivative is not None and 2 <= len(parts) <= 3:
+            if self.model.derivative is not None and (2 <= len(parts) <= 3 or self.model.written is not None):
                 given = called("function `derivative`", self.model.derivative, states, self._named(others), *parts)
                 return vector("function `derivative`", given, self.n).astype(float)
             with np.errstate(all="ignore"):

@@ -1,9 +1,9 @@
 """Defining systems of special orbits, solved by Newton to full precision: that of `contin.kernels.special_orbits`.
 
-    LPC   the derivative of the boundary-value problem by (u, T) is singular
-    BPC   the derivative by (u, T, p) has rank one less than at other orbits (two null vectors)
-    PD    the variational equation has a solution with v(1) = -v(0)
-    NS    ... with v(2) - 2 cos(theta) v(1) + v(0) = 0, theta unknown
+LPC   the derivative of the boundary-value problem by (u, T) is singular
+BPC   the derivative by (u, T, p) has rank one less than at other orbits (two null vectors)
+PD    the variational equation has a solution with v(1) = -v(0)
+NS    ... with v(2) - 2 cos(theta) v(1) + v(0) = 0, theta unknown
 """
 
 from __future__ import annotations

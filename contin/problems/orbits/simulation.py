@@ -212,9 +212,7 @@ def _forced(system: Any, u: Array, p: Array) -> Return:
     return Return(best[1], best[2] * period, best[2], best[2], best[0], total * period)
 
 
-def _polished(
-    system: Any, near: Return, p: Array, periods: Array, intervals: int | None, points: int
-) -> PeriodicOrbit:
+def _polished(system: Any, near: Return, p: Array, periods: Array, intervals: int | None, points: int) -> PeriodicOrbit:
     """The nearly closed trajectory on an adapted mesh, solved by Newton at fixed parameters."""
     period, multiple = near.period, near.multiple
     problem: OrbitProblem | None = None

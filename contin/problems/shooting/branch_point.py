@@ -49,9 +49,7 @@ def locate_branch_point(problem: Any, type_: str, z: Array, tangent: Array, scal
     return found if best is None else best
 
 
-def _interpolated(
-    problem: Any, type_: str, z: Array, tangent: Array, scale: Array, apart: float
-) -> Located | str:
+def _interpolated(problem: Any, type_: str, z: Array, tangent: Array, scale: Array, apart: float) -> Located | str:
     """The branch point on the family through z, by interpolation between orbits at a distance from it.
 
     The orbits at +-d and +-2 d along the family are accurate; polynomials through them give the arclength at which the

@@ -91,9 +91,7 @@ def scale_of(tangent: Array, scale: Array) -> Array:
     return np.where(tangent == 0.0, 0.0, tangent * scale)
 
 
-def on_curve(
-    problem: Any, type_: str, z: Array, guide: Array, scale: Array
-) -> tuple[Array, float, float] | None:
+def on_curve(problem: Any, type_: str, z: Array, guide: Array, scale: Array) -> tuple[Array, float, float] | None:
     """The nearest orbit (shortest correction, null space left out), the scalar there, and the residual."""
     positions = moving(len(z), problem.n)
     residual = np.inf

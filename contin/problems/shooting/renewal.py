@@ -69,8 +69,7 @@ def obliqueness(problem: Any, z: Array, nodes: Nodes, sizes: Array) -> float:
 def is_tangent(problem: Any, z: Array, scale: Array) -> bool:
     """True where the curve turns round in these unknowns, but the family of orbits does not."""
     return bool(
-        problem.autonomous
-        and abs(obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale))) < TANGENT
+        problem.autonomous and abs(obliqueness(problem, z, Nodes.of(z, problem.n), problem.sizes(z, scale))) < TANGENT
     )
 
 

@@ -25,6 +25,7 @@ from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.sparse import special
+from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
@@ -319,9 +320,14 @@ class LargeProblem:
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """What is born at a labelled point, for the explorer."""
-        return self.switch(point, parameter) if point.type == "BP" else []
+        if point.type == "HB" and (not orbits or dense_problem(self) is None):
+            return []
+        return self.switch(point, parameter) if point.type in ("BP", "HB") else []
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
+        dense = dense_problem(self) if point.type == "HB" else None
+        if dense is not None:
+            return dense.switch(point, parameter)
         if point.type != "BP":
             raise InputError(
                 f"{point.branch}.{point.label}: of a large system only branch points have another branch; "

@@ -160,7 +160,7 @@ class ConnectionCurve(CurveOfOrbits):
         blocks = -np.einsum("i,cj,ickq->ickjq", h * period, scheme.values, fu)
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
         blocks *= (sizes / sizes[:, None])[None, None, :, None, :]
-        widths = scale[: nu].reshape(-1, n)[nodes] / sizes  # (N, m + 1, n): metric beside the sizes
+        widths = scale[:nu].reshape(-1, n)[nodes] / sizes  # (N, m + 1, n): metric beside the sizes
         blocks *= widths[:, None, None, :, :]
         i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
         total = nu + self.saddles * n + 2

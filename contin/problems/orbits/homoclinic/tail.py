@@ -69,9 +69,7 @@ class Tail:
         return np.asarray(c[:, None] * self.slow + others)
 
 
-def tail_of(
-    curve: Any, z: Array, sizes: Array, saddle: Array, offset: Array, at_end: bool, shrink: float
-) -> Tail:
+def tail_of(curve: Any, z: Array, sizes: Array, saddle: Array, offset: Array, at_end: bool, shrink: float) -> Tail:
     """The tail of an orbit whose end is `offset` away from the saddle, for that to fall by a factor."""
     matrix = curve.scaled_matrix(saddle, z, sizes)
     sign = 1.0 if at_end else -1.0

@@ -1,9 +1,9 @@
 """Points of codimension two on curves of special orbits, told by the other multipliers and by the curve itself.
 
-    on LPC   R1 (a third multiplier 1), LPPD, LPNS, CPC (both parameters turn: the fold's coefficient vanishes)
-    on BPC   R1, LPPD, LPNS of the multipliers beside the critical one
-    on PD    R2 (a second multiplier -1), LPPD, PDNS, GPD (the coefficient c vanishes)
-    on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS, CH (Re d vanishes)
+on LPC   R1 (a third multiplier 1), LPPD, LPNS, CPC (both parameters turn: the fold's coefficient vanishes)
+on BPC   R1, LPPD, LPNS of the multipliers beside the critical one
+on PD    R2 (a second multiplier -1), LPPD, PDNS, GPD (the coefficient c vanishes)
+on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS, CH (Re d vanishes)
 """
 
 from __future__ import annotations

@@ -117,8 +117,10 @@ class Expansion:
         slope = np.zeros((n, self.rows + 2))
         slope[:, :n] = raw[:, :n]
         slope[:, -2], slope[:, -1] = raw[:, n + self.second], raw[:, n + self.orbits.active]
-        return value / self.sizes, slope * self.units / self.sizes[:, None], nodes.normal * self.sizes / (
-            float(nodes.normal @ value)
+        return (
+            value / self.sizes,
+            slope * self.units / self.sizes[:, None],
+            nodes.normal * self.sizes / (float(nodes.normal @ value)),
         )
 
     @cached_property

@@ -107,4 +107,3 @@ def _fits(count: int, found: Sequence[Touch], crossings: Sequence[tuple[float, i
             if j == touch.surface and int(time * count) == segment and all(abs(time - t.time) > ITSELF for t in own):
                 return False
     return True
-
