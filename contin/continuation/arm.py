@@ -129,7 +129,8 @@ class Arm:
             return
         if len(chunk) > 1:
             origin, before = chunk.sample(-1), chunk.sample(-2)
-        renewal = None if before is None else self.problem.foretold(origin, _renormalised(before, origin), frame)
+        earlier = None if before is None else _renormalised(before, origin)
+        renewal = self.problem.foretold(origin, earlier, frame)
         if renewal is None:
             return
         self.end = renewal.end

@@ -204,8 +204,8 @@ class Terminating(Protocol):
 class Foretelling(Protocol):
     """A problem that may know where a branch was going whose corrector fails."""
 
-    def foretold(self, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
-        """The end that the branch was near, from its last two points; None where there is no sign of one."""
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end that the branch was near, from its last points; None where there is no sign of one."""
 
 
 class Problem(Protocol):

@@ -103,6 +103,8 @@ def is_known(branches: Iterable[Branch], problem: Any, z: Array, tangent: Array 
             continue
         if branch.z.shape[1] != z.size:  # cycles of another period
             continue
+        if getattr(branch.problem, "motion", None) != getattr(problem, "motion", None):
+            continue
         for point, direction in variants:
             if lies_on(branch, point, direction, scale):
                 return branch

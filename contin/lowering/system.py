@@ -47,14 +47,15 @@ class Equations(Protocol):
     def limits(self) -> Sequence[Any]: ...
 
 
-def compile_system(model: Equations) -> CompiledSystem:
+def compile_system(model: Equations, regular: bool = False) -> CompiledSystem:
     """Machine code of a model: values, Jacobians, observables, switching functions, derivatives of any order.
 
-    Removable singularities are removed first (`contin.symbolic.remove_singularities`). Each function is compiled when
+    Removable singularities are removed first (`contin.symbolic.remove_singularities`), unless `regular` says that there
+    are none. Each function is compiled when
     it is first asked for. Raises `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t`
     in a forced model).
     """
-    return CompiledSystem(model)
+    return CompiledSystem(model, regular)
 
 
 class CompiledSystem:
@@ -67,8 +68,9 @@ class CompiledSystem:
     Where an equation is not finite, so are the results; `explain` says why. Nothing is raised.
     """
 
-    def __init__(self, model: Equations) -> None:
+    def __init__(self, model: Equations, regular: bool = False) -> None:
         self.model = model
+        self.regular = regular
         self.kind = model.kind
         self.state_names = tuple(model.state_names)
         self.parameter_names = tuple(model.parameter_names)
@@ -80,7 +82,8 @@ class CompiledSystem:
         self.layout = Layout(self.state_names, self.parameter_names + ((TIME,) if self.is_forced else ()))
         self.p_size = len(self.layout.others)
         self.layout.check(dict(zip(self.state_names, model.equations, strict=True)) | dict(model.observables))
-        formulas = remove_singularities([*model.equations, *model.observables.values()])
+        formulas = [*model.equations, *model.observables.values()]
+        formulas = formulas if regular else remove_singularities(formulas)
         self._equations, self._observables = tuple(formulas[: self.n]), tuple(formulas[self.n :])
         self.switching: tuple[Expression, ...] = tuple(switching_functions(model.equations, self.layout.names))
         self.n_switches = len(self.switching)
@@ -93,7 +96,7 @@ class CompiledSystem:
         self._calls = Calls(self.n, self.p_size)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return compile_system, (self.model,)
+        return compile_system, (self.model, self.regular)
 
     def __repr__(self) -> str:
         return f"<CompiledSystem of {getattr(self.model, 'name', 'a model')!r}: n = {self.n}, m = {self.m}>"

@@ -24,6 +24,7 @@ TYPES: Final[dict[str, TypeStyle]] = {
     "LPC": TypeStyle("fold of orbits", ">", "triangle-right"),
     "BPC": TypeStyle("branch point of orbits", "d", "thin-diamond"),
     "HOM": TypeStyle("homoclinic orbit", "*", "star"),
+    "BE": TypeStyle("boundary equilibrium", "H", "hexagon"),
     "UZ": TypeStyle("user value", "x", "cross"),
     "CP": TypeStyle("cusp", "v", "triangle-down"),
     "BT": TypeStyle("Bogdanov-Takens point", "h", "hexagon"),

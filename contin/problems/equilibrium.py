@@ -15,9 +15,9 @@ from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.metric import far_from_zero
-from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
-from contin.errors import NotFiniteError
+from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
@@ -26,6 +26,8 @@ from contin.problems.functions.march import DenseMarch
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, state_scales
+from contin.problems.surfaces import boundary
+from contin.problems.surfaces.switch import Sliding, switched
 from contin.simulate.reach import left_reach
 
 _NO_TANGENT = np.empty(0)
@@ -45,6 +47,7 @@ class EquilibriumProblem:
     base: Array
     active: int
     angle_periods: Array = field(default_factory=lambda: np.zeros(0))
+    sliding: Sliding | None = None  # of pseudo-equilibria: the surface that they lie on
 
     locus = None
 
@@ -79,6 +82,11 @@ class EquilibriumProblem:
                 text = f"{s.name} fell to its lowest value. {s.beyond or ''}".rstrip()
                 found.append(Floor(k, lowest, text, singular))
         return tuple(found)
+
+    @property
+    def motion(self) -> str | None:
+        """The surface that the state slides on, in words: branches of different motions are never one."""
+        return None if self.sliding is None else self.sliding.jump.surface.text
 
     @property
     def is_map(self) -> bool:
@@ -232,7 +240,11 @@ class EquilibriumProblem:
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
-        return corners.one_corner_a_step(self, chunk)
+        return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk))
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end at a surface of discontinuity that the branch was about to cross."""
+        return boundary.foretold(self, origin, frame)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:
@@ -301,19 +313,32 @@ class EquilibriumProblem:
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Everything that is born at a labelled point, for the explorer."""
-        born = ("BP", "PD", "HB") if orbits and not self.is_map else ("BP", "PD")
+        cycles = orbits and not self.is_map and self.sliding is None
+        born = ("BP", "PD", *(() if self.is_map else ("BE",)), *(("HB",) if cycles else ()))
         return self.switch(point, parameter) if point.type in born else []
 
     def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
         """The curve of such points in two parameters."""
         from contin.problems.loci.start import loci_of_point
 
+        self._refuse_sliding(point)
         return loci_of_point(self, point, parameters)
 
     def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
         from contin.problems.switch import switch
 
+        if point.type == "BE":
+            return switched(self, point, parameter)
+        if point.type == "HB":
+            self._refuse_sliding(point)
         return switch(self, point, parameter)
+
+    def _refuse_sliding(self, point: SpecialPoint) -> None:
+        if self.sliding is not None:
+            raise InputError(
+                f"{point.branch}.{point.label} is a pseudo-equilibrium on {self.sliding.jump.surface.text}; cycles and "
+                "curves in two parameters of the sliding motion are not followed"
+            )
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""

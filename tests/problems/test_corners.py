@@ -106,6 +106,6 @@ def test_branch_ends_at_a_jump_of_the_equations_and_does_not_leap_over_it(jump):
     """x = p below the jump; beyond it another line solves the equations, parallel to the first."""
     shift = 1.0 if jump.startswith("sign") else 0.0
     branch = follow({"x": f"p - x + {jump}"}, {"x": -0.5 - shift}, {"p": -0.5}, R)
-    assert reasons(branch) == ("bound", "corrector")
+    assert reasons(branch) == ("bound", "surface")
     assert branch.columns["x"].max() < 0.5 + 1e-6
     assert branch.columns["p"].max() == pytest.approx(0.5 + shift, abs=1e-6)

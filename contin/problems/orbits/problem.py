@@ -214,10 +214,12 @@ class OrbitProblem(FamilyOfOrbits):
 
         return renew(self, origin, before, loop, frame, settings)
 
-    def foretold(self, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """A homoclinic orbit that the family was near when its corrector failed."""
         from contin.problems.orbits.ends import foretold
 
+        if before is None:
+            return None
         found = foretold(self, origin, before, frame)
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 

@@ -1,0 +1,1 @@
+"""Equilibria at surfaces where the equations jump: where a branch meets one, and the sliding motion beyond."""

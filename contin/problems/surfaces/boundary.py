@@ -1,0 +1,227 @@
+"""Boundary equilibria (BE): a branch of equilibria ends where it meets a surface on which the equations jump."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.settings import Settings
+from contin.problems.surfaces.jumps import Jump, jumps_of
+
+BUDGET: Final = 30
+SETTLED: Final = 1e-14  # scaled Newton steps
+ACCURATE: Final = 1e-10
+FARTHEST: Final = 0.5  # scaled distance ahead at which a surface is looked for
+BESIDE: Final = (0.5, 0.9, 0.99)  # parts of it at which the branch must be there, on the same side
+TANGENT: Final = 1e-2  # sine of an angle: fields that cross the surface at less than it do not define sliding motion
+AHEAD: Final = tuple(np.geomspace(1e-5, 0.15, 16).tolist())  # scaled distances beyond a last row that are looked at
+ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """The point at which equilibria of one side lie on a surface, in units of the scale `distance` ahead."""
+
+    jump: Jump
+    upper: bool
+    z: Array
+    residual: float
+    error: float
+    distance: float
+
+
+def cut_at_surface(problem: Any, chunk: Chunk) -> Chunk:
+    """The chunk up to the first step across a surface on which the equations jump, as one whose corrector failed.
+
+    Of pseudo-equilibria: up to the first where the motion on their surface does not slide.
+    """
+    if not problem.system.n_switches and problem.sliding is None:
+        return chunk
+    if len(chunk) < 2:
+        return chunk
+    n = problem.n
+    for k in _candidates(problem, chunk):
+        a, b = chunk.z[k], chunk.z[k + 1]
+        p, q = problem.full_parameters(a), problem.full_parameters(b)
+        for jump in jumps_of(problem.system):
+            before, after = jump.height(a[:n], p)[0], jump.height(b[:n], q)[0]
+            if before * after < 0.0:
+                t = before / (before - after)
+                z = (1.0 - t) * a + t * b
+                if jump.is_jump(z[:n], problem.full_parameters(z)):
+                    return chunk.cut(int(k) + 1, Stop.CORRECTOR, float(chunk.lengths[k + 1]))
+    if problem.sliding is None:
+        return chunk
+    weights = problem.sliding.weights(problem, chunk.z[1:])
+    drive = problem.sliding.drive(problem, chunk.z)
+    left = np.flatnonzero(~((weights >= 0.0) & (weights <= 1.0)) | (drive[1:] * _first(drive) < TANGENT))
+    return chunk if not left.size else chunk.cut(int(left[0]) + 1, Stop.CORRECTOR, float(chunk.lengths[left[0] + 1]))
+
+
+def _first(drive: Array) -> float:
+    """The sign at the first row, or at the next one where the branch begins on the limit of the sliding motion."""
+    return float(np.sign(drive[0]) or np.sign(drive[1]))
+
+
+def _candidates(problem: Any, chunk: Chunk) -> NDArray[np.intp]:
+    """Steps in which some switching function changes its sign."""
+    if not problem.system.n_switches:
+        return np.empty(0, np.intp)
+    p = np.array([problem.full_parameters(z) for z in chunk.z])
+    values = problem.system.switches(np.ascontiguousarray(chunk.z[:, : problem.n]), p)
+    return np.flatnonzero(np.any(values[:-1] * values[1:] < 0.0, axis=1))
+
+
+def foretold(problem: Any, origin: Sample, frame: Frame) -> Renewal | None:
+    """The end of a branch whose next step would cross a surface of discontinuity; None where there is none ahead."""
+    found = [m for m in _meetings(problem, origin, frame) if _is_reached(problem, m, origin, frame)]
+    if not found:
+        return _tangent_fields(problem, origin, frame)
+    first = min(found, key=lambda m: m.distance)
+    point = _verified(problem, first)
+    name = problem.parameters[0]
+    noun = "fixed point" if problem.is_map else "equilibrium"
+    text = f"at {name} = {first.z[-1]:.10g}, the {noun} meets the surface {first.jump.surface.text}, where the "
+    text += "equations jump" if problem.sliding is None else "equations jump, and the motion slides no further"
+    data = {"surface": first.jump.surface.text, "at": {name: float(first.z[-1])}}
+    return Renewal(frame.scale, origin, None, None, End("surface", text, data), None, point)
+
+
+def _tangent_fields(problem: Any, origin: Sample, frame: Frame) -> Renewal | None:
+    """The end of pseudo-equilibria before a place where both fields are tangent to their surface."""
+    if problem.sliding is None:
+        return None
+    for length in AHEAD:
+        guess = origin.z + length * frame.scale * origin.tangent
+        found = problem.probe(origin, length, guess, frame, Settings())
+        if found is None:
+            continue  # Newton has no limit there
+        drive = problem.sliding.drive(problem, np.stack([origin.z, found.z]))
+        if drive[1] * _first(drive) < TANGENT:
+            name, surface = problem.parameters[0], problem.sliding.jump.surface.text
+            text = (
+                f"beyond {name} = {origin.z[-1]:.10g}, the fields on both sides become tangent to the surface "
+                f"{surface}: the sliding motion is not defined there"
+            )
+            data = {"surface": surface, "at": {name: float(origin.z[-1])}}
+            return Renewal(frame.scale, origin, None, None, End("surface", text, data))
+    return None
+
+
+def _meetings(problem: Any, origin: Sample, frame: Frame) -> list[Meeting]:
+    n, found = problem.n, []
+    p = problem.full_parameters(origin.z)
+    for jump in jumps_of(problem.system):
+        upper = jump.height(origin.z[:n], p)[0] > 0.0
+        found.append(_solved(problem, jump, upper, origin, frame))
+    if problem.sliding is not None:
+        weight = float(problem.sliding.weights(problem, origin.z[None])[0])
+        found += [_solved(problem, problem.sliding.jump, upper, origin, frame) for upper in {weight > 0.5, True, False}]
+    return [m for m in found if m is not None and 0.0 < m.distance < FARTHEST]
+
+
+def _solved(problem: Any, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
+    """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter."""
+    n, scale, side = problem.n, frame.scale, jump.side(upper)
+    columns = [*range(n), n + problem.active]
+    z, before = origin.z.copy(), np.inf
+    for _ in range(BUDGET):
+        p = problem.full_parameters(z)
+        f, matrix = side.jacobian(z[:n], p)
+        if problem.is_map:
+            f, matrix = f - z[:n], matrix - np.eye(n, matrix.shape[1])
+        h, slope = jump.height(z[:n], p)
+        row = slope[columns] * scale
+        size = float(np.abs(row).max())
+        if not size > 0.0:
+            return None
+        system = np.vstack([matrix[:, columns] * scale / scale[:-1, None], row / size])
+        right = np.append(f / scale[:-1], h / size)
+        try:
+            step = -np.linalg.solve(system, right)
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.linalg.norm(step))
+        if not length < 1e3:
+            return None
+        if length >= 0.5 * before and length < ACCURATE:
+            break
+        z, before = z + scale * step, length
+        if length < SETTLED:
+            break
+    else:
+        return None
+    if not jump.is_jump(z[:n], problem.full_parameters(z)):
+        return None
+    error = 4.0 * max(before, np.finfo(float).eps) * float(scale[-1])
+    distance = float(origin.tangent @ ((z - origin.z) / scale))
+    return Meeting(jump, upper, z, float(np.max(np.abs(right))), error, distance)
+
+
+def _is_reached(problem: Any, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
+    """True where the branch is there right up to the surface, and on its own side of it."""
+    n, settings = problem.n, Settings()
+    for part in BESIDE:
+        length = part * meeting.distance
+        guess = origin.z + part * (meeting.z - origin.z)
+        found = problem.probe(origin, length, guess, frame, settings)
+        if found is None or float(np.linalg.norm((found.z - guess) / frame.scale)) > meeting.distance:
+            return False
+        if problem.sliding is not None and meeting.jump is problem.sliding.jump:
+            continue
+        h = meeting.jump.height(found.z[:n], problem.full_parameters(found.z))[0]
+        if (h > 0.0) != meeting.upper:
+            return False
+    return True
+
+
+def _verified(problem: Any, meeting: Meeting) -> Verified:
+    """The point with the eigenvalues of the branch that ends there."""
+    n, z, jump = problem.n, meeting.z, meeting.jump
+    own = problem.sliding is not None and jump is problem.sliding.jump
+    matrix = (problem.system if own else jump.side(meeting.upper)).jacobian(z[:n], problem.full_parameters(z))[1]
+    values = np.linalg.eigvals(matrix[:, :n]).astype(complex)
+    values = values[np.lexsort((-values.imag, -values.real))]
+    side = f"{jump.surface.text[:-4]} {'>' if meeting.upper else '<'} 0"
+    form = {"surface": jump.surface.text, "side": side}
+    if problem.is_map:
+        form = {"kind": "border collision"} | form
+        unstable = int(np.sum(np.abs(values) > 1.0))
+    else:
+        form = {"kind": _kind(problem, meeting)} | form
+        unstable = int(np.sum(values.real > 0.0))
+    vectors = {"jump": jump.number, "upper": meeting.upper, "own": own}
+    return Verified("BE", z, meeting.residual, meeting.error, values, unstable, form, vectors)
+
+
+def _kind(problem: Any, meeting: Meeting) -> str:
+    """persistence: the pseudo-equilibrium is on the other side of the parameter; nonsmooth fold: on the same one.
+
+    With the side's A = f_u, slope of h along its equilibria: h' = h_p - h_u A^-1 f_p; of the weight along the
+    pseudo-equilibria A u' + f_p + w' (f+ - f-) = 0, h_u u' + h_p = 0 (di Bernardo et al. 2008, sec. 5.2).
+    """
+    n, z, jump = problem.n, meeting.z, meeting.jump
+    p = problem.full_parameters(z)
+    matrix = jump.side(meeting.upper).jacobian(z[:n], p)[1]
+    a, b = matrix[:, :n], matrix[:, n + problem.active]
+    _, slope = jump.height(z[:n], p)
+    normal, drift = slope[:n], slope[n + problem.active]
+    across = jump.upper.value(z[:n], p) - jump.lower.value(z[:n], p)
+    try:
+        moved = np.linalg.solve(a, -b)
+        bordered = np.block([[a, across[:, None]], [normal[None, :], np.zeros((1, 1))]])
+        weight = float(np.linalg.solve(bordered, -np.append(b, drift))[-1])
+    except np.linalg.LinAlgError:
+        return "degenerate"
+    height = float(drift + normal @ moved)
+    if abs(height) <= ROUNDED * (abs(drift) + float(np.abs(normal) @ np.abs(moved))) or weight == 0.0:
+        return "degenerate"
+    # equilibria where h has the side's sign; pseudo-equilibria where the weight is inside (0, 1)
+    same = (height > 0.0) == (weight < 0.0) if meeting.upper else (height < 0.0) == (weight > 0.0)
+    return "nonsmooth fold" if same else "persistence"

@@ -1,0 +1,84 @@
+"""The surfaces of a compiled piecewise flow, and how much the equations jump across each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from contin.abi import Array
+from contin.lowering import compile_system
+from contin.lowering.sliding import Surface, side_model, surfaces_of
+from contin.model.evaluate import evaluate_all
+from contin.model.expression import ZERO
+from contin.model.model import Model
+from contin.symbolic.derivatives import sparse_jacobian
+
+ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
+LANDINGS: Final = 6  # Newton steps onto a surface
+
+_known: WeakKeyDictionary[Any, tuple[Jump, ...]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """A surface h(u, p) = 0 of a compiled model, and the equations with the formulas of either side."""
+
+    number: int
+    surface: Surface
+    model: Model
+
+    @cached_property
+    def lower(self) -> Any:
+        """Compiled, for h < 0."""
+        return compile_system(side_model(self.model, self.surface, False), regular=True)
+
+    @cached_property
+    def upper(self) -> Any:
+        """Compiled, for h > 0."""
+        return compile_system(side_model(self.model, self.surface, True), regular=True)
+
+    def side(self, upper: bool) -> Any:
+        """Compiled, of one side."""
+        return self.upper if upper else self.lower
+
+    @cached_property
+    def _formulas(self) -> tuple[Any, ...]:
+        names = [*self.model.state_names, *self.model.parameter_names]
+        slopes = sparse_jacobian([self.surface.function], names)
+        return self.surface.function, *(slopes.get((0, j), ZERO) for j in range(len(names)))
+
+    def height(self, u: Array, p: Array) -> tuple[float, Array]:
+        """h and its derivatives in the states and all parameters, (n + m,)."""
+        names = [*self.model.state_names, *self.model.parameter_names]
+        values = evaluate_all(self._formulas, dict(zip(names, [*u.tolist(), *p.tolist()], strict=True)))
+        return float(values[0]), np.array(values[1:], dtype=float)
+
+    def is_jump(self, u: Array, p: Array) -> bool:
+        """True where the equations jump on the surface, at its point next to u."""
+        n, at = len(u), np.array(u, dtype=float)
+        for _ in range(LANDINGS):
+            h, slope = self.height(at, p)
+            square = float(slope[:n] @ slope[:n])
+            if h == 0.0 or not square > 0.0:
+                break
+            at = at - h * slope[:n] / square
+        below, above = self.lower.value(at, p), self.upper.value(at, p)
+        full = np.concatenate([at, p])
+        terms = np.abs(self.lower.jacobian(at, p)[1][:, : len(full)]) @ np.abs(full)
+        sizes = terms + np.abs(below) + np.abs(above)
+        return bool(np.any(np.abs(above - below) > ROUNDING * np.max(sizes, initial=0.0)))
+
+
+def jumps_of(system: Any) -> tuple[Jump, ...]:
+    """The surfaces of a compiled model of formulas; none of smooth ones and of user functions."""
+    model = getattr(system, "model", None)
+    iterated = getattr(system, "times", 1) > 1
+    if not system.n_switches or not isinstance(model, Model) or model.forcing is not None or iterated:
+        return ()
+    if system not in _known:
+        _known[system] = tuple(Jump(k, s, model) for k, s in enumerate(surfaces_of(model)))
+    return _known[system]

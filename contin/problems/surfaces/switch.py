@@ -1,0 +1,108 @@
+"""From a boundary equilibrium to the pseudo-equilibria that slide on its surface, and from those to the other side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.lowering import compile_system
+from contin.lowering.sliding import sliding_model
+from contin.problems.surfaces.jumps import Jump, jumps_of
+
+FASTER: Final = 4.0  # the normal rate beside the largest eigenvalue at the point
+STEP: Final = 1e-6  # scaled, along the new branch
+DIGITS: Final = 3  # of the normal rate
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """The surface that pseudo-equilibria lie on, and the problem of the equilibria beside it."""
+
+    regular: Any
+    jump: Jump
+
+    def weights(self, problem: Any, z: Array) -> Array:
+        """Of the field above the surface in the sliding motion, at rows z (k, n + 1): in (0, 1) where motion slides."""
+        p = np.array([problem.full_parameters(row) for row in z])
+        observed = problem.system.observables(np.ascontiguousarray(z[:, : problem.n]), p)
+        return np.asarray(observed[:, -1])
+
+    def drive(self, problem: Any, z: Array) -> Array:
+        """L f- - L f+ at rows z, relative to the lengths of the fields and of grad h.
+
+        Positive where both fields lead to the surface, zero where they are tangent to it.
+        """
+        n, found = problem.n, []
+        for row in z:
+            p = problem.full_parameters(row)
+            below, above = self.jump.lower.value(row[:n], p), self.jump.upper.value(row[:n], p)
+            normal = self.jump.height(row[:n], p)[1][:n]
+            size = np.linalg.norm(normal) * (np.linalg.norm(below) + np.linalg.norm(above))
+            found.append(float(normal @ (below - above)) / max(float(size), 1e-300))
+        return np.array(found)
+
+
+def switched(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The branch that goes on at a boundary equilibrium.
+
+    Raises InputError where several surfaces meet: the sliding motion is not defined by the two fields of one.
+    """
+    if problem.is_map:
+        raise InputError(f"{point.branch}.{point.label}: nothing slides on a surface of a map; start beyond it")
+    problem = problem if parameter == problem.parameters[0] else problem.with_active(parameter, point.z)
+    upper = bool(point.vectors["upper"])
+    if problem.sliding is not None:
+        if not point.vectors["own"]:
+            raise InputError(
+                f"{point.branch}.{point.label}: two surfaces meet here ({problem.sliding.jump.surface.text} and "
+                f"{point.normal_form['surface']}); the Filippov field on both is not defined"
+            )
+        return [_beside(problem, point, upper)]
+    return [_sliding(problem, point, upper)]
+
+
+def _sliding(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
+    n, z = problem.n, point.z
+    jump = jumps_of(problem.system)[int(point.vectors["jump"])]
+    p = problem.full_parameters(z)
+    difference = jump.upper.value(z[:n], p) - jump.lower.value(z[:n], p)
+    normal = jump.height(z[:n], p)[1][:n]
+    crossing = abs(float(normal @ difference))
+    if not crossing > 0.0:
+        raise InputError(f"{point.branch}.{point.label}: both fields are tangent to the surface; nothing slides there")
+    largest = float(np.abs(np.asarray(point.eigenvalues)).max(initial=0.0)) or crossing
+    rate = float(f"{FASTER * largest / crossing:.{DIGITS}g}")
+    system = compile_system(sliding_model(jump.model, jump.surface, rate), regular=True)
+    beyond = replace(problem, system=system, sliding=Sliding(problem, jump))
+    along = _tangent(beyond, z, point.scale)
+    step = STEP * along * point.scale
+    low, high = beyond.sliding.weights(beyond, np.stack([z - step, z + step]))
+    if not (np.isfinite(low) and np.isfinite(high)) or low == high:
+        raise InputError(f"{point.branch}.{point.label}: the sliding motion is not defined beside this point")
+    inward = (high < low) if upper else (high > low)
+    return _seed(beyond, point, along if inward else -along)
+
+
+def _beside(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
+    jump, n, z = problem.sliding.jump, problem.n, point.z
+    regular = replace(problem.sliding.regular, base=problem.base, active=problem.active)
+    along = _tangent(replace(regular, system=jump.side(upper)), z, point.scale)
+    slope = jump.height(z[:n], problem.full_parameters(z))[1][[*range(n), n + problem.active]]
+    rises = float(slope @ (along * point.scale)) > 0.0
+    return _seed(regular, point, along if rises == upper else -along)
+
+
+def _tangent(problem: Any, z: Array, scale: Array) -> Array:
+    _, matrix = problem.linearise(z)
+    return np.asarray(np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1])
+
+
+def _seed(problem: Any, point: SpecialPoint, direction: Array) -> Seed:
+    parent = Parent(point.branch, point.label)
+    return Seed(problem, point.z, direction, None, point.scale, (1,), parent)
