@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Final
+from typing import Any
 
-EVERY: Final = 30.0  # seconds between two lines where there is no terminal
+from contin.cli.ticker import Ticker, duration
 
 
 @contextmanager
@@ -16,7 +16,13 @@ def counted(text: str, console: Any) -> Iterator[Callable[[int, int], None]]:
     if console.quiet:
         yield lambda done, total: None
     elif not console.is_terminal:
-        yield _lines(text, console)
+        ticker = Ticker(console)
+        ticker.update(text)
+        ticker.start()
+        try:
+            yield _lines(text, ticker)
+        finally:
+            ticker.stop()
     else:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -26,24 +32,14 @@ def counted(text: str, console: Any) -> Iterator[Callable[[int, int], None]]:
             yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
-def _lines(text: str, console: Any) -> Callable[[int, int], None]:
-    began = last = time.monotonic()
+def _lines(text: str, ticker: Ticker) -> Callable[[int, int], None]:
+    began = time.monotonic()
     first: int | None = None
 
     def tell(done: int, total: int) -> None:
-        nonlocal last, first
+        nonlocal first
         first = done - 1 if first is None else first
-        now = time.monotonic()
-        if now - last >= EVERY and done < total:
-            left = (now - began) / (done - first) * (total - done)
-            console.print(f"{text}: {done} of {total}, {duration(left)} left")
-            last = now
+        left = (time.monotonic() - began) / (done - first) * (total - done)
+        ticker.update(f"{text}: {done} of {total}, {duration(left)} left")
 
     return tell
-
-
-def duration(seconds: float) -> str:
-    """Such as 40 s, 12 min, 3.5 h."""
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -15,12 +15,14 @@ from typing import Annotated
 import typer
 
 from contin._version import __version__
-from contin.cli.interrupt import listen
+from contin.cli.interrupt import exit_code, listen
 from contin.cli.printable import printable
+from contin.cli.streams import guarded_streams
 from contin.errors import ContinError
 from contin.machine import environment
+from contin.store.digest import DamageWarning, LeftOutWarning
 
-BAD_INPUT = 2
+CUT_SHORT, BAD_INPUT = 1, 2
 
 app = typer.Typer(
     name="contin",
@@ -29,7 +31,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="Exit codes: 0 done; 1 a branch was cut short or skipped (results are written); 2 bad input.",
+    epilog="Exit codes: 0 done; 1 a branch was cut short or skipped, or an output failed; 2 bad input.",
 )
 
 Sets = Annotated[
@@ -328,28 +330,52 @@ def schema(
     raise typer.Exit(print_schema(what))
 
 
-def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    """Without the line of code that makes it, which is none of the user's."""
-    sys.stderr.write(f"warning: {printable(str(message))}\n")
+class _Warned:
+    """Shows warnings without the line of code that makes them, which is none of the user's; `left_out`: of results."""
+
+    def __init__(self) -> None:
+        self.left_out = False
+
+    def __call__(self, message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
+        self.left_out |= issubclass(category, LeftOutWarning)
+        sys.stderr.write(f"warning: {printable(str(message))}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Entry point: bad input ends with one message and exit code 2, never with a traceback."""
+    """Entry point: bad input ends with one message and exit code 2, never with a traceback.
+
+    What standard output could not take is named at the end, with exit code 1: nothing else is lost by it.
+    """
     environment.fix()
     listen()
+    with guarded_streams() as out:
+        code = _exit_code(arguments)
+        out.flush()
+        if out.failure:
+            sys.stderr.write(f"standard output: {out.failure}\n")
+            code = code or CUT_SHORT
+    raise SystemExit(code)
+
+
+def _exit_code(arguments: Sequence[str] | None) -> int:
+    warned = _Warned()
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _show_warning
+            warnings.simplefilter("always", DamageWarning)
+            warnings.showwarning = warned
             app(arguments, prog_name="contin")
     except ContinError as error:
         sys.stderr.write(f"{printable(str(error))}\n")
-        raise SystemExit(BAD_INPUT) from None
-    except OSError as error:  # files say so themselves; what is left is the terminal, or a full disk in its place
-        from contin.cli.terminal import forget_output, trouble
-
-        sys.stderr.write(f"{printable(trouble(error))}\n")
-        forget_output()
-        raise SystemExit(BAD_INPUT) from None
+        return BAD_INPUT
+    except OSError as error:  # files say so themselves where they are written
+        sys.stderr.write(printable(f"{error.filename or 'contin'}: {error.strerror or error}") + "\n")
+        return BAD_INPUT
     except KeyboardInterrupt:
         sys.stderr.write("stopped\n")
-        raise SystemExit(130) from None
+        return exit_code()
+    except SystemExit as end:  # of typer: an exit code, or words
+        if isinstance(end.code, str):
+            sys.stderr.write(f"{end.code}\n")
+        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        return code or int(warned.left_out)
+    return 0

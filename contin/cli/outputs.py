@@ -4,23 +4,33 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from contin._version import __version__
-from contin.cli.terminal import forget_output, trouble
-from contin.errors import InputError
+from contin.cli.printable import printable
+from contin.continuation.defects import described
+from contin.errors import ContinError, InputError
+from contin.store.places import refuse_foreign, same_file
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from contin.runs.plan import Plan
 
+DONE, CUT_SHORT = 0, 1  # exit codes
+DATA: Final = ("save", "json", "csv")  # numbers are on the disk before anything is drawn or printed
 
-def writable(json: str | None, outputs: Mapping[str, Path]) -> None:
-    """An output that cannot be written is found before the computation, not after it."""
+
+def writable(json: str | None, outputs: Mapping[str, Path], read: Iterable[Path] = ()) -> None:
+    """An output that cannot be written, or must not be, is found before the computation, not after it.
+
+    read : the files that the run is made of, which no output may overwrite.
+    """
+    read = list(read)
     if json not in (None, "-"):
         path = Path(str(json)).absolute()
         if path.is_dir():
@@ -29,59 +39,126 @@ def writable(json: str | None, outputs: Mapping[str, Path]) -> None:
             raise InputError(f"--json {json}: there is no folder {Path(str(json)).parent}")
         if not path.exists() and not os.access(path.parent, os.W_OK):
             raise InputError(f"--json {json}: the folder {path.parent} may not be written to")
+        _spare(f"--json {json}", path, read)
+        refuse_foreign(path)
     for kind, path in outputs.items():
         above = next(folder for folder in path.absolute().parents if folder.exists())
         if not above.is_dir():
             raise InputError(f"outputs.{kind}: {above} is a file; {path.name} needs a folder of that name")
         if not os.access(above, os.W_OK):
             raise InputError(f"outputs.{kind}: the folder {above} may not be written to")
+        _spare(f"outputs.{kind}", path, read)
+        if kind == "json":
+            refuse_foreign(path)
 
 
-def tell_and_write(plan: Plan, document: Mapping[str, Any], json: str | None, report: Console, quiet: bool) -> None:
-    """Report the results and write every file that the run file and the command line ask for.
+def _spare(what: str, path: Path, read: Iterable[Path]) -> None:
+    hit = same_file(path, list(read))
+    if hit is not None:
+        raise InputError(f"{what}: would overwrite {hit}, which this run reads; choose another name")
 
-    Raises InputError with what could not be written, after everything else was.
-    """
-    troubles: list[str] = []
-    tasks: list[Callable[[], None]] = [] if quiet else [lambda: _report(document, report)]
+
+@dataclass(frozen=True)
+class Output:
+    """One thing that a run leaves; `write` gives the line that reports it, if there is one."""
+
+    kind: str
+    write: Callable[[], str | None]
+
+
+@dataclass
+class Written:
+    """What became of the outputs: `troubles` in words, and the kinds that were written."""
+
+    troubles: list[str] = field(default_factory=list)
+    kinds: set[str] = field(default_factory=set)
+
+    def write(self, outputs: Iterable[Output], tell: Callable[[str], object]) -> None:
+        """Write every one, whatever becomes of the others."""
+        for output in outputs:
+            try:
+                line = output.write()
+            except ContinError as error:
+                self.add(str(error))
+            except OSError as error:
+                self.add(f"{error.filename or output.kind}: {error.strerror or error}")
+            except Exception as error:  # noqa: BLE001 - a defect in one output must not cost another one
+                self.add(f"{output.kind} could not be written: {described(error)}")
+            else:
+                self.kinds.add(output.kind)
+                if line:
+                    tell(line)
+
+    def add(self, trouble: str) -> None:
+        if trouble not in self.troubles:
+            self.troubles.append(trouble)
+
+    def code(self, code: int) -> int:
+        """Name what could not be written; the exit code, 1 if there was any such thing."""
+        for trouble in self.troubles:
+            sys.stderr.write(f"{printable(trouble)}\n")
+        return max(code, CUT_SHORT) if self.troubles else code
+
+
+def write_all(outputs: Iterable[Output], report: Console, tell: Callable[[], object] | None) -> Written:
+    """The files with numbers, then the report (`tell`), then the pictures; each is tried."""
+    outputs = list(outputs)
+    written = Written()
+    lines: list[str] = []
+    written.write((o for o in outputs if o.kind in DATA), lines.append)
+    if tell is not None:
+        written.write([Output("the report", partial(_told, tell))], report.print)
+    for line in lines:
+        report.print(line)
+    written.write((o for o in outputs if o.kind not in DATA), report.print)
+    return written
+
+
+def _told(tell: Callable[[], object]) -> None:
+    tell()
+
+
+def outputs_of(plan: Plan, document: Mapping[str, Any], json: str | None) -> list[Output]:
+    """Every file that the run file and the command line ask for."""
+    outputs = [Output(kind, partial(_write, plan, kind, document)) for kind in plan.outputs]
     if json is not None:
-        tasks.append(lambda: _write_json(document, json))
-    tasks += [partial(_write, plan, kind, document, report) for kind in plan.outputs]
+        outputs.append(Output("json", partial(_write_json, document, json)))
     if plan.simulations or plan.sweep:
-        from contin.cli.simulated import writers
+        from contin.cli.simulated import simulated_outputs
 
-        tasks += writers(plan, document, report)
-    for task in tasks:
-        try:
-            task()
-        except InputError as error:
-            troubles.append(str(error))
-        except BrokenPipeError:  # the reader has seen enough
-            forget_output()
-        except OSError as error:
-            troubles.append(trouble(error))
-            forget_output()
-    if troubles:
-        raise InputError("\n".join(dict.fromkeys(troubles)))
+        outputs += simulated_outputs(plan, document)
+    return outputs
 
 
-def _report(document: Mapping[str, Any], report: Console) -> None:
+def report_on(document: Mapping[str, Any], report: Console) -> None:
+    """Print the report of a run."""
     from contin.cli.report import print_report
 
     print_report(document, report)
 
 
+def json_to_stdout(text: str) -> None:
+    """JSON on standard output, with escapes where its encoding does not have the characters."""
+    from contin.store.json_format import escaped
+
+    try:
+        text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
+    except UnicodeEncodeError:
+        text = escaped(text)
+    sys.stdout.write(text)
+    sys.stdout.flush()
+
+
 def _write_json(document: Mapping[str, Any], json: str) -> None:
-    from contin.store import json_format
+    from contin.store import digest, json_format
 
     if json == "-":
-        sys.stdout.write(json_format.dumps(document))
-        sys.stdout.flush()
+        json_to_stdout(json_format.dumps(digest.signed(document)))
     else:
         json_format.write(document, Path(json))
 
 
-def _write(plan: Plan, kind: str, document: Mapping[str, Any], report: Console) -> None:
+def _write(plan: Plan, kind: str, document: Mapping[str, Any]) -> str:
     """One of the run file's `outputs`."""
     from contin.runs.outputs import make_folder
 
@@ -95,8 +172,7 @@ def _write(plan: Plan, kind: str, document: Mapping[str, Any], report: Console) 
 
             draw_sweep(plan, document, path)
         elif not document["branches"]:
-            report.print(f"{path.name} is not drawn: there is no branch", style="yellow")
-            return
+            return f"{path.name} is not drawn: there is no branch"
         else:
             write_picture(document, path, x=plan.x, y=plan.y)
     elif kind == "save":
@@ -107,7 +183,7 @@ def _write(plan: Plan, kind: str, document: Mapping[str, Any], report: Console) 
         from contin.store import json_format
 
         json_format.write(document, path)
-    report.print(f"wrote {os.path.relpath(path)}")
+    return f"wrote {os.path.relpath(path)}"
 
 
 def provenance(plan: Plan) -> dict[str, str]:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contin.cli.interrupt import check, hold
-from contin.cli.outputs import provenance, tell_and_write, writable
+from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
 from contin.cli.terminal import console
+from contin.cli.ticker import Ticker
 from contin.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,8 +20,7 @@ if TYPE_CHECKING:
 
     from contin.runs.plan import Plan
     from contin.store.journal import SqliteJournal
-
-DONE, CUT_SHORT = 0, 1
+    from contin.store.partial import PartialJson
 
 
 def run_file(
@@ -28,6 +29,7 @@ def run_file(
     """Carry out a run file, or a bundled one by its name; the exit code."""
     from contin.runs.bundled import find_run, is_scan
     from contin.runs.load import load_run_file
+    from contin.runs.outputs import files_read
     from contin.runs.plan import make_plan
 
     file, place = find_run(file)
@@ -37,7 +39,8 @@ def run_file(
         return scan_file(file, json, sets, None, None, resume, None, quiet, place)
     overrides = parse_sets(sets)
     entry, source = load_run_file(file)
-    return carry_out(make_plan(entry, source, place, overrides), json, orbits, quiet, began, resume)
+    plan = make_plan(entry, source, place, overrides)
+    return carry_out(plan, json, orbits, quiet, began, resume, files_read(entry, file))
 
 
 def run_diagram(
@@ -113,49 +116,77 @@ def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
     return overrides
 
 
-def carry_out(plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float, resume: bool = False) -> int:
-    """Compute the plan, report it, and write its outputs; the exit code."""
-    to_stdout = json == "-"
+def carry_out(
+    plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float, resume: bool = False,
+    read: Sequence[Path] = (),
+) -> int:  # fmt: skip
+    """Compute the plan, write its outputs and report it; the exit code. `read`: files that no output may overwrite."""
     errors = console(sys.stderr, quiet)
-    report = errors if to_stdout else console(sys.stdout, quiet)
-    writable(json, plan.outputs)
+    report = errors if json == "-" else console(sys.stdout, quiet)
+    writable(json, plan.outputs, read)
     for files in plan.simulated_files():
-        writable(None, files)
-    journal = open_journal(plan, resume)
-    document, complete = compute(plan, orbits, errors, began, journal)
-    tell_and_write(plan, document, json, report, quiet)
-    return DONE if complete else CUT_SHORT
+        writable(None, files, read)
+    keeper = open_keeper(plan, json, resume)
+    saved = False
+    try:
+        document, complete = compute(plan, orbits, errors, began, keeper)
+        tell = None if quiet else lambda: report_on(document, report)
+        written = write_all(outputs_of(plan, document, json), report, tell)
+        saved = ("save" if "save" in plan.outputs else "json") in written.kinds
+    except KeyboardInterrupt:
+        if keeper is not None:
+            keeper.give_up()
+        raise
+    finally:
+        if keeper is not None:
+            keeper.close(saved)
+    return written.code(DONE if complete else CUT_SHORT)
 
 
-def open_journal(plan: Plan, resume: bool) -> SqliteJournal | None:
-    """Where a run that saves its results keeps them while it goes; raises InputError where --resume has no file."""
-    path = plan.outputs.get("save")
-    if path is None:
-        if resume:
-            raise InputError("--resume needs the file that the run was saved to: give `outputs: {save: NAME.contin}`")
-        return None
+def open_keeper(plan: Plan, json: str | None, resume: bool) -> SqliteJournal | PartialJson | None:
+    """Where a run that writes a store or JSON keeps its branches while it goes.
+
+    InputError where --resume has no file, or where a file is in the way that contin did not write.
+    """
     from contin.runs.outputs import make_folder
+    from contin.store.atomic import is_special
+    from contin.store.digest import DamageWarning
     from contin.store.journal import SqliteJournal, fingerprint
+    from contin.store.json_format import describe_model, plain
+    from contin.store.partial import PartialJson
 
-    make_folder(path)
-    return SqliteJournal(path, fingerprint(*provenance(plan).values()), resume)
+    path = plan.outputs.get("save")
+    model = plain(describe_model(plan.model, plan.parameters))
+    if path is not None:
+        make_folder(path)
+        journal = SqliteJournal(path, fingerprint(*provenance(plan).values()), resume, model)
+        for note in journal.notes:
+            warnings.warn(note, DamageWarning, stacklevel=2)
+        return journal
+    if resume:
+        raise InputError("--resume needs the file that the run was saved to: give `outputs: {save: NAME.contin}`")
+    target = plan.outputs.get("json") or (None if json in (None, "-") else Path(str(json)))
+    if target is None or is_special(target):
+        return None
+    make_folder(target)
+    return PartialJson(target, model)
 
 
 def compute(
-    plan: Plan, orbits: bool, errors: Console, began: float, journal: SqliteJournal | None = None
+    plan: Plan, orbits: bool, errors: Console, began: float, keeper: SqliteJournal | PartialJson | None = None
 ) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
     from contin.kernels.clock import CLOCK
     from contin.kernels.compile import telling
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
-    from contin.runs.results import sample_orbit
+    from contin.runs.results import OrbitSamples
     from contin.runs.simulations import carry_out as carry_out_simulations
     from contin.runs.warm import warm_up
     from contin.store.json_format import describe_model, result_document
 
     status = Status(errors)
-    engine = ContinEngine(status.watch, journal)
+    engine = ContinEngine(status.watch, keeper)
     engine.load()
     imported = time.perf_counter()
     engine.prepare(plan.model)
@@ -165,37 +196,39 @@ def compute(
         warm, stood = time.perf_counter(), CLOCK.stood
         with status:
             result = execute(plan, engine, status.say)
-            simulated, whole = ({}, False) if result.stopped else carry_out_simulations(plan, status.say, status.count)
+            simulated = carry_out_simulations(plan, status.say, status.count, stopped=result.stopped)
     hold()
     ended = time.perf_counter()
-    notes = [*result.notes]
-    if journal is not None:
-        journal.close()
-        notes += [journal.trouble] if journal.trouble else []
+    notes = [*result.notes, *simulated.notes]
+    if keeper is not None:
+        keeper.rest()
+        notes += [*getattr(keeper, "notes", ()), *([keeper.trouble] if keeper.trouble else [])]
     timing = {
         "import": imported - began,
         "lower": lowered - imported,
         "kernels": warm - lowered + CLOCK.stood - stood,  # those that the runs loaded too
         "total": ended - began,
     }
+    samples = OrbitSamples(notes.append) if orbits or "save" in plan.outputs else None
     document = result_document(
         {**describe_model(plan.model, plan.parameters), **({"title": plan.title} if plan.title else {})},
         result.branches.values(),
         timing=timing,
         notes=notes,
-        orbit=sample_orbit if orbits or "save" in plan.outputs else None,
+        orbit=samples,
         phase=result.phase,
-        simulated=simulated,
+        simulated=simulated.found,
     )
-    return document, result.complete and whole
+    return document, result.complete and simulated.complete
 
 
 class Status:
-    """What is being computed, on standard error, while it is a terminal."""
+    """What is being computed, on standard error: a moving line on a terminal, else a line every few seconds."""
 
     def __init__(self, console: Console) -> None:
         self.console = console
-        self.shown = console.status("", spinner="dots") if console.is_terminal and not console.quiet else None
+        moving = console.is_terminal and not console.quiet
+        self.shown: Any = console.status("", spinner="dots") if moving else Ticker(console)
         self.run = ""
         self.told: set[str] = set()  # of kernels that are compiled
 
@@ -226,15 +259,12 @@ class Status:
         self._update(f"{self.run}: {position}, {progress['rows']} points, labels: {labels}")
 
     def _update(self, text: str) -> None:
-        if self.shown is not None:
-            from rich.text import Text
+        from rich.text import Text
 
-            self.shown.update(Text(text))
+        self.shown.update(Text(text))
 
     def __enter__(self) -> None:
-        if self.shown is not None:
-            self.shown.start()
+        self.shown.start()
 
     def __exit__(self, *_: object) -> None:
-        if self.shown is not None:
-            self.shown.stop()
+        self.shown.stop()

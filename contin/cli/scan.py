@@ -3,65 +3,109 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contin._version import __version__
 from contin.cli.counting import counted
-from contin.cli.outputs import writable
-from contin.cli.run import DONE, parse_sets
+from contin.cli.interrupt import check, hold
+from contin.cli.outputs import CUT_SHORT, DONE, Output, writable, write_all
+from contin.cli.run import parse_sets
 from contin.cli.simulate import write_figure, write_json, write_table
 from contin.cli.terminal import console
 from contin.errors import InputError
+from contin.store.digest import DamageWarning
+
+if TYPE_CHECKING:
+    from contin.runs.scan_plan import ScanPlan
+    from contin.simulate.scan.grid import Outcome
+    from contin.store.scan_store import ScanStore
 
 
 def scan_file(
     file: Path, json: str | None, sets: Sequence[str], threads: int | None, cluster: str | None, resume: bool,
     over: Path | None, quiet: bool, place: Path | None = None,
 ) -> int:  # fmt: skip
-    """Carry out a scan file. A run that escapes or does not settle is a result like others: exit code 0."""
+    """Carry out a scan file. A run that escapes or does not settle is a result like others: exit code 0.
+
+    A scan that is stopped writes what was computed (exit code 1); with a store it goes on with --resume.
+    """
     from contin.runs.scan_plan import plan_scan
     from contin.simulate.scan.carry_out import carry_out, document_of
 
     plan = plan_scan(file, parse_sets(sets), place)
-    writable(json, plan.outputs)
+    writable(json, plan.outputs, [*plan.reads, *([over] if over is not None else [])])
     if threads is not None and threads < 1:
         raise InputError(f"--threads must be 1 or more; got {threads}")
     if over is not None and "plot" not in plan.outputs:
         raise InputError("--over needs `outputs: {plot: NAME.png}` in the scan file")
     beneath = _results(over)
     report = console(sys.stderr if json == "-" else sys.stdout, quiet)
-    store: Any = None
-    if "save" in plan.outputs:
-        from contin.runs.outputs import make_folder
-        from contin.store.scan_store import ScanStore
+    store = _store(plan, file, sets, resume)
+    rows = dict(store.rows) if store is not None else {}
+    if rows:
+        report.print(f"resumed: {len(rows)} of {len(plan.spec)} runs were done")
 
-        make_folder(plan.outputs["save"])
-        empty = document_of(plan.spec, {})
-        empty["model"]["title"] = plan.title
-        store = ScanStore(plan.outputs["save"], _mark(plan, file, sets), empty, resume)
-        if store.rows:
-            report.print(f"resumed: {len(store.rows)} of {len(plan.spec)} runs were done")
-    elif resume:
-        raise InputError("--resume needs `outputs: {save: NAME.scan}` in the scan file")
+    def keep(job: int, outcome: Outcome) -> None:
+        rows[job] = outcome
+        if store is not None:
+            store.add(job, outcome)
+
+    stopped = ""
     try:
         with counted(file.stem, console(sys.stderr, quiet)) as watch:
-            rows = carry_out(
-                plan.spec, threads=threads, cluster=cluster, known=store.rows if store else None,
-                record=store.add if store else None, watch=watch,
+            carry_out(
+                plan.spec, threads=threads, cluster=cluster, known=store.rows if store else None, record=keep,
+                watch=_checked(watch),
             )  # fmt: skip
+    except KeyboardInterrupt:
+        stopped = f"stopped by the user: {len(rows)} of {len(plan.spec)} runs were done"
     finally:
+        hold()
         if store is not None:
-            store.close()
+            store.close(complete=len(rows) == len(plan.spec))
     document = document_of(plan.spec, rows)
     document["model"]["title"] = plan.title
-    _tell(document, report)
-    _write(plan.outputs, document, beneath, report)
-    if json is not None:
-        write_json(document, json)
-    return DONE
+    notes = [*(store.notes if store is not None else []), *([stopped] if stopped else [])]
+    if notes:
+        document["notes"] = notes
+    written = write_all(_outputs(plan.outputs, document, beneath, json), report, lambda: _tell(document, report))
+    if store is not None and store.trouble:
+        written.add(store.trouble)
+    return written.code(CUT_SHORT if stopped else DONE)
+
+
+def _checked(watch: Callable[[int, int], None]) -> Callable[[int, int], None]:
+    """`watch` that also raises KeyboardInterrupt if the program was asked to stop."""
+
+    def watching(done: int, total: int) -> None:
+        watch(done, total)
+        check()
+
+    return watching
+
+
+def _store(plan: ScanPlan, file: Path, sets: Sequence[str], resume: bool) -> ScanStore | None:
+    from contin.runs.outputs import make_folder
+    from contin.simulate.scan.carry_out import document_of
+    from contin.store.scan_store import ScanStore
+
+    path = plan.outputs.get("save")
+    if path is None:
+        if resume:
+            raise InputError("--resume needs `outputs: {save: NAME.scan}` in the scan file")
+        return None
+    make_folder(path)
+    empty = document_of(plan.spec, {})
+    empty["model"]["title"] = plan.title
+    store = ScanStore(path, _mark(plan, file, sets), empty, resume)
+    for note in store.notes:
+        warnings.warn(note, DamageWarning, stacklevel=2)
+    return store
 
 
 def plot_scan(file: Path, out: Path, x: str | None, y: str | None, over: Path | None) -> int:
@@ -110,20 +154,27 @@ def _tell(document: Mapping[str, Any], report: Any) -> None:
         report.print(f"{unsettled} runs did not settle within `longest`; their class is that of the last window")
 
 
-def _write(outputs: Mapping[str, Path], document: dict[str, Any], beneath: Any, report: Any) -> None:
+def _outputs(outputs: Mapping[str, Path], document: dict[str, Any], beneath: Any, json: str | None) -> list[Output]:
+    """Every file that the scan file and the command line ask for; the store is there already."""
+    files = [Output(kind, partial(_write, kind, path, document, beneath)) for kind, path in outputs.items()]
+    return [*files, *([Output("json", partial(write_json, document, json))] if json is not None else [])]
+
+
+def _write(kind: str, path: Path, document: dict[str, Any], beneath: Any) -> str | None:
     from contin.runs.outputs import make_folder
 
-    for kind, path in outputs.items():
-        make_folder(path)
-        if kind == "csv":
-            write_table(document["columns"], path)
-        elif kind == "plot":
-            from contin.plot.scan import figure
+    make_folder(path)
+    if kind == "csv":
+        write_table(document["columns"], path)
+    elif kind == "plot":
+        from contin.plot.scan import figure
 
-            write_figure(figure(document, over=beneath), path)
-        elif kind == "json":
-            write_json(document, str(path))
-        report.print(f"wrote {path.name}")
+        if not document["columns"]["class"]:
+            return f"{path.name} is not drawn: no run is done"
+        write_figure(figure(document, over=beneath), path)
+    elif kind == "json":
+        write_json(document, str(path))
+    return f"wrote {path.name}"
 
 
 def _mark(plan: Any, file: Path, sets: Sequence[str]) -> str:

@@ -6,11 +6,13 @@ import csv
 import io
 import json as json_library
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from contin.cli.run import CUT_SHORT, DONE, parse_sets
+from contin.cli.outputs import CUT_SHORT, DONE, Output, json_to_stdout, writable, write_all
+from contin.cli.run import parse_sets
 from contin.cli.terminal import console
 from contin.errors import InputError
 
@@ -32,28 +34,49 @@ def simulate_model(
     for path in (picture, table):
         if path is not None and not path.absolute().parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
+    writable(out["json"], {})
     model = load(reference)
     found = simulate(model, starting_point(model, start, states), parse_sets(sets), **options)
     columns = found.columns
     report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
-    _print_table(columns, report)
-    report.print(str(found), style="" if found.complete else "yellow")
-    if table is not None:
-        write_table(columns, table)
-        report.print(str(table))
-    if picture is not None:
+
+    def tell() -> None:
+        _print_table(columns, report)
+        report.print(str(found), style="" if found.complete else "yellow")
+
+    def draw() -> str:
         from contin.plot.trajectory import figure
 
         drawing = figure(columns, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
         write_figure(drawing, picture)
-        report.print(str(picture))
-    if out["json"] is not None:
-        document = {
-            "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
-            "end_time": found.end_time, "columns": columns,
-        }  # fmt: skip
-        write_json(document, out["json"])
-    return DONE if found.complete else CUT_SHORT
+        return str(picture)
+
+    document = {
+        "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
+        "end_time": found.end_time, "columns": columns,
+    }  # fmt: skip
+    outputs = table_outputs(columns, table, draw if picture is not None else None, document, out["json"])
+    return write_all(outputs, report, tell).code(DONE if found.complete else CUT_SHORT)
+
+
+def table_outputs(
+    columns: dict[str, Any], table: Path | None, draw: Callable[[], str] | None, document: dict[str, Any],
+    json: str | None,
+) -> list[Output]:  # fmt: skip
+    """What `contin simulate` and `contin sweep` write: a table, a picture, JSON."""
+    outputs = []
+    if table is not None:
+        outputs.append(Output("csv", partial(_write_table, columns, table)))
+    if draw is not None:
+        outputs.append(Output("plot", draw))
+    if json is not None:
+        outputs.append(Output("json", partial(write_json, document, json)))
+    return outputs
+
+
+def _write_table(columns: dict[str, Any], path: Path) -> str:
+    write_table(columns, path)
+    return str(path)
 
 
 def starting_point(model: Any, start: str | None, states: Sequence[str]) -> Any:
@@ -92,15 +115,15 @@ def write_figure(drawing: Any, path: Path) -> None:
 
 
 def write_json(document: dict[str, Any], target: str) -> None:
-    """A document as JSON, to a file or to standard output for '-'; NaN and infinity as null."""
-    from contin.store.atomic import write_text
-    from contin.store.json_format import plain
+    """A document with its `sha256` as JSON, to a file or to standard output for '-'; NaN and infinity as null."""
+    from contin.store.digest import signed
+    from contin.store.json_format import plain, write_json_text
 
-    text = json_library.dumps(plain(document), indent=1)
+    text = json_library.dumps(signed(plain(document)), indent=1) + "\n"
     if target == "-":
-        print(text)
+        json_to_stdout(text)
     else:
-        write_text(Path(target), text + "\n")
+        write_json_text(text, Path(target))
 
 
 def _print_table(columns: dict[str, Any], report: Any) -> None:

@@ -3,49 +3,49 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contin.cli.outputs import Output
 from contin.cli.simulate import write_figure, write_table
 from contin.runs.outputs import make_folder
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from contin.runs.plan import Plan
     from contin.runs.simulation_plan import SimulationPlan
 
 
-def writers(plan: Plan, document: Mapping[str, Any], report: Console) -> list[Callable[[], None]]:
-    """One task for each file that a simulation or the sweep writes."""
-    tasks: list[Callable[[], None]] = []
-    for simulation, found in zip(plan.simulations, document.get("simulations", []), strict=False):
-        for kind, path in simulation.outputs.items():
-            tasks.append(partial(_write, simulation, kind, path, found["columns"], report))
+def simulated_outputs(plan: Plan, document: Mapping[str, Any]) -> list[Output]:
+    """One for each file that a simulation or the sweep writes; a simulation that could not be carried out has none."""
+    outputs = []
+    found = {entry["name"]: entry for entry in document.get("simulations", [])}
+    for simulation in plan.simulations:
+        if simulation.name in found:
+            columns = found[simulation.name]["columns"]
+            for kind, path in simulation.outputs.items():
+                outputs.append(Output(kind, partial(_write, simulation, kind, path, columns)))
     if plan.sweep is not None and "csv" in plan.sweep.outputs and "sweep" in document:
-        path = plan.sweep.outputs["csv"]
-        tasks.append(partial(_table, document["sweep"]["columns"], path, report))
-    return tasks
+        outputs.append(Output("csv", partial(_table, document["sweep"]["columns"], plan.sweep.outputs["csv"])))
+    return outputs
 
 
-def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any], report: Console) -> None:
+def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any]) -> str:
     if kind == "csv":
-        _table(columns, path, report)
-        return
+        return _table(columns, path)
     from contin.plot.trajectory import figure
 
     make_folder(path)
     title = f"{plan.model.title or plan.model.name}: {plan.name}"
     write_figure(figure(columns, list(plan.model.state_names), title=title, x=plan.x, y=plan.y), path)
-    report.print(f"wrote {os.path.relpath(path)}")
+    return f"wrote {os.path.relpath(path)}"
 
 
-def _table(columns: dict[str, Any], path: Path, report: Console) -> None:
+def _table(columns: dict[str, Any], path: Path) -> str:
     make_folder(path)
     write_table(columns, path)
-    report.print(f"wrote {os.path.relpath(path)}")
+    return f"wrote {os.path.relpath(path)}"
 
 
 def draw_sweep(plan: Plan, document: Mapping[str, Any], path: Path) -> None:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from contin.cli.run import CUT_SHORT, DONE, parse_sets
-from contin.cli.simulate import PICTURES, starting_point, write_figure, write_json, write_table
+from contin.cli.outputs import CUT_SHORT, DONE, writable, write_all
+from contin.cli.run import parse_sets
+from contin.cli.simulate import PICTURES, starting_point, table_outputs, write_figure
 from contin.cli.terminal import console
 from contin.errors import InputError
 
@@ -26,6 +27,7 @@ def sweep_model(
     picture, table = out["plot"], out["csv"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    writable(out["json"], {}, [over] if over is not None else [])
     model = load(reference)
     document = None
     if over is not None:
@@ -46,19 +48,20 @@ def sweep_model(
             criterion=Criterion(**given) if given else None,
         )  # fmt: skip
     unsettled = sum(outcome != "settled" for outcome in found.outcomes)
-    report.print(f"{len(found.values)} runs, {len(found.values) - unsettled} settled")
-    for direction, before, after in found.jumps(found.names[0]):
-        word = "up" if direction > 0 else "down"
-        report.print(f"  {found.names[0]} jumps on the way {word} between {parameter} = {before:g} and {after:g}")
-    if table is not None:
-        write_table(found.columns, table)
-        report.print(str(table))
-    if picture is not None:
+
+    def tell() -> None:
+        report.print(f"{len(found.values)} runs, {len(found.values) - unsettled} settled")
+        for direction, before, after in found.jumps(found.names[0]):
+            word = "up" if direction > 0 else "down"
+            report.print(f"  {found.names[0]} jumps on the way {word} between {parameter} = {before:g} and {after:g}")
+
+    def draw() -> str:
         from contin.plot.sweep import figure
 
         drawing = figure(found.columns, parameter, found.names, title=model.title, y=out["y"], over=document)
         write_figure(drawing, picture)
-        report.print(str(picture))
-    if out["json"] is not None:
-        write_json({"contin": 1, "model": model.name, "sweep": parameter, "columns": found.columns}, out["json"])
-    return CUT_SHORT if unsettled else DONE
+        return str(picture)
+
+    results = {"contin": 1, "model": model.name, "sweep": parameter, "columns": found.columns}
+    outputs = table_outputs(found.columns, table, draw if picture is not None else None, results, out["json"])
+    return write_all(outputs, report, tell).code(CUT_SHORT if unsettled else DONE)

@@ -1,28 +1,12 @@
-"""Standard output that fails: a full disk behind it, or a reader that has gone (`contin run FILE | head`)."""
+"""The consoles that reports and progress are printed on."""
 
 from __future__ import annotations
 
-import os
-import sys
 from typing import NoReturn, TextIO
 
 from rich.console import Console
 
 from contin.cli.printable import PRINTABLE
-
-
-def forget_output() -> None:
-    """What standard output could not take is not tried again, with a complaint, when Python ends."""
-    try:
-        with open(os.devnull, "w", encoding="utf-8") as nowhere:
-            os.dup2(nowhere.fileno(), sys.stdout.fileno())
-    except (OSError, ValueError):  # standard output is no file: a test's or a notebook's
-        return
-
-
-def trouble(error: OSError) -> str:
-    """What went wrong, in words: the file, where the error names one, and the reason."""
-    return f"{error.filename or 'standard output'}: {error.strerror or error}"
 
 
 class _Console(Console):

@@ -89,7 +89,10 @@ def trace(
             notes.append(arm.end.text)
         if arm.end.reason == "stopped":
             break
-    return _assemble(departure, records, name, targets, notes, started)
+    try:
+        return _assemble(departure, records, name, targets, [*notes], started)
+    except KeyboardInterrupt:  # what is computed is not lost in its last moment; whoever watches the next run stops it
+        return _assemble(departure, records, name, targets, [*notes], started)
 
 
 def _out_of_time(seed: Seed, pieces: list[Piece]) -> End:

@@ -147,6 +147,9 @@ class Explorer:
             diagram.branches.extend(images(branch))
             self._mirror_births(diagram, branch, seed)
             diagram.branches.extend(mirrored_families(branch, diagram.branches))
+        if self.journal is not None:
+            for whole in diagram.branches[diagram.branches.index(branch) :]:
+                self.journal.finished(whole)
         diagram.notes.extend(f"{name}: {note}" for note in branch.notes)
         return branch
 

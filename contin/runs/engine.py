@@ -115,8 +115,15 @@ class ContinEngine:
                 watch=self.watch,
                 journal=self.journal,
             )
-            yield branch
-            yield from images(branch)
+            yield self._kept(branch)
+            for image in images(branch):
+                yield self._kept(image)
+
+    def _kept(self, branch: Branch) -> Branch:
+        """The branch, in the journal before the next one begins."""
+        if self.journal is not None:
+            self.journal.finished(branch)
+        return branch
 
     def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
         found: Found = _verbs().diagram(

@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
-from contin.continuation.defects import DEFECT, contained, described
-from contin.errors import InputError, NoSolutionError, NotFiniteError
+from contin.continuation.defects import DEFECT
+from contin.errors import InputError
 from contin.runs.engine import Engine
 from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
+from contin.runs.skipping import skipping
 
 Progress = Callable[[str], None]
 """Called with what is being computed, in words."""
@@ -37,6 +38,7 @@ class _State:
     complete: bool = True
     phase: Mapping[str, Any] | None = None
     stopped: bool = False
+    refused: list[InputError] = field(default_factory=list)  # what is wrong with runs as they are written
 
     def add(self, branch: Branch) -> None:
         self.branches[branch.name] = branch
@@ -55,8 +57,13 @@ class _State:
 def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> RunResult:
     """Carry out every run of the plan.
 
-    Numerical trouble never raises: a run whose start has no solution, or that starts from a point that was not found,
-    is skipped with a note, and so are the runs that need it.
+    A run that cannot start (no solution, no connection, a point that was not found, a start that is no good) is skipped
+    with a note, and so are the runs that need it; the others go on.
+
+    Raises
+    ------
+    InputError
+        Nothing could be begun, because of what is written: there is no result to put a note in.
     """
     began = time.perf_counter()
     say = progress or (lambda _: None)
@@ -74,6 +81,9 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
         say(run.name)
         _carry_out(plan, run, engine, state)
     seconds = time.perf_counter() - began
+    nothing_else = not state.branches and state.phase is None and not plan.simulations and plan.sweep is None
+    if state.refused and nothing_else and len(state.refused) == len(state.notes):
+        raise state.refused[0]
     return RunResult(state.branches, state.notes, state.complete, seconds, state.phase, state.stopped)
 
 
@@ -101,26 +111,22 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
 
 
 @contextmanager
-def _skipping(what: str, state: _State, wrong_input: bool = False) -> Iterator[None]:
-    """A run that cannot be done is skipped with a note; `wrong_input`: so is one that asks for what is not there."""
+def _skipping(what: str, state: _State, as_written: bool = True) -> Iterator[None]:
+    """A run that cannot be done is skipped with a note; Ctrl-C keeps what was done.
+
+    as_written : whether it can be done depends on what is written alone, not on what is found.
+    """
     try:
-        with contained(lambda text: state.skip(f"{what} skipped: {text}")):
+        refuse = state.refused.append if as_written else None
+        with skipping(lambda text: state.skip(f"{what} skipped: {text}"), refuse):
             yield
-    except (NoSolutionError, NotFiniteError) as error:
-        state.skip(f"{what} skipped: {error}")
-    except InputError as error:
-        if not wrong_input:
-            raise
-        state.skip(f"{what} skipped: {error}")
-    except (OSError, MemoryError) as error:
-        state.skip(f"{what} skipped: {described(error)}")
     except KeyboardInterrupt:
         state.stop()
         state.skip(f"{what}: stopped by the user")
 
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
-    with _skipping(run.name, state, run.reference is not None):  # what it asks of a point depends on what was found
+    with _skipping(run.name, state, as_written=run.reference is None and run.as_ is None):
         if run.reference is None:
             start = engine.start(plan.model, run, plan.parameters)
         else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Final
+from typing import Any, Final
 
 from contin.errors import InputError
 from contin.model.source import Path as Place
@@ -80,6 +80,14 @@ def path_mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Pa
     if path.is_dir():
         return f"{text!r} is a folder; name a file"
     return None
+
+
+def files_read(entry: Any, run_file: Path) -> list[Path]:
+    """The files that a run or scan file is made of: itself, a model, samples. No output may overwrite them."""
+    samples = [item.samples for item in getattr(entry, "continuations", ()) if item.samples is not None]
+    models = [entry.model] if isinstance(entry.model, str) else []
+    named = [run_file.parent / Path(text).expanduser() for text in (*models, *samples)]
+    return [run_file, *(path for path in named if path.is_file())]
 
 
 def make_folder(path: Path) -> None:

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
+
+from contin.continuation.defects import noted
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
 
 
-def sample_orbit(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
-    """The orbit at a labelled point: time and every state over one period; None where the point is no orbit."""
+class OrbitSamples:
+    """The orbit at a labelled point: time and every state over one period; None where the point is no orbit.
+
+    Called with a branch and a point. What cannot be sampled is told in words, and costs no other result.
+    """
+
+    def __init__(self, tell: Callable[[str], object]) -> None:
+        self.tell = tell
+
+    def __call__(self, branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
+        found: list[Mapping[str, Any] | None] = [None]
+        with noted(lambda text: self.tell(f"{branch.name}.{point.label}: its orbit is not written: {text}")):
+            found = [_sampled(branch, point)]
+        return found[0]
+
+
+def _sampled(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
     from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
     if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):

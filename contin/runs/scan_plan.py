@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
@@ -13,7 +13,7 @@ from contin.errors import ContinError, InputError
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
 from contin.runs.load import read_entries
-from contin.runs.outputs import ENDINGS, output_paths
+from contin.runs.outputs import ENDINGS, files_read, output_paths
 from contin.runs.plan import _model, _Planner
 from contin.runs.scan_schema import AxisEntry, ScanFileEntry
 from contin.simulate.scan.grid import ScanSpec
@@ -26,6 +26,7 @@ class ScanPlan:
     spec: ScanSpec
     outputs: Mapping[str, FilePath] = field(default_factory=dict)
     title: str | None = None
+    reads: Sequence[FilePath] = ()  # files that no output may overwrite
 
 
 def plan_scan(
@@ -82,4 +83,4 @@ def plan_scan(
         spec.check()
     except ContinError as error:
         raise InputError(f"{path}: scan: {error}") from None
-    return ScanPlan(spec, files, entry.title or model.title)
+    return ScanPlan(spec, files, entry.title or model.title, files_read(entry, path))

@@ -2,39 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from contin.runs.skipping import skipping
 
 if TYPE_CHECKING:
     from contin.runs.plan import Plan
     from contin.runs.simulation_plan import SimulationPlan, SweepPlan
 
 
-def carry_out(
-    plan: Plan, say: Callable[[str], None], watch: Callable[[int, int], None] | None = None
-) -> tuple[dict[str, Any], bool]:
-    """The entries `simulations` and `sweep` of the result document, and whether all of them ran to their end.
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """The entries `simulations` and `sweep` of the result document; not `complete` where one did not run to its end."""
 
-    A trajectory that escapes, and a run of the sweep that does not settle, are incomplete results, not errors. Ctrl-C
-    keeps the simulations that are done.
+    found: Mapping[str, Any]
+    complete: bool
+    notes: Sequence[str]
+
+
+def carry_out(
+    plan: Plan, say: Callable[[str], None], watch: Callable[[int, int], None] | None = None, stopped: bool = False
+) -> Simulated:
+    """Carry out what the plan simulates, unless the user `stopped` before.
+
+    A trajectory that escapes, and a run of the sweep that does not settle, are incomplete results, not errors. One that
+    cannot be carried out is skipped with a note. Ctrl-C keeps the simulations that are done.
     watch : called with (runs done, runs in all) of the sweep.
     """
-    found: dict[str, Any] = {}
+    names = [*(s.name for s in plan.simulations), *(["sweep"] if plan.sweep is not None else [])]
+    if stopped:
+        return Simulated({}, not names, [f"{name} skipped: stopped by the user" for name in names])
+    found: dict[str, Any] = {"simulations": []} if plan.simulations else {}
+    notes: list[str] = []
     complete = True
+    name = ""
+
+    def skip(text: str) -> None:
+        nonlocal complete
+        complete = False
+        notes.append(f"{name} skipped: {text}")
+
     try:
-        if plan.simulations:
-            found["simulations"] = []
-            for simulation in plan.simulations:
-                say(simulation.name)
-                found["simulations"].append(_simulated(simulation))
-                complete &= found["simulations"][-1]["outcome"] == "done"
+        for simulation in plan.simulations:
+            name = simulation.name
+            say(name)
+            with skipping(skip):
+                entry = _simulated(simulation)
+                found["simulations"].append(entry)
+                complete &= entry["outcome"] == "done"
         if plan.sweep is not None:
+            name = "sweep"
             say(f"sweep in {plan.sweep.parameter}")
-            found["sweep"] = _swept(plan.sweep, watch)
-            complete &= all(outcome == "settled" for outcome in found["sweep"]["columns"]["outcome"])
+            with skipping(skip):
+                found["sweep"] = _swept(plan.sweep, watch)
+                complete &= all(outcome == "settled" for outcome in found["sweep"]["columns"]["outcome"])
     except KeyboardInterrupt:
-        return found, False
-    return found, complete
+        skip("stopped by the user")
+        notes += [f"{later} skipped: stopped by the user" for later in names[names.index(name) + 1 :]]
+    return Simulated(found, complete, notes)
 
 
 def _simulated(plan: SimulationPlan) -> dict[str, Any]:

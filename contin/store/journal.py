@@ -1,85 +1,145 @@
 """The `.contin` file of a run that is not finished: every chunk in its own transaction, finished branches beside them.
 
-    meta     key, value     'unfinished' is true; 'fingerprint' tells whether the same run is resumed
-    chunk    arm, number, header, data      header: JSON of the scalars and the arrays' shapes; data: the arrays' bytes
+    meta     key, value     as in a finished file; 'unfinished' (true); 'fingerprint': whether the same run is resumed
+    chunk    number (in all), arm, place (in its arm), header, data, sha256
+             header: JSON of the scalars and the arrays' shapes; data: the arrays' bytes; sha256: of all these and of
+             the sha256 of the chunk before, so that a chunk that is damaged, missing or out of order is found
+    branch, series, checksum     the branches that are finished, as in a finished file
 
-The file is in write-ahead mode and locked while a run writes it; a process that is killed, however, leaves every chunk
-whose transaction was committed. When the run ends, the file is replaced by the finished one (`contin.store.sqlite`).
+The file is in write-ahead mode and locked while a run writes it; a process that is killed leaves every chunk whose
+transaction was committed. It stands at the place of the result, or beside an earlier result (NAME.contin.unfinished),
+which stays until the run has ended and the finished file (`contin.store.sqlite`) takes its place.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import sqlite3
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import closing
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from contin.errors import InputError
-from contin.store.json_format import FORMAT_VERSION
-from contin.store.sqlite import APPLICATION_ID, SCHEMA
+from contin.store.digest import parts_digest
+from contin.store.json_format import FORMAT_VERSION, branch_document
+from contin.store.lock import Lock
+from contin.store.places import State, beside, discard, foreign, state_of
+from contin.store.sqlite import APPLICATION_ID, begin, in_words, insert_branch, insert_meta
 
 if TYPE_CHECKING:
+    from contin.continuation.branch import Branch
     from contin.continuation.problem import Chunk
 
 _CHUNKS: Final = (
-    "CREATE TABLE chunk (arm TEXT, number INTEGER, header TEXT NOT NULL, data BLOB, PRIMARY KEY (arm, number))"
+    "CREATE TABLE chunk (number INTEGER PRIMARY KEY, arm TEXT NOT NULL, place INTEGER NOT NULL, header TEXT NOT NULL, "
+    "data BLOB NOT NULL, sha256 TEXT NOT NULL, UNIQUE (arm, place));"
 )
 
 
 def fingerprint(*texts: str) -> str:
     """Of all that determines a run: model, run file, overrides, versions."""
-    digest = hashlib.sha256()
-    for text in texts:
-        digest.update(text.encode())
-        digest.update(b"\0")
-    return digest.hexdigest()
+    return parts_digest(*texts)
+
+
+class Kept(NamedTuple):
+    """A row of `chunk` without its number."""
+
+    arm: str
+    place: int
+    header: str
+    data: bytes
+    sha256: str
 
 
 class SqliteJournal:
-    """A `contin.continuation.journal.Journal` in an SQLite file; `trouble` says why it stopped keeping, if it did."""
+    """A `contin.continuation.journal.Journal` in an SQLite file.
 
-    def __init__(self, path: Path, mark: str, resume: bool) -> None:
-        self.path, self.trouble = path, ""
-        self.replayed = 0
-        unfinished = path.exists() and _is_unfinished(path)  # also refuses a file that another process writes
-        resume = resume and unfinished  # killed before anything was kept: begin anew
-        if not resume:
-            _discard(path)
+    `trouble` says why it stopped keeping, if it did; `notes` what of the earlier run was damaged and is computed anew.
+    """
+
+    def __init__(self, path: Path, mark: str, resume: bool, model: Mapping[str, Any] | None = None) -> None:
+        self.path, self.trouble, self.replayed = path, "", 0
+        self.notes: list[str] = []
+        self._lock = Lock(path)
         try:
-            self._connection = sqlite3.connect(path, isolation_level=None, timeout=0.2)
-            self._connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-            self._connection.execute("PRAGMA journal_mode = WAL")
-            self._connection.execute("PRAGMA synchronous = NORMAL")
-            if not resume:
-                self._begin(mark)
-            elif self._meta("fingerprint") != mark:
-                raise InputError(
-                    f"{path}: the unfinished run was another one (the model, the run file or contin changed since); "
-                    "run without --resume to start anew"
-                )
-            self._connection.execute("BEGIN IMMEDIATE")
-            self._connection.execute("COMMIT")
+            self._open(mark, resume, model or {})
+            self._branches = dict(self._connection.execute("SELECT name, position FROM branch").fetchall())
+            found = self._connection.execute("SELECT number, sha256 FROM chunk ORDER BY number DESC LIMIT 1").fetchone()
+            self._number: int = 0 if found is None else found[0] + 1
+            self._last: str = "" if found is None else found[1]
         except sqlite3.Error as error:
-            raise InputError(_in_words(path, error)) from None
+            self._lock.release()
+            raise InputError(in_words(path, error)) from None
+        except BaseException:
+            self._lock.release()
+            raise
 
-    def _begin(self, mark: str) -> None:
-        self._connection.executescript(f"BEGIN; {SCHEMA} {_CHUNKS}; COMMIT;")
-        self._connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        self._connection.execute(f"PRAGMA user_version = {FORMAT_VERSION}")
-        for key, value in (("unfinished", True), ("fingerprint", mark)):
-            self._connection.execute("INSERT INTO meta VALUES (?, ?)", (key, json.dumps(value)))
+    def _open(self, mark: str, resume: bool, model: Mapping[str, Any]) -> None:
+        """The file of the earlier run if it is resumed, or a new one: where nothing stands, else beside."""
+        states = {place: state_of(place, APPLICATION_ID) for place in (beside(self.path), self.path)}
+        if states[self.path] is State.FOREIGN:
+            raise foreign(self.path)
+        for place, state in states.items():
+            if resume and state is State.DAMAGED:
+                self.notes.append(f"{place.name}: damaged, cannot be read: computed anew")
+            elif resume and state is State.UNFINISHED:
+                self.place = place
+                self._go_on(mark)
+                return
+        discard(beside(self.path))
+        if states[self.path] in (State.FREE, State.UNFINISHED):
+            discard(self.path)
+        self.place = beside(self.path) if self.path.exists() else self.path
+        self._begin(mark, model)
 
-    def _meta(self, key: str) -> Any:
-        row = self._connection.execute("SELECT value FROM meta WHERE key = ?", (key,)).fetchone()
-        return None if row is None else json.loads(row[0])
+    def _begin(self, mark: str, model: Mapping[str, Any]) -> None:
+        self._connection = _connected(self.place)
+        self._connection.execute("BEGIN IMMEDIATE")
+        begin(self._connection)
+        self._connection.execute(_CHUNKS)
+        head = {"contin": FORMAT_VERSION, "model": dict(model), "unfinished": True, "fingerprint": mark}
+        for key, value in head.items():
+            insert_meta(self._connection, key, value)
+        self._connection.execute("COMMIT")
+
+    def _go_on(self, mark: str) -> None:
+        """Open the file of the earlier run; chunks from the first damaged one on are dropped."""
+        whole, damage = 0, ""
+        with closing(_connected(self.place)) as connection:
+            known = connection.execute("SELECT value FROM meta WHERE key = 'fingerprint'").fetchone()
+            model = connection.execute("SELECT value FROM meta WHERE key = 'model'").fetchone()
+            try:
+                whole = sum(1 for _ in _whole(connection))
+                there = connection.execute("SELECT count(*) FROM chunk").fetchone()[0]
+                damage = f"{there - whole} of {there} stored parts" if there > whole else ""
+            except (sqlite3.Error, UnicodeDecodeError) as error:
+                damage = f"a stored part ({error})"
+            kept = _taken(connection, whole) if damage else []
+        if known is None or known[0] != json.dumps(mark):
+            raise InputError(
+                f"{self.path}: the unfinished run was another one (the model, the run file or contin changed since); "
+                "run without --resume to start anew"
+            )
+        if damage:
+            self.notes.append(
+                f"{self.path.name}: {damage} of the unfinished run failed the check, or followed one that did: "
+                "computed anew"
+            )
+            discard(self.place)
+            self._begin(mark, json.loads(model[0]) if model else {})
+            rows = [(number, *chunk) for number, chunk in enumerate(kept)]
+            self._connection.execute("BEGIN")
+            self._connection.executemany("INSERT INTO chunk VALUES (?, ?, ?, ?, ?, ?)", rows)
+            self._connection.execute("COMMIT")
+        else:
+            self._connection = _connected(self.place)
 
     def replay(self, key: str, number: int) -> Chunk | None:
-        row = self._connection.execute("SELECT header, data FROM chunk WHERE arm = ? AND number = ?", (key, number))
+        row = self._connection.execute("SELECT header, data FROM chunk WHERE arm = ? AND place = ?", (key, number))
         found = row.fetchone()
         if found is None:
             return None
@@ -89,15 +149,71 @@ class SqliteJournal:
     def record(self, key: str, number: int, chunk: Chunk) -> None:
         if self.trouble:
             return
-        header, data = packed(chunk)
+        scalars, data = packed(chunk)
+        header = json.dumps(scalars)
+        digest = parts_digest(self._last, key, number, header, data)
         try:
-            self._connection.execute("INSERT INTO chunk VALUES (?, ?, ?, ?)", (key, number, json.dumps(header), data))
+            values = (self._number, key, number, header, data, digest)
+            self._connection.execute("INSERT INTO chunk VALUES (?, ?, ?, ?, ?, ?)", values)
+            self._number, self._last = self._number + 1, digest
         except sqlite3.Error as error:  # the computation goes on: what is in memory can still be written elsewhere
-            self.trouble = f"{_in_words(self.path, error)}; the run went on without it"
+            self.trouble = f"{in_words(self.path, error)}; the run went on without it"
 
-    def close(self) -> None:
-        """Fold the write-ahead log into the file and release it."""
+    def finished(self, branch: Branch) -> None:
+        """Keep a whole branch, readable (`contin.store.sqlite.load`) before the run is over."""
+        if self.trouble:
+            return
+        position = self._branches.setdefault(branch.name, len(self._branches))
+        try:
+            self._connection.execute("BEGIN")
+            insert_branch(self._connection, position, branch_document(branch))
+            self._connection.execute("COMMIT")
+        except sqlite3.Error as error:
+            self.trouble = f"{in_words(self.path, error)}; the run went on without it"
+            if self._connection.in_transaction:
+                self._connection.execute("ROLLBACK")
+
+    def rest(self) -> None:
+        """Fold the write-ahead log into the file: it can be replaced now. Its place stays locked until `close`."""
         self._connection.close()
+
+    def give_up(self) -> None:
+        """The user wants no result now: `--resume` can still finish it."""
+
+    def close(self, saved: bool = False) -> None:
+        """Let others write here; what was kept beside is removed once the finished result is `saved` at its place."""
+        self._connection.close()
+        if saved and self.place != self.path:
+            discard(self.place)
+        self._lock.release()
+
+
+def _connected(place: Path) -> sqlite3.Connection:
+    connection = sqlite3.connect(place, isolation_level=None, timeout=0.2)
+    connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA synchronous = NORMAL")
+    return connection
+
+
+def _rows(connection: sqlite3.Connection) -> Iterator[tuple[int, Kept]]:
+    query = "SELECT number, arm, place, header, data, sha256 FROM chunk ORDER BY number"
+    for number, *row in connection.execute(query):
+        yield number, Kept(*row)
+
+
+def _whole(connection: sqlite3.Connection) -> Iterator[Kept]:
+    """The chunks up to the first that is damaged, missing or out of order."""
+    last = ""
+    for expected, (number, kept) in enumerate(_rows(connection)):
+        if number != expected or not isinstance(kept.data, bytes) or kept.sha256 != parts_digest(last, *kept[:4]):
+            return
+        last = kept.sha256
+        yield kept
+
+
+def _taken(connection: sqlite3.Connection, count: int) -> list[Kept]:
+    return [kept for _, kept in zip(range(count), _whole(connection), strict=False)]
 
 
 def packed(chunk: Chunk) -> tuple[dict[str, Any], bytes]:
@@ -133,39 +249,3 @@ def unpacked(header: Mapping[str, Any], data: bytes) -> Chunk:
         values[name] = np.frombuffer(data[position : position + size], dtype).reshape(shape).copy()
         position += size
     return Chunk(**values)
-
-
-def _is_unfinished(path: Path) -> bool:
-    try:
-        connection = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, timeout=0.2)
-        try:
-            row = connection.execute("SELECT value FROM meta WHERE key = 'unfinished'").fetchone()
-        finally:
-            connection.close()
-    except sqlite3.OperationalError as error:
-        if "locked" in str(error):
-            raise InputError(_in_words(path, error)) from None
-        return False
-    except sqlite3.Error:
-        return False
-    return row is not None
-
-
-def _discard(path: Path) -> None:
-    """Remove what an earlier run left at this place."""
-    try:
-        for suffix in ("", "-wal", "-shm"):
-            Path(f"{path}{suffix}").unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be replaced ({error.strerror})") from None
-
-
-def _in_words(path: Path, error: sqlite3.Error) -> str:
-    text = str(error)
-    if "locked" in text:
-        return f"{path}: in use by another process; wait for it, or save under another name"
-    if "full" in text:
-        return f"{path}: the disk is full"
-    if "unable to open" in text or "readonly" in text:
-        return f"{path}: cannot be written; the folder must exist and be writable"
-    return f"{path}: {text}"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -17,6 +18,8 @@ from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.errors import FormatVersionError, InputError
 from contin.store.atomic import write_text
 from contin.store.built import built
+from contin.store.digest import KEY, DamageWarning, mistake, signed
+from contin.store.validate import validate
 
 FORMAT_VERSION: Final = 1
 
@@ -54,11 +57,12 @@ def result_document(
         `simulations` (a list) and `sweep`.
     """
     branches = list(branches)
+    written = [branch_document(branch, orbit) for branch in branches]
     every_note = [*notes, *(f"{branch.name}: {note}" for branch in branches for note in branch.notes)]
     return {
         "contin": FORMAT_VERSION,
         "model": plain(model),
-        "branches": [_branch(branch, orbit) for branch in branches],
+        "branches": written,
         **({} if phase is None else {"phase": plain(phase)}),
         **({} if simulated is None else plain(simulated)),
         "built": built(),
@@ -67,7 +71,8 @@ def result_document(
     }
 
 
-def _branch(branch: Branch, orbit: OrbitSampler | None) -> dict[str, Any]:
+def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> dict[str, Any]:
+    """One branch as in the document."""
     parent, image = branch.parent, branch.image_of
     return {
         "name": branch.name,
@@ -167,6 +172,11 @@ def dumps(document: Mapping[str, Any]) -> str:
     return _lay_out(document, 0) + "\n"
 
 
+def escaped(text: str) -> str:
+    """JSON text in ASCII alone: every other character as its escape, which a reader turns back."""
+    return "".join(c if c < "\x7f" else json.dumps(c)[1:-1] for c in text) if not text.isascii() else text
+
+
 def _lay_out(value: Any, depth: int) -> str:
     """Nested mappings and lists of mappings over several lines, anything else (long number lists) on one."""
     inner = "  " * (depth + 1)
@@ -179,12 +189,21 @@ def _lay_out(value: Any, depth: int) -> str:
 
 
 def write(document: Mapping[str, Any], path: Path) -> None:
-    """Write the document so that a reader sees the old file or the whole new one, never a part."""
-    write_text(path, dumps(document))
+    """Write the document with its `sha256` so that a reader sees the old file or the whole new one, never a part."""
+    write_json_text(dumps(signed(document)), path)
+
+
+def write_json_text(text: str, path: Path) -> None:
+    """`write_text`, with what UTF-8 has no form for (halves of surrogate pairs) as JSON's escapes."""
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        text = escaped(text)
+    write_text(path, text)
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Read a document that `write` wrote.
+    """Read a document that `write` wrote; where its `sha256` is absent or wrong, it gets a note, and a warning is made.
 
     Raises
     ------
@@ -193,6 +212,25 @@ def read(path: Path) -> dict[str, Any]:
     FormatVersionError
         It was written in a newer format.
     """
+    document = read_mapping(path)
+    if not isinstance(document.get("branches"), list):
+        raise InputError(f"{path}: not a contin result: expected a mapping with `contin` and `branches`")
+    version = document.get("contin")
+    if isinstance(version, bool) or not isinstance(version, int) or version > FORMAT_VERSION:
+        raise FormatVersionError(
+            f"{path}: written in format {version}; this contin reads up to {FORMAT_VERSION}. Install a newer contin."
+        )
+    wrong = mistake(document)
+    document.pop(KEY, None)
+    validate(document, path)
+    if wrong is not None:
+        document["notes"] = [*document["notes"], f"{path.name} {wrong}"]
+        warnings.warn(f"{path}: {wrong}", DamageWarning, stacklevel=2)
+    return document
+
+
+def read_mapping(path: Path) -> dict[str, Any]:
+    """A JSON file that holds a mapping; InputError for anything else, also for numbers beyond all bounds."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -203,11 +241,8 @@ def read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: not a text file in UTF-8") from None
     except RecursionError:
         raise InputError(f"{path}: not a contin result: nested too deeply") from None
-    if not isinstance(document, dict) or not isinstance(document.get("branches"), list):
+    except ValueError as error:  # an integer of thousands of digits
+        raise InputError(f"{path}: not a contin result: {error}") from None
+    if not isinstance(document, dict):
         raise InputError(f"{path}: not a contin result: expected a mapping with `contin` and `branches`")
-    version = document.get("contin")
-    if not isinstance(version, int) or version > FORMAT_VERSION:
-        raise FormatVersionError(
-            f"{path}: written in format {version}; this contin reads up to {FORMAT_VERSION}. Install a newer contin."
-        )
     return document

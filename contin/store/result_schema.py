@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+KINDS: Final = ["equilibrium", "fixed-point", "orbit", "bvp", "locus", "algebraic", "connection", "manifold"]
 _NUMBER: Final = {"type": ["number", "null"]}  # null stands for NaN and infinity
 _PAIRS: Final = {"type": "array", "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}}
 _POINT_REFERENCE: Final = {
@@ -38,9 +39,9 @@ BRANCH: Final[dict[str, Any]] = {
     ],
     "properties": {
         "name": {"type": "string"},
-        "kind": {"enum": ["equilibrium", "fixed-point", "orbit", "bvp", "locus"]},
+        "kind": {"enum": KINDS},
         "locus": {"type": ["string", "null"]},
-        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 2},
+        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 3},
         "parent": _POINT_REFERENCE,
         "image_of": {"type": ["object", "null"], "required": ["branch", "symmetry"]},
         "columns": {
@@ -154,5 +155,6 @@ RESULT_SCHEMA: Final[dict[str, Any]] = {
             "additionalProperties": {"type": "string"},
         },
         "timing": {"type": "object", "required": ["total"], "additionalProperties": {"type": "number"}},
+        "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$"},  # of the canonical text without it
     },
 }

@@ -5,13 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import json
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from contin.errors import InputError
-from contin.store.atomic import replace_file, write_text
+from contin.store.atomic import replacing, write_text
 
 
 def write_csv(document: Mapping[str, Any], path: Path) -> None:
@@ -42,17 +41,15 @@ def write_netcdf(document: Mapping[str, Any], path: Path) -> None:
         import xarray
     except ImportError:
         raise InputError("NetCDF needs xarray: pip install 'contin[frames]'") from None
-    with tempfile.TemporaryDirectory() as folder:
-        temporary = Path(folder) / "results.nc"
+    with replacing(path) as temporary:
         try:
             root = {"contin": document["contin"], "model": json.dumps(document["model"]), "notes": document["notes"]}
             xarray.Dataset(attrs=root).to_netcdf(temporary, mode="w", engine="h5netcdf")
             for position, branch in enumerate(document["branches"]):
                 group = f"branch{position}"
                 _dataset(branch, xarray).to_netcdf(temporary, mode="a", group=group, engine="h5netcdf")
-        except (OSError, ValueError, ImportError) as error:
+        except (ValueError, ImportError) as error:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
-        replace_file(path, temporary)
 
 
 def _dataset(branch: Mapping[str, Any], xarray: Any) -> Any:

@@ -1,0 +1,56 @@
+"""SHA-256 checksums: of a JSON document's canonical text, and of the parts of a store.
+
+Canonical text: JSON with sorted keys, without spaces, every character as itself, numbers in the shortest form that
+reads back equal (Python's `json.dumps(..., sort_keys=True, separators=(",", ":"), ensure_ascii=False)`), in UTF-8. So
+the checksum of a document does not depend on how its text is laid out.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any, Final
+
+KEY: Final = "sha256"
+ENCODER: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+class DamageWarning(UserWarning):
+    """Something stored does not have the checksum it was written with, or has none."""
+
+
+class LeftOutWarning(DamageWarning):
+    """Damaged parts of a result are left out: what is read is not all that was written."""
+
+
+def document_digest(document: Mapping[str, Any]) -> str:
+    """Of a JSON document's canonical text without its own `sha256`."""
+    text = ENCODER.encode({key: value for key, value in document.items() if key != KEY})
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def signed(document: Mapping[str, Any]) -> dict[str, Any]:
+    """The document with its `sha256` as the last key."""
+    rest = {key: value for key, value in document.items() if key != KEY}
+    return {**rest, KEY: document_digest(rest)}
+
+
+def mistake(document: Mapping[str, Any]) -> str | None:
+    """What a note says about a document's checksum; None where it is right."""
+    stored = document.get(KEY)
+    if stored is None:
+        return "has no sha256: written by an earlier contin, or by hand; it cannot be told whether it is as written"
+    if stored != document_digest(document):
+        return "its sha256 is not that of its content: it was damaged, or changed by hand, after it was written"
+    return None
+
+
+def parts_digest(*parts: str | bytes | int) -> str:
+    """Of several texts, bytes and integers, which cannot run into each other."""
+    digest = hashlib.sha256()
+    for part in parts:
+        data = part if isinstance(part, bytes) else str(part).encode("utf-8", "surrogatepass")
+        digest.update(len(data).to_bytes(8, "little"))
+        digest.update(data)
+    return digest.hexdigest()

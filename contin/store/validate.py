@@ -1,0 +1,115 @@
+"""Is a document what its schema says? The part of JSON Schema that our schemas use, without a library for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from contin.errors import InputError
+from contin.store.result_schema import RESULT_SCHEMA
+
+_TYPES: Final[Mapping[str, frozenset[type]]] = {
+    "number": frozenset({int, float}),
+    "integer": frozenset({int}),
+    "string": frozenset({str}),
+    "boolean": frozenset({bool}),
+    "null": frozenset({type(None)}),
+    "object": frozenset({dict}),
+    "array": frozenset({list}),
+}
+LARGEST: Final = 10**300  # integers beyond have no floating-point form
+Mistake = tuple[str, str]  # where, what
+
+
+def validate(document: Mapping[str, Any], path: Path) -> None:
+    """Raise InputError with the first place where a result document does not follow its schema."""
+    for where, what in (*_mistakes(document, RESULT_SCHEMA, ""), *_uneven(document)):
+        raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
+
+
+def _mistakes(value: Any, schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+    allowed = _allowed(schema)
+    if allowed is not None and type(value) not in allowed:
+        yield where, f"should be {_named(schema['type'])}, is {_shown(value)}"
+        return
+    if "const" in schema and value != schema["const"]:
+        yield where, f"should be {schema['const']!r}, is {_shown(value)}"
+    if "enum" in schema and value not in schema["enum"]:
+        yield where, f"should be one of {', '.join(map(str, schema['enum']))}, is {_shown(value)}"
+    if type(value) is int and not -LARGEST < value < LARGEST:
+        yield where, "is an integer beyond all bounds"
+    if "minimum" in schema and not value >= schema["minimum"]:
+        yield where, f"should be {schema['minimum']} or more, is {_shown(value)}"
+    if "pattern" in schema and not re.search(schema["pattern"], value):
+        yield where, f"should look like {schema['pattern']}, is {_shown(value)}"
+    if type(value) is dict:
+        yield from _in_mapping(value, schema, where)
+    elif type(value) is list:
+        yield from _in_list(value, schema, where)
+
+
+def _in_mapping(value: Mapping[str, Any], schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+    for key in schema.get("required", ()):
+        if key not in value:
+            yield where, f"has no {key!r}"
+    if "oneOf" in schema and sum(all(k in value for k in s["required"]) for s in schema["oneOf"]) != 1:
+        yield where, f"should have one of {', '.join(k for s in schema['oneOf'] for k in s['required'])}"
+    known = schema.get("properties", {})
+    for key, entry in value.items():
+        inner = known.get(key, schema.get("additionalProperties"))
+        if inner is not None:
+            yield from _mistakes(entry, inner, f"{where}.{key}".lstrip("."))
+
+
+def _in_list(value: list[Any], schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+    if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
+        yield where, f"should have {schema.get('minItems', 0)} to {schema.get('maxItems', 'many')} entries"
+    inner = schema.get("items")
+    if inner is None:
+        return
+    allowed = _allowed(inner)
+    if allowed is not None and not allowed & {dict, list, str}:  # a long column of numbers: types at once
+        kinds = set(map(type, value))
+        if kinds <= allowed and (int not in kinds or max(map(abs, filter(_is_int, value))) < LARGEST):
+            return
+    for position, entry in enumerate(value):
+        yield from _mistakes(entry, inner, f"{where}[{position}]")
+
+
+def _is_int(value: object) -> bool:
+    return type(value) is int
+
+
+def _uneven(document: Mapping[str, Any]) -> Iterator[Mistake]:
+    """What a schema cannot say: columns of one length, points on rows."""
+    for position, branch in enumerate(document["branches"]):
+        where = f"branches[{position}]"
+        lengths = {len(column) for column in branch["columns"].values()}
+        if len(lengths) > 1:
+            yield f"{where}.columns", "have different lengths"
+        rows = max(lengths, default=0)
+        for number, point in enumerate(branch["points"]):
+            if point["index"] >= rows:
+                yield f"{where}.points[{number}].index", f"is {point['index']}, and the branch has {rows} rows"
+    tables = [*document.get("simulations", []), *([document["sweep"]] if "sweep" in document else [])]
+    for table in tables:
+        if len({len(column) for column in table["columns"].values()}) > 1:
+            yield "simulations or sweep", "have columns of different lengths"
+
+
+def _allowed(schema: Mapping[str, Any]) -> frozenset[type] | None:
+    written = schema.get("type")
+    if written is None:
+        return None
+    return frozenset().union(*(_TYPES[name] for name in ([written] if isinstance(written, str) else written)))
+
+
+def _named(written: Any) -> str:
+    return str(written) if isinstance(written, str) else " or ".join(written)
+
+
+def _shown(value: Any) -> str:
+    text = repr(value) if isinstance(value, str | int | float | bool | None) else f"a {type(value).__name__}"
+    return text if len(text) <= 40 else f"{text[:37]}..."
