@@ -1,4 +1,4 @@
-"""`contin check`: what is wrong with a run file or a model file, without computing anything."""
+"""`contin check`: what is wrong with a run file, a model file or a result file, without computing anything."""
 
 from __future__ import annotations
 
@@ -22,7 +22,11 @@ def check_file(file: Path, execute: bool) -> int:
     """Check one file; with `execute`, carry out a model's `expect:` too. The exit code."""
     from contin.model.yaml_reader import read_file
     from contin.runs.bundled import find_run
+    from contin.store.verify import is_result, verify
 
+    if is_result(file):
+        print(f"{file}: good. {verify(file)}; every part is as it was written")
+        return 0
     file, place = find_run(file)
     with reading(file) as tell:
         document = read_file(file)
@@ -59,11 +63,16 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
         spec = plan_scan(file, counts_as=place).spec
         print(f"{file}: good. Model {spec.model.name}, {len(spec.model.states)} states; a scan of {len(spec)} runs")
         return 0
+    from contin.cli.outputs import writable
     from contin.runs.load import read_run
+    from contin.runs.outputs import files_read
     from contin.runs.plan import make_plan
     from contin.runs.simulation_plan import described
 
-    plan = make_plan(read_run(document.data, document.source), document.source, place)
+    entry = read_run(document.data, document.source)
+    plan = make_plan(entry, document.source, place)
+    for files in (plan.outputs, *plan.simulated_files()):
+        writable(None, files, files_read(entry, file))
     runs = [run.name for run in plan.runs]
     phases = [f"phase diagram in {' and '.join(plan.phase.parameters)}"] if plan.phase else []
     what = ", ".join(

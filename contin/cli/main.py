@@ -234,10 +234,10 @@ def scan(
 
 @app.command()
 def check(
-    file: Annotated[Path, typer.Argument(help="Run file or model file (YAML).")],
+    file: Annotated[Path, typer.Argument(help="Run file, scan file or model file (YAML), or results.")],
     execute: Annotated[bool, typer.Option("--run", help="Carry out the model's `expect:` and compare.")] = False,
 ) -> None:
-    """Check a run file or a model file without computing; say what is wrong and where."""
+    """Check a run file, a model file or saved results without computing; say what is wrong and where."""
     from contin.cli.check import check_file
 
     raise typer.Exit(check_file(file, execute))

@@ -146,9 +146,16 @@ def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems, 
     return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides}, swept(entry))
 
 
-def swept(entry: RunEntry) -> dict[str, tuple[float, float]]:
+def swept(entry: Any) -> dict[str, tuple[float, float]]:
     """The smallest interval that holds all ranges of each parameter in the file, where these are numbers."""
     found: dict[str, tuple[float, float]] = {}
+    if not isinstance(entry, RunEntry):  # a scan file
+        axes = {name: axis for name, axis in entry.scan.axes.items() if hasattr(axis, "from_")}
+        return {
+            name: (min(axis.from_, axis.to), max(axis.from_, axis.to))
+            for name, axis in axes.items()
+            if isinstance(axis.from_, int | float) and isinstance(axis.to, int | float)
+        }
     for part in (entry.diagram, entry.phase, *entry.continuations, entry.sweep):
         if part is None or part.range is None:
             continue

@@ -96,7 +96,9 @@ def _planner(
         if planner.known(name, (*path, "parameters", name), key=True):
             planner.formula(value, (*path, "parameters", name))
             known[name] = value
-    return _Planner(model, problems, known), known
+    final = _Planner(model, problems, known)
+    final.check_parameters({}, {})  # the values that formulas and default ranges are taken at
+    return final, known
 
 
 def _start(

@@ -11,7 +11,7 @@ from contin.errors import ContinError, InputError
 
 @contextmanager
 def skipping(skip: Callable[[str], object], refuse: Callable[[InputError], object] | None = None) -> Iterator[None]:
-    """What is inside ends with an error, and `skip` gets it in words, `refuse` also an error of the input; Ctrl-C passes.
+    """What is inside ends with an error, and `skip` gets it in words, `refuse` also errors of the input; Ctrl-C passes.
 
     So do not only starts without a solution end, but every error of what is asked for that only computing finds: a
     start that lies outside the range once it is solved for, a saddle without the directions that a connection needs.
