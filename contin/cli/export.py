@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from contin.store.places import ending_of
 from contin.store.results import export_results, read_results
 
 
 def export_file(file: Path, out: Path) -> int:
     """Convert the results in `file` to the format that the ending of `out` names."""
-    if file.suffix == ".scan":
+    if ending_of(file) == ".scan":
         from contin.cli.scan import export_scan
 
         return export_scan(file, out)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from contin.errors import InputError
 from contin.plot.write import write_picture
+from contin.store.places import ending_of
 from contin.store.results import read_results
 
 
@@ -19,7 +20,7 @@ def plot_file(
 ) -> int:
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
-    if file.suffix == ".scan":
+    if ending_of(file) == ".scan":
         from contin.cli.scan import plot_scan
 
         return plot_scan(file, out, x, y[0] if y else None, over)

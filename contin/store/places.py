@@ -25,6 +25,11 @@ def beside(path: Path) -> Path:
     return path.with_name(path.name + ENDING)
 
 
+def ending_of(path: Path) -> str:
+    """The ending that tells what a file holds: that of its result, where the run that writes it is not finished."""
+    return Path(path.stem).suffix if path.suffix == ENDING else path.suffix
+
+
 class State(Enum):
     """What stands at the place of an SQLite file of ours."""
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from contin.errors import InputError
 from contin.store import json_format, sqlite
+from contin.store.places import ending_of
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
@@ -21,9 +22,10 @@ def read_results(path: Path) -> dict[str, Any]:
     InputError
         The ending is neither `.contin` nor `.json`, or the file is not a contin result.
     """
-    if path.suffix == ".contin":
+    ending = ending_of(path)
+    if ending == ".contin":
         return sqlite.load(path)
-    if path.suffix == ".json":
+    if ending == ".json":
         return json_format.read(path)
     raise InputError(f"{path}: expected a result file that ends in .contin or .json")
 

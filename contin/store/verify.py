@@ -11,6 +11,7 @@ from typing import Final
 from contin.errors import InputError
 from contin.store.digest import DamageWarning, mistake
 from contin.store.json_format import read_mapping
+from contin.store.places import ending_of
 from contin.store.results import read_results
 from contin.store.scan_store import read_scan
 
@@ -19,12 +20,12 @@ STORES: Final = (".contin", ".scan")
 
 def is_result(path: Path) -> bool:
     """True for a store by its ending, and for JSON results (a model or a run file may be JSON, too)."""
-    if path.suffix == ".json" and path.is_file():
+    if ending_of(path) == ".json" and path.is_file():
         try:
             return not {"branches", "columns"}.isdisjoint(read_mapping(path))
         except InputError:
             return False
-    return path.suffix in STORES
+    return ending_of(path) in STORES
 
 
 def verify(path: Path) -> str:
@@ -37,18 +38,18 @@ def verify(path: Path) -> str:
     """
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", DamageWarning)
-        if path.suffix == ".json" and "branches" not in (other := read_mapping(path)):
+        if ending_of(path) == ".json" and "branches" not in (other := read_mapping(path)):
             words = "results of a simulation, a sweep or a scan"
             if (wrong_sum := mistake(other)) is not None:
                 warnings.warn(f"{path}: {wrong_sum}", DamageWarning, stacklevel=2)
-        elif path.suffix == ".scan":
+        elif ending_of(path) == ".scan":
             words = f"a scan, {len(read_scan(path)['columns']['class'])} runs"
         else:
             document = read_results(path)
             rows = sum(len(next(iter(b["columns"].values()), [])) for b in document["branches"])
             words = f"{document['model']['name']}, {len(document['branches'])} branches, {rows} rows"
     wrong = [str(item.message) for item in told if issubclass(item.category, DamageWarning)]
-    if path.suffix != ".json":
+    if ending_of(path) != ".json":
         wrong += _pages(path)
     if wrong:
         raise InputError("\n".join(wrong))
