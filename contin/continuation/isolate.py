@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
+from contin.continuation.digits import unresolved
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Sample, Verified
 from contin.errors import InputError, NotFiniteError
@@ -48,7 +49,7 @@ class Note:
 def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
     """All events between a and b, in order."""
     types = stretch.problem.explain(a, b)
-    if types == ():
+    if types == () or unresolved(stretch.problem, np.array([a.eigenvalues, b.eigenvalues])).any():
         return
     width = stretch.distance(a, b)
     if types is not None and len(types) == 1 and width > COINCIDENT:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
+from contin.continuation.digits import unresolved
 from contin.continuation.piece import Piece
 from contin.continuation.problem import Problem, is_adaptive, is_planar
 from contin.machine import elementary
@@ -24,7 +25,13 @@ PATIENCE: Final = 400  # rows
 VERTICAL: Final = 1e-12  # of the range: a parameter that moves less than this in so many rows does not move
 STILL: Final = 1e-7  # scaled arclength of as many rows
 NEAR: Final = 1e-10  # of the range: the parameter is on its bound to what matters
+GROWN: Final = 1e6  # ... where a state has grown to so many times its scale, from this part of the range on: 1/p and p
+NEAR_GROWN: Final = 1e-8  # have the same digits to lose
 APPROACHING: Final = 4  # rows in turn that come nearer to a bound
+CREEPING: Final = 60  # rows of a state that has grown so much, in mean steps of this part of the longest: rounding
+CREEP: Final = 1e-2  # makes them short, and the branch would go on so
+OUTGROWN: Final = 1e2  # ... or only to so many times its scale, while this part of the rows has a change that does
+FAILING: Final = 0.1  # not verify
 LONG: Final = 1e-3  # ... in such steps; near a fold on the bound only much shorter ones stay as near
 
 
@@ -73,6 +80,7 @@ class _Record:
     standing: int = 0
     approaching: int = 0  # rows in turn that came nearer to a bound
     last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next piece
+    crept: list[tuple[Array, int]] = field(default_factory=list)  # last rows of a state that has grown, notes on each
 
     def lost(self, piece: Piece) -> _Stop | None:
         """Take the rows of one more piece."""
@@ -80,18 +88,57 @@ class _Record:
             return None
         if is_planar(self.arm.problem):
             return self._infinite(piece)
-        return self._infinite(piece) or self._approaching(piece) or self._unmoved(piece)
+        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece)
+        return growing or self._approaching(piece) or self._unmoved(piece)
+
+    def _relative(self, piece: Piece) -> Array:
+        """States of the rows beside their scales at the first row; 0 for unknowns that cannot grow."""
+        return np.asarray(np.abs(piece.z[:, :-1]) / self.scale * _may_grow(self.arm.problem))
+
+    def _sizes(self, piece: Piece) -> Array:
+        """Of the rows."""
+        return np.asarray(np.max(self._relative(piece), axis=1, initial=0.0))
+
+    def _creeping(self, piece: Piece) -> _Stop | None:
+        """A state that has grown goes on in ever so short steps, or in some between changes that do not verify."""
+        size = float(self._sizes(piece)[-1])
+        if not size > OUTGROWN:
+            self.crept.clear()
+            return None
+        self.crept = [*self.crept, *((z, len(piece.notes) if k == 0 else 0) for k, z in enumerate(piece.z))]
+        self.crept = self.crept[-CREEPING - 1 :]
+        failures = sum(count for _, count in self.crept)
+        if len(self.crept) <= CREEPING or not (size > GROWN or failures > CREEPING * FAILING):
+            return None
+        moved = np.linalg.norm(np.diff(np.array([z for z, _ in self.crept]), axis=0) / piece.scale, axis=1)
+        if not float(moved.mean()) < CREEP * self.arm.course.settings.max_step:
+            return None
+        name = self._fastest(self._relative(piece)[-1])
+        text = f"{name} has grown to {size:.0e} times its scale, and rounding makes the branch creep on in short steps"
+        return self._stop(len(piece.z) - 1, piece, "bound", text)
+
+    def _unresolved(self, piece: Piece) -> _Stop | None:
+        """A cycle of a map, mostly a growing one, whose multipliers have no digits left."""
+        lost = np.flatnonzero(unresolved(self.arm.problem, piece.eigenvalues))
+        if not lost.size:
+            return None
+        row = int(lost[0])
+        size, largest = float(self._sizes(piece)[row]), float(np.abs(piece.eigenvalues[row]).max())
+        text = f"beside a multiplier of {largest:.0e} rounding decides what the others are"
+        if size > OUTGROWN:
+            name = self._fastest(self._relative(piece)[row])
+            return self._stop(row, piece, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
+        return self._stop(row, piece, "corrector", text)
 
     def _infinite(self, piece: Piece) -> _Stop | None:
-        relative = np.abs(piece.z[:, :-1]) / self.scale * _may_grow(self.arm.problem)
-        sizes = np.max(relative, axis=1, initial=0.0)
+        sizes = self._sizes(piece)
         if not sizes.max() >= self._next:
             return None
         for row in np.flatnonzero(sizes >= self._next):
             while sizes[row] >= self._next:
                 self.decades.append(piece.z[row, -len(self.arm.problem.parameters) :] / self._widths)
             if self._converges():
-                name = self._fastest(relative[row])
+                name = self._fastest(self._relative(piece)[row])
                 text = f"{name} grows without bound: {sizes[row]:.0e} times its scale"
                 return self._stop(int(row), piece, "bound", text)
         return None
@@ -130,11 +177,12 @@ class _Record:
         rows = np.vstack([self.last[None], piece.z])
         self.last = piece.z[-1].copy()
         distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
-        if not distance[1:].min() < NEAR * self._width:
+        near = (NEAR_GROWN if self._sizes(piece)[-1] > GROWN else NEAR) * self._width
+        if not distance[1:].min() < near:
             self.approaching = 0
             return None
         steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
-        nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < NEAR * self._width)
+        nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < near)
         for row, counts in enumerate(nearer & (steps > LONG)):
             self.approaching = self.approaching + 1 if counts else 0
             if self.approaching == APPROACHING:

@@ -16,6 +16,7 @@ from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.invariant_circle import invariant_circle
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of
+from contin.problems.orbits.traversed import joined
 from contin.problems.orbits.vertical import unbounded
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
@@ -40,7 +41,7 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     found = shrunk(problem, origin, before, frame)
     if found is not None:
         return found
-    grown = unbounded(problem, origin, frame)
+    grown = unbounded(problem, origin, frame) or joined(problem, origin.z, before.z, frame.scale)
     if grown is not None:
         return Ending(grown)
     if not _lingers(problem, origin, frame):

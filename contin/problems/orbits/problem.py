@@ -26,6 +26,7 @@ from contin.problems.orbits.in_phase import apart, cut_at_start, in_phase
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.orbits.marched_in_kernel import PROBE_TOLERANCE
 from contin.problems.orbits.sizes import state_sizes
+from contin.problems.orbits.traversed import cut_where_traversed
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
@@ -115,7 +116,7 @@ class OrbitProblem(FamilyOfOrbits):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         chunk = marched_in_kernel.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
-        return cut_at_start(self, chunk, loop, frame.scale)
+        return cut_at_start(self, cut_where_traversed(self, chunk), loop, frame.scale)
 
     def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
         return in_phase(self, start, near, scale) if self.autonomous and start.z.size == near.size else start

@@ -1,0 +1,19 @@
+"""Where multipliers say nothing: the largest is so large that beside it rounding in the others is of order one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.continuation.problem import Problem
+
+
+def unresolved(problem: Problem, multipliers: NDArray[Any]) -> NDArray[np.bool_]:
+    """(rows,) from multipliers (rows, k), of fixed points and cycles of maps; those of a cycle of length k are products
+    of k matrices, which grow like the k-th power where a cycle goes to infinity. False for other problems."""
+    if problem.kind != "fixed-point" or multipliers.shape[1] < 2:
+        return np.zeros(len(multipliers), bool)
+    largest = np.abs(multipliers).max(axis=1)
+    return np.asarray(~(largest * np.finfo(float).eps < 1.0))

@@ -1,0 +1,75 @@
+"""Families that have slipped onto one of half (a third of) the period, whose orbits they run through twice (thrice).
+
+Beside its birth and its end a doubled family is as near to the orbits it leaves as its amplitude, and a corrector may
+fall onto these. Doubled orbits of their own move by ds with a difference of their halves that changes by about ds;
+where the halves agree and go on to do so, they are the known orbits. The step is then repeated, shorter, and where no
+step helps the branch ends as joined.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Chunk, Stop
+from contin.problems.orbits.layout import Profile
+
+PARTS: Final = (2, 3)  # half and a third of the period
+SAMPLES: Final = 60  # times in a period at which orbits are compared
+EQUAL: Final = 1e-4  # of the extent: parts that differ by less may be the same
+STANDING: Final = 1e-2  # ... if in a step their difference changes by less than this part of its (scaled) length
+SHORTER: Final = 0.1  # the repeated step beside the one that slipped
+SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
+
+
+def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
+    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
+    times = np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
+    extent = np.maximum(np.ptp(profile.u, axis=0), np.abs(winding)).max()
+    difference = profile.at(times + 1.0 / parts) - profile.at(times) - np.asarray(winding) / parts
+    return np.asarray(difference / max(float(extent), np.finfo(float).tiny))
+
+
+def times_traversed(problem: Any, z: Array, before: Array, step: float) -> int:
+    """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
+    for parts in PARTS:
+        if problem.autonomous or problem.multiple % parts == 0:
+            here = parts_apart(problem.profile(z), problem.winding, parts)
+            if not np.abs(here).max() < EQUAL:
+                continue
+            change = here - parts_apart(problem.profile(before), problem.winding, parts)
+            if np.abs(change).max() < STANDING * step:
+                return parts
+    return 1
+
+
+def cut_where_traversed(problem: Any, chunk: Chunk) -> Chunk:
+    """The chunk before the row at which it slips, to go on with a shorter step; with that row where none helps."""
+
+    def slipped(row: int) -> bool:
+        return times_traversed(problem, chunk.z[row], chunk.z[row - 1], float(chunk.lengths[row])) > 1
+
+    last = len(chunk) - 1
+    if last < 1 or not slipped(last):
+        return chunk
+    first = next(row for row in range(1, last + 1) if slipped(row))
+    step = SHORTER * float(chunk.lengths[first])
+    return chunk.cut(first if step > SHORTEST else first + 1, Stop.LIMIT, max(step, SHORTEST))
+
+
+def joined(problem: Any, z: Array, before: Array, scale: Array) -> End | None:
+    """The end of a family at an orbit (z, its row before) that is another one run through several times."""
+    if z.size != before.size:
+        return None
+    count = times_traversed(problem, z, before, float(np.linalg.norm((z - before) / scale)))
+    if count == 1:
+        return None
+    period = problem.profile(z).period
+    text = (
+        f"joined a known family at {problem.parameters[0]} = {z[-1]:.10g}: the orbits run {count} times through those "
+        f"of period {period / count:.8g}"
+    )
+    return End("joined", text, {"value": float(z[-1]), "times": count})

@@ -1,0 +1,23 @@
+"""Cycles of maps that go to infinity end early (AUTO-07p's demo dd2, a predator-prey map)."""
+
+import numpy as np
+
+import contin
+from contin.model.model import Model
+
+
+def test_a_cycle_that_grows_without_bound_ends_where_its_multipliers_have_no_digits_left():
+    model = Model(
+        "dd2", kind="map", states={"x": 0.5, "y": 0.1}, parameters={"a": 2.5},
+        equations={"x": "a*x*(1 - x) - 0.2*x*y", "y": "0.9*y + 0.2*x*y"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model, {"x": 0.6, "y": 0.0}), "a", (0.0, 4.0))
+    runaway = None
+    for _ in range(3):  # down: the cycles live at a < 1
+        doubling = min((p for p in branch.points if p.type == "PD"), key=lambda p: p.values["a"])
+        branch = contin.continuation(doubling.switch(), "a", (0.0, 4.0))
+        assert branch.notes == ()
+        assert branch.effort["steps"] < 1000
+        if branch.ends[1].reason == "bound" and np.abs(branch.z[-1]).max() > 1e2:
+            runaway = branch
+    assert runaway is not None
