@@ -58,6 +58,14 @@ def mantissa(j: int, r: float) -> float:
     return t + (EXP_TABLE[2 * j + 1] + t * p)
 
 
+def mantissa_pair(j: int, r: float) -> Pair:
+    """The same with what its last rounding leaves."""
+    z = r * r
+    p = r + (0.5 * z + (C3 * r * z + z * z * (C4 + C5 * r)))
+    t = EXP_TABLE[2 * j]
+    return fast_two_sum(t, EXP_TABLE[2 * j + 1] + t * p)
+
+
 def power_of_two(e: int) -> float:
     """2^e for -1022 <= e <= 1023."""
     return double((e + 1023) << 52)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from contin.machine.elementary.constants import LN2_HIGH, LN2_LOW
-from contin.machine.elementary.double_double import add, divide, square, square_root, two_sum
-from contin.machine.elementary.exponential import expm1_pair, mantissa, power_of_two, reduced
-from contin.machine.elementary.language import copysign, fabs, rare
+from contin.machine.elementary.double_double import add, divide, fast_two_sum, square, square_root, two_sum
+from contin.machine.elementary.exponential import expm1_pair, mantissa, mantissa_pair, power_of_two, reduced
+from contin.machine.elementary.language import Pair, copysign, fabs, rare
 from contin.machine.elementary.logarithm import log1p_pair, log_pair
 
 INFINITY, NAN = math.inf, math.nan
@@ -16,10 +16,15 @@ HUGE = 1073741824.0  # 2^30
 
 
 def sinh(x: float) -> float:
-    """(e^x - e^-x)/2 = (E + E/(E + 1))/2, E = e^x - 1."""
+    """(e^x - e^-x)/2, for |x| < 1 as (E + E/(E + 1))/2, E = e^x - 1."""
     a = fabs(x)
     if not (a >= TINY and a <= 40.0):
         return copysign(half_exp(a), x) if a > 40.0 else x
+    if a >= 1.0:
+        h, low = exp_pair(a)
+        q = 1.0 / h
+        s, e = fast_two_sum(h, -q)
+        return copysign(0.5 * (s + (e + (low + q * q * low))), x)
     h, low = expm1_pair(a)
     uh, ul = add(h, low, 1.0, 0.0)
     vh, vl = divide(h, low, uh, ul)
@@ -32,11 +37,18 @@ def cosh(x: float) -> float:
     a = fabs(x)
     if not a <= 40.0:
         return half_exp(a)
-    h, low = expm1_pair(a)
-    uh, ul = add(h, low, 1.0, 0.0)
-    vh, vl = divide(1.0, 0.0, uh, ul)
-    h, low = add(uh, ul, vh, vl)
-    return 0.5 * h
+    h, low = exp_pair(a)
+    q = 1.0 / h
+    s, e = fast_two_sum(h, q)
+    return 0.5 * (s + (e + (low - q * q * low)))
+
+
+def exp_pair(a: float) -> Pair:
+    """e^a as a pair, relative error about 2^-61; 0 <= a <= 40."""
+    k, r = reduced(a)
+    h, low = mantissa_pair(k & 127, r)
+    scale = power_of_two(k >> 7)
+    return h * scale, low * scale
 
 
 @rare
@@ -49,10 +61,15 @@ def half_exp(a: float) -> float:
 
 
 def tanh(x: float) -> float:
-    """E/(E + 2), E = e^(2x) - 1."""
+    """E/(E + 2), E = e^(2x) - 1; for |x| >= 2 it is 1 - 2/(e^(2x) + 1)."""
     a = fabs(x)
     if not (a >= TINY and a <= 20.0):
         return copysign(1.0, x) if a > 20.0 else x
+    if a >= 2.0:
+        h, low = exp_pair(2.0 * a)
+        d, e = fast_two_sum(h, 1.0)
+        q = 2.0 / d
+        return copysign(1.0 - (q - 0.5 * q * q * (e + low)), x)
     h, low = expm1_pair(2.0 * a)
     uh, ul = add(h, low, 2.0, 0.0)
     h, _low = divide(h, low, uh, ul)

@@ -20,7 +20,12 @@ FAR = 1.152921504606847e18  # 2^60
 
 def atan_ratio(yh: float, yl: float, xh: float, xl: float) -> Pair:
     """atan(y/x) as a pair, for pairs 0 <= y <= x."""
-    shifted = yh / xh * 32.0 + SHIFT
+    return atan_near(yh / xh, yh, yl, xh, xl)
+
+
+def atan_near(ratio: float, yh: float, yl: float, xh: float, xl: float) -> Pair:
+    """The same where y/x is about `ratio`."""
+    shifted = ratio * 32.0 + SHIFT
     c = (shifted - SHIFT) * 0.03125
     j = 2 * (bits(shifted) - SHIFT_BITS)
     xa, xb = split(xh)
@@ -42,7 +47,7 @@ def atan(x: float) -> float:
     if not (a >= TINY and a <= FAR):
         return copysign(HALF_PI_HIGH, x) if a > FAR else x
     if a <= 1.0:
-        h, low = atan_ratio(a, 0.0, 1.0, 0.0)
+        h, low = atan_near(a, a, 0.0, 1.0, 0.0)
     else:
         h, low = atan_ratio(1.0, 0.0, a, 0.0)
         h, low = add(HALF_PI_HIGH, HALF_PI_LOW, -h, -low)
