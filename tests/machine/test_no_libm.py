@@ -37,6 +37,10 @@ EXACT_BASES = {"-1.0", "2.0", "2", "3", "n", "self.n"}  # signs, powers of 2, an
 COMPLEX_BASES = {"w", "value", "self.values"}  # whole powers of complex numbers, which are products
 
 
+def is_exact(base: str) -> bool:
+    return base in EXACT_BASES | COMPLEX_BASES or base.startswith("len(")
+
+
 def powers(tree: ast.AST) -> list[str]:
     """x**2 and the like: for a float this is the C library's pow."""
     return [
@@ -44,7 +48,7 @@ def powers(tree: ast.AST) -> list[str]:
         for node in ast.walk(tree)
         if isinstance(node, ast.BinOp | ast.AugAssign)
         and isinstance(node.op, ast.Pow)
-        and not (isinstance(node, ast.BinOp) and ast.unparse(node.left) in EXACT_BASES | COMPLEX_BASES)
+        and not (isinstance(node, ast.BinOp) and is_exact(ast.unparse(node.left)))
     ]
 
 
