@@ -2,7 +2,8 @@
 
 These choose their code by the processor (with or without fused multiply-add, with wider vectors), so the last digit
 differs between machines. Ours use IEEE additions, multiplications, divisions and square roots only, in a fixed order.
-Errors are below 0.51 ulp, of sinh, cosh and tanh below 0.64 (`tests/machine`); results below the smallest normal number are rounded twice.
+Errors are below 0.51 ulp, of sinh, cosh and tanh below 0.64 (`tests/machine`); results below the smallest normal number
+are rounded twice.
 
 Machine code calls them by `symbol` and `addresses`; Python calls `elementary.exp(x)` with numbers or arrays.
 """

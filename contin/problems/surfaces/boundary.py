@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import accumulate
+from operator import mul
 from typing import Any, Final
 
 import numpy as np
@@ -20,7 +22,7 @@ ACCURATE: Final = 1e-10
 FARTHEST: Final = 0.5  # scaled distance ahead at which a surface is looked for
 BESIDE: Final = (0.5, 0.9, 0.99)  # parts of it at which the branch must be there, on the same side
 TANGENT: Final = 1e-2  # sine of an angle: fields that cross the surface at less than it do not define sliding motion
-AHEAD: Final = tuple(accumulate([1.9] * 15, mul, initial=1e-5))  # to 0.15: scaled distances beyond a last row that are looked at
+AHEAD: Final = tuple(accumulate([1.9] * 15, mul, initial=1e-5))  # scaled distances beyond a last row, to 0.15
 ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
 
 
