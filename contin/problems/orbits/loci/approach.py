@@ -15,6 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import End
+from contin.machine import elementary
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.ends import LINGERING
 from contin.problems.orbits.layout import Profile
@@ -67,8 +68,8 @@ def _beside(orbits: Any, profile: Profile, saddles: list[Saddle], sizes: Array) 
         closest = left + 1 + int(np.argmin(gaps[left + 1 : right]))
         after = profile.period if right == len(gaps) else float(times[right])
         sides = float(times[closest] - times[left]), after - float(times[closest])
-        decades = float(np.log(NEAR / max(float(gaps[closest]), np.finfo(float).tiny)))
-        largest = max(largest, float(np.exp(-decades / max(sides) * sum(sides))))
+        decades = float(elementary.log(NEAR / max(float(gaps[closest]), np.finfo(float).tiny)))
+        largest = max(largest, float(elementary.exp(-decades / max(sides) * sum(sides))))
     return largest or 1.0
 
 
