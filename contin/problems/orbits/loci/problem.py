@@ -115,8 +115,10 @@ class OrbitLocusProblem(OfSpecialOrbits):
             return Renewal(frame.scale, origin, before, loop, near)
         return renew(self, origin, before, frame, settings)
 
-    def foretold(self, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """A curve of homoclinic orbits that this one was near when its corrector failed."""
+        if before is None:
+            return None
         end = approached(self, origin.z, before.z, frame.scale, failed=True)
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
