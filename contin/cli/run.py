@@ -18,6 +18,7 @@ from contin.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from contin.kernels.progress import Progress
     from contin.runs.plan import Plan
     from contin.store.journal import SqliteJournal
     from contin.store.partial import PartialJson
@@ -177,26 +178,22 @@ def compute(
 ) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
     from contin.kernels.clock import CLOCK
-    from contin.kernels.compile import telling
+    from contin.kernels.progress import telling
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
     from contin.runs.results import OrbitSamples
     from contin.runs.simulations import carry_out as carry_out_simulations
-    from contin.runs.warm import warm_up
     from contin.store.json_format import describe_model, result_document
 
-    status = Status(errors)
+    status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, keeper)
     engine.load()
     imported = time.perf_counter()
     engine.prepare(plan.model)
     lowered = time.perf_counter()
-    with telling(status.compiling):
-        warm_up()
-        warm, stood = time.perf_counter(), CLOCK.stood
-        with status:
-            result = execute(plan, engine, status.say)
-            simulated = carry_out_simulations(plan, status.say, status.count, stopped=result.stopped)
+    with telling(status.making), status:
+        result = execute(plan, engine, status.say)
+        simulated = carry_out_simulations(plan, status.say, status.count, stopped=result.stopped)
     hold()
     ended = time.perf_counter()
     notes = [*result.notes, *simulated.notes]
@@ -206,7 +203,7 @@ def compute(
     timing = {
         "import": imported - began,
         "lower": lowered - imported,
-        "kernels": warm - lowered + CLOCK.stood - stood,  # those that the runs loaded too
+        "kernels": CLOCK.stood - stood,
         "total": ended - began,
     }
     samples = OrbitSamples(notes.append) if orbits or "save" in plan.outputs else None
@@ -230,16 +227,12 @@ class Status:
         moving = console.is_terminal and not console.quiet
         self.shown: Any = console.status("", spinner="dots") if moving else Ticker(console)
         self.run = ""
-        self.told: set[str] = set()  # of kernels that are compiled
 
-    def compiling(self, module: str) -> None:
-        """Where kernels are compiled, on their first use on a machine: the one line that explains the wait."""
-        from contin.runs.warm import waiting
-
-        text = waiting(module)
-        if text is not None and text not in self.told:
-            self.told.add(text)
-            self.console.print(text)
+    def making(self, progress: Progress) -> None:
+        """Where machine code is made, on its first use on a machine: the one line that explains the wait."""
+        if progress.done == 0:
+            self.console.print(f"Compiling {progress.total} numerical kernels for this machine, once ...")
+        self._update(f"{self.run}: {progress.done} of {progress.total} kernels compiled")
 
     def say(self, what: str) -> None:
         """The name of the run that begins."""

@@ -43,7 +43,7 @@ NEWTON_LIMIT = 7
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
 
 
-@kernel
+@kernel("i, b, f1, f1, i, f1, f1, f1, f2, f2, f2 -> b")
 def linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix, block):
     """Evaluate at z: matrix = [scaled F_z; tangent], block = scaled F_u (for eigenvalues), f = scaled F.
 
@@ -74,7 +74,7 @@ def linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix
     return math.isfinite(total)
 
 
-@kernel
+@kernel("f2 -> f")
 def log_determinant(matrix):
     """log |det| from an LU factorisation; the sign of the diagonal's product is `diagonal_sign`."""
     total = 0.0
@@ -83,7 +83,7 @@ def log_determinant(matrix):
     return total
 
 
-@kernel
+@kernel("f2 -> f")
 def diagonal_sign(matrix):
     """Sign of the product of the diagonal."""
     sign = 1.0
@@ -93,7 +93,7 @@ def diagonal_sign(matrix):
     return sign
 
 
-@kernel
+@kernel("i, b, f1, f1, f, f1, f1, f1, i, f1, f, f, f1, f2, f2, f2, i1, f1, f1 -> i")
 def correct(
     address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
     step, sizes,
@@ -147,7 +147,7 @@ def correct(
     return 0
 
 
-@kernel
+@kernel("b, f2, i, f, i1, f2, f1, f1, f1, f1, f1, f1 -> i")
 def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, near_re, near_im):
     """Unit tangent, test functions and eigenvalues from the factors in `matrix`.
 
@@ -172,7 +172,7 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
     return map_tests(re, im, tests) if is_map else flow_tests(re, im, tests)
 
 
-@allocating
+@allocating("i, b, f1, f1, f, f1, f1, i, f1, f, f, f, f1, f1, f1, f1, f1, f1 -> i")
 def probe(
     address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re,
     im, sizes,
@@ -204,7 +204,7 @@ def probe(
     return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im)
 
 
-@allocating
+@allocating("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1 -> i")
 def march(
     address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
     loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,

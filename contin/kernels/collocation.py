@@ -14,6 +14,7 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.compile import allocating, call3, call4, kernel, vector_kernel
+from contin.kernels.signature import structure
 
 LANES = 4  # up to this many states all intervals are eliminated at once, beyond it one after another
 
@@ -34,6 +35,7 @@ Equations = namedtuple(
         "winding",  # (n,) what angles gain in one period
     ],
 )
+structure(Equations, "i, i, i, i, i, i, i, f2, f2, f1, f1, f1")
 
 Points = namedtuple(
     "Points",
@@ -53,6 +55,7 @@ Points = namedtuple(
         "p",  # (m_p,) all parameters (and t), its own copy
     ],
 )
+structure(Points, "f3, f3, f3, f4, f3, f3, f3, f3, f1, f1, f1, f2, f1")
 
 
 def new_points(n, m, intervals, p):
@@ -74,7 +77,7 @@ def new_points(n, m, intervals, p):
     )
 
 
-@kernel
+@kernel("Equations, Points, f1, f1")
 def set_phase(e, w, reference, sizes):
     """Phase condition with respect to `reference` (layout of z): row of weights at the Gauss points.
 
@@ -91,7 +94,7 @@ def set_phase(e, w, reference, sizes):
     w.phase_right[0] = _product(phase, at)
 
 
-@vector_kernel
+@vector_kernel("f1, f2, f1, f3, f3")
 def _set_rows(weights, slopes, sizes, u, phase):
     """phase (m, n, N) = weight * u' / size^2 at the Gauss points."""
     nodes, n, intervals = u.shape
@@ -108,7 +111,7 @@ def _set_rows(weights, slopes, sizes, u, phase):
                     phase[c, k, i] += x * u[j, k, i]
 
 
-@allocating
+@allocating("Equations, Points, f1, b -> b")
 def evaluate(e, w, z, with_jacobian):
     """f (and its Jacobian) at all Gauss points; False where something is not finite."""
     w_u = w.u
@@ -176,7 +179,7 @@ def evaluate(e, w, z, with_jacobian):
     return math.isfinite(total)
 
 
-@vector_kernel
+@vector_kernel("f2, f3, f3")
 def _interpolate(values, u, at):
     """at (m, n, N) = values (m, m + 1) applied to u (m + 1, n, N)."""
     nodes, n, intervals = u.shape
@@ -191,7 +194,7 @@ def _interpolate(values, u, at):
                     at[c, k, i] += x * u[j, k, i]
 
 
-@allocating
+@allocating("Equations, Points, f1 -> (f, f)")
 def forcing_period(e, w, z):
     """(period, its derivative by the varying parameter) of a forced system's orbit."""
     w_p = w.p
@@ -207,7 +210,7 @@ def forcing_period(e, w, z):
     return e_multiple * period[0], e_multiple * derivatives[0, w_F.size + e_active]
 
 
-@kernel
+@kernel("Equations, Points, f1, f2, f1, f1")
 def residual(e, w, z, right, jump, border):
     """Minus the residual: right (m n, N) collocation, jump (n,) periodicity, border[0] phase. Needs `evaluate`."""
     w_u = w.u
@@ -233,7 +236,7 @@ def residual(e, w, z, right, jump, border):
         border[0] = w_phase_right[0] - _product(w_phase, w.at)
 
 
-@vector_kernel
+@vector_kernel("f2, f3, f1, f3, f, f2")
 def _defect(slopes, u, h, f, period, right):
     """right (m n, N): h T f - u' at the Gauss points."""
     nodes, n, intervals = u.shape
@@ -249,7 +252,7 @@ def _defect(slopes, u, h, f, period, right):
                     right[r, i] -= x * u[j, k, i]
 
 
-@vector_kernel
+@vector_kernel("f3, f3 -> f")
 def _product(a, b):
     """Sum of a * b, both (m, n, N)."""
     nodes, n, intervals = a.shape

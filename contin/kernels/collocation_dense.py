@@ -13,7 +13,7 @@ from contin.kernels.vector import multiply, subtract_four
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i2, f2 -> i")
 def eliminate_dense(a, i, count, candidates, pivots, panel):
     """Eliminate columns 0 .. count - 1 of a[i] (rows, columns), pivots from the first `candidates` rows.
 
@@ -43,7 +43,7 @@ def eliminate_dense(a, i, count, candidates, pivots, panel):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i, i2, f2 -> i")
 def _panel(a, i, first, end, candidates, pivots, panel):
     """Factor columns first .. end - 1 (at most four), which stand side by side in panel (4, rows) afterwards.
 
@@ -89,7 +89,7 @@ def _panel(a, i, first, end, candidates, pivots, panel):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, u, u, f2")
 def _to_panel(a, i, start, columns, panel):
     """panel[:columns] = columns of a[i] from `start` on, from row `start` on."""
     second, third, fourth = start + np.uint64(1), start + np.uint64(2), start + np.uint64(3)
@@ -104,7 +104,7 @@ def _to_panel(a, i, start, columns, panel):
                 panel[j, r] = a[i, r, start + j]
 
 
-@vector_kernel
+@vector_kernel("f3, i, u, u, f2")
 def _from_panel(a, i, start, columns, panel):
     """The opposite of `_to_panel`."""
     second, third, fourth = start + np.uint64(1), start + np.uint64(2), start + np.uint64(3)
@@ -119,7 +119,7 @@ def _from_panel(a, i, start, columns, panel):
                 a[i, r, start + j] = panel[j, r]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i, i, i, f2")
 def _subtract_few(a, i, low, high, first, end, beyond, panel):
     """Rows low .. high - 1 of a[i] minus their factors in `panel` times the pivot rows, of which there are fewer than
     four; columns from `beyond` on.
@@ -131,7 +131,7 @@ def _subtract_few(a, i, low, high, first, end, beyond, panel):
                 a[i, r, c] -= x * a[i, k, c]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i, f2")
 def _solve_lower(a, i, first, end, beyond, panel):
     """The pivot rows of a[i] are solved with L, which stands in `panel`; columns from `beyond` on."""
     start, width = np.uint64(beyond), np.uint64(a.shape[2])
@@ -155,7 +155,7 @@ def _solve_lower(a, i, first, end, beyond, panel):
                 a[i, k, c] -= x * a[i, t, c]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, f2")
 def _solve_upper(a, i, first, end, panel):
     """The pivot rows of a[i] are solved with U, which stands in `panel`."""
     width = np.uint64(a.shape[2])
@@ -184,7 +184,7 @@ def _solve_upper(a, i, first, end, panel):
             a[i, k, c] *= x
 
 
-@vector_kernel
+@vector_kernel("f3, i, i2, f2 -> i")
 def invert_dense(a, i, pivots, panel):
     """a[i] (d, d) becomes its inverse, in place (Gauss-Jordan, four columns at a time, row exchanges).
 
@@ -223,7 +223,7 @@ def invert_dense(a, i, pivots, panel):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, f2")
 def _identity(a, i, first, end, panel):
     """Columns first .. end - 1 of a[i] become those of the identity; what stood above row `first` goes to `panel`."""
     start, beyond = np.uint64(first), np.uint64(end)
@@ -236,7 +236,7 @@ def _identity(a, i, first, end, panel):
             a[i, r, c] = 1.0 if r == c else 0.0
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i2, f2, f1")
 def eliminate_right_dense(a, count, low, high, pivots, right, v):
     """The same operations on right-hand sides (rows, N), lanes low .. high - 1; v (rows + 4,) is memory."""
     rows, width = a.shape[1], a.shape[2]
@@ -266,7 +266,7 @@ def eliminate_right_dense(a, count, low, high, pivots, right, v):
                 right[r, i] = v[r] - v[rows + r - first]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, f2, f2, f1")
 def substitute_back_dense(a, count, low, high, known, right, v):
     """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns, known (width - count, N).
 

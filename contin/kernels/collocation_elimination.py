@@ -13,7 +13,7 @@ from contin.kernels.compile import vector_kernel
 THRESHOLD = 0.1  # the natural pivot is kept while it exceeds this part of the largest candidate
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i, i2, f1 -> i")
 def eliminate(a, count, candidates, low, high, pivots, work):
     """Eliminate columns 0 .. count - 1 of lanes low .. high - 1, pivots from the first `candidates` rows.
 
@@ -53,7 +53,7 @@ def eliminate(a, count, candidates, low, high, pivots, work):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i2, f1 -> i")
 def invert(a, pivots, work):
     """All a[:, :, i] (d, d) become their inverses, in place (Gauss-Jordan). pivots (d, lanes) and work are memory.
 
@@ -107,7 +107,7 @@ def invert(a, pivots, work):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i, i2, f1 -> i")
 def _exchange(a, k, candidates, low, high, pivots, largest):
     """Bring the largest candidate to row k in the lanes where the natural pivot is small; (-1)^exchanges."""
     sign = 1
@@ -128,7 +128,7 @@ def _exchange(a, k, candidates, low, high, pivots, largest):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, i2, f2")
 def eliminate_right(a, count, low, high, pivots, right):
     """The same operations on right-hand sides (rows, lanes), with the factors of `eliminate`."""
     rows = a.shape[0]
@@ -145,7 +145,7 @@ def eliminate_right(a, count, low, high, pivots, right):
                 right[r, i] -= a[r, k, i] * right[k, i]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, f2, f2")
 def substitute_back(a, count, low, high, known, right):
     """Solve rows 0 .. count - 1 for their unknowns, given those of the other columns.
 

@@ -26,6 +26,7 @@ from contin.kernels.compile import call3, kernel, part
 from contin.kernels.condensation import eliminate_intervals
 from contin.kernels.filling import fill
 from contin.kernels.floquet import deflate, multipliers, transitions
+from contin.kernels.signature import structure
 from contin.kernels.steering import (
     BOUND,
     CORNER,
@@ -81,6 +82,7 @@ Scratch = namedtuple(
         "none",  # (0,) ... and none of it is an angle
     ],
 )
+structure(Scratch, "f1, f1, f1, f1, f1, f1, f1, f3, f2, f2, f1, f1, f1, f1, f2, f1, f1, f1")
 
 
 def new_scratch(n, nontrivial, intervals, size):
@@ -278,7 +280,10 @@ def outgrown(z, n, count, sizes, period_limit):
     return False
 
 
-@kernel
+@kernel(
+    "i, Equations, Points, Factors, Scratch, f1, f1, f1, f1, i, f1, f, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, "
+    "f1, f1, f1 -> i"
+)
 def follow(
     mode, e, w, s, x, scale, sizes, bounds, controls, limit, top, error_constant, previous_z, previous_tangent,
     previous_tests, loop_z, loop_tangent, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, out_error, info,

@@ -5,7 +5,7 @@ import math
 from contin.kernels.compile import kernel
 
 
-@kernel
+@kernel("f1, i, i, i, f1, f, f1, f1 -> f")
 def mesh_error(z, n, m, intervals, top, constant, sizes, density):
     """Estimated largest error inside an interval, relative to `sizes` (n,); density (N,) receives |u^(m + 1)|.
 
@@ -39,7 +39,7 @@ def mesh_error(z, n, m, intervals, top, constant, sizes, density):
     return largest if math.isfinite(largest) else math.inf
 
 
-@kernel
+@kernel("f1, i, i, f, f1 -> f")
 def evened(z, n, m, constant, density):
     """The error that as many intervals leave where each has the same; density (N,) as `mesh_error` gave it."""
     intervals = density.size

@@ -11,7 +11,7 @@ import numpy as np
 from contin.kernels.compile import vector_kernel
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f1, f1, f1, f, f, f1")
 def predict(here, tangent, before, old, scale, h, h_previous, guess):
     """guess: the point at distance h along the tangent at `here`, on the cubic through the last two points with their
     tangents; on the tangent where h_previous is 0. Shifted along the tangent into the plane at distance h.
@@ -38,7 +38,7 @@ def predict(here, tangent, before, old, scale, h, h_previous, guess):
         guess[j] = here[j] + scale[j] * (guess[j] + (h - ahead) * tangent[j])
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f1, f1 -> f")
 def along(tangent, z, z0, scale):
     """<tangent, (z - z0) / scale>"""
     total = 0.0
@@ -47,7 +47,7 @@ def along(tangent, z, z0, scale):
     return total
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f1 -> f")
 def distance(z, z0, scale):
     """|(z - z0) / scale|"""
     total = 0.0
@@ -57,7 +57,7 @@ def distance(z, z0, scale):
     return math.sqrt(total)
 
 
-@vector_kernel
+@vector_kernel("f1, f1, i -> f")
 def length(step, scale, nodes):
     """Length of a step."""
     last = step[nodes + 1] / scale[scale.size - 1]
@@ -68,7 +68,7 @@ def length(step, scale, nodes):
     return math.sqrt(total)
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f1, i -> f")
 def advance(z, step, scale, nodes):
     """z += step; returns its length."""
     for j in range(np.uint64(nodes + 1)):
@@ -77,7 +77,7 @@ def advance(z, step, scale, nodes):
     return length(step, scale, nodes)
 
 
-@vector_kernel
+@vector_kernel("f1, f1, i, f1")
 def direct(step, scale, nodes, out):
     """out (like z): the unit vector (scaled) along a step."""
     factor = 1.0 / length(step, scale, nodes)

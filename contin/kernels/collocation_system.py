@@ -23,6 +23,7 @@ from contin.kernels.collocation_elimination import eliminate_right, substitute_b
 from contin.kernels.compile import kernel
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.signature import structure
 from contin.kernels.stages import new_stages
 from contin.kernels.stages_dense import expand_stages_dense, reduce_stages_dense
 from contin.kernels.stages_lanes import expand_stages, nodes_of_stages, reduce_stages
@@ -57,6 +58,7 @@ Factors = namedtuple(
         "here",  # (N + 1,) mesh points that are left at a level
     ],
 )
+structure(Factors, "Stages, f3, i2, f3, i2, f3, i2, i2, f2, f2, f2, f2, i1, f1, f2, f2, f2, f2, f2, f1, f2, f2, i1")
 
 
 def new_factors(n, m, intervals):
@@ -96,7 +98,7 @@ def new_factors(n, m, intervals):
     )
 
 
-@kernel
+@kernel("Factors, i, i, f2, f -> i")
 def factorise(s, n, m, border, sign_of_end):
     """Factor what `contin.kernels.filling.fill` has left; border (2, 2) are the border rows' coefficients of T and p.
 
@@ -129,7 +131,7 @@ def factorise(s, n, m, border, sign_of_end):
     return sign * part
 
 
-@kernel
+@kernel("Factors, i, i, f1, f1, f, b, f1")
 def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     """Solve with the factors: s.right_local (rows of the intervals), u(1) - sign_of_end u(0) = jump (n,),
     border (2,).
@@ -149,7 +151,7 @@ def solve(s, n, m, jump, border, sign_of_end, has_local, out):
     expand(s, n, m, start[n], start[n + 1], out)
 
 
-@kernel
+@kernel("Factors, i, f1, f1")
 def solve_start(s, n, jump, border):
     """As `solve` without right-hand sides of the intervals, for (u(0), T, p) alone, into s.right_last (n + 2,)."""
     for r in range(n + 2):
@@ -157,7 +159,7 @@ def solve_start(s, n, jump, border):
     _solve_last(s, n, jump, border)
 
 
-@kernel
+@kernel("Factors, i, f1, f1")
 def _solve_last(s, n, jump, border):
     """s.right_last, the reduced right-hand sides of the intervals, becomes (u(0), T, p)."""
     right, block, below = s.right_last, s.last_right_block, s.last_border_right
@@ -171,7 +173,7 @@ def _solve_last(s, n, jump, border):
     lu_solve(s.last, s.last_pivots, right)
 
 
-@kernel
+@kernel("Factors, i, i")
 def clear_right(s, n, m):
     """Right-hand sides of the intervals: zero."""
     outer, right_inner, right_levels, right_last = s.stages.outer, s.right_inner, s.right_levels, s.right_last
@@ -186,7 +188,7 @@ def clear_right(s, n, m):
         right_last[r] = 0.0
 
 
-@kernel
+@kernel("Factors, i, i")
 def reduce_right(s, n, m):
     """Eliminate s.right_local (collocation rows; those of the borders are taken as zero) into s.right_last (n + 2,)."""
     local, levels, depth = s.local, s.levels, s.depth
@@ -227,7 +229,7 @@ def reduce_right(s, n, m):
         right_last[r] = right_blocks[r, 0]
 
 
-@kernel
+@kernel("Factors, i, i, f, f, f1")
 def expand(s, n, m, period, parameter, out):
     """Everything between u(0) and u(1), which stand in s.points, from the reduced right-hand sides: out as `solve`."""
     local, levels, depth, nodes = s.local, s.levels, s.depth, s.nodes

@@ -5,7 +5,7 @@ import numpy as np
 from contin.kernels.compile import allocating
 
 
-@allocating
+@allocating("i1, i1, i1, i1, i1 -> i")
 def colour_columns(pointers, rows, row_pointers, row_columns, colours):
     """Greedy colouring (Curtis, Powell and Reid 1974) in the given order; returns the number of colours.
 

@@ -18,7 +18,7 @@ def condense(s, n, m):
     return condense_dense(s, n, m) if n > LANES else condense_lanes(s, n, m)
 
 
-@kernel
+@kernel("i2, i2, i1, i, i, i")
 def next_level(depth, nodes, here, level, first, count):
     """Note which mesh points the pairs of neighbouring blocks join; `here` keeps those that are left."""
     pairs = count // 2
@@ -91,7 +91,7 @@ def condense_lanes(s, n, m):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, f3")
 def _first_blocks(local, n, inner, blocks):
     """Blocks of the intervals: what is left of `local`, with an identity for the right end."""
     lanes = np.uint64(local.shape[2])
@@ -106,7 +106,7 @@ def _first_blocks(local, n, inner, blocks):
                 blocks[r, 2 * n + c, i] = local[inner + r, inner + n + c, i]
 
 
-@vector_kernel
+@vector_kernel("f3, f3, i, i, i")
 def _pair_up(blocks, levels, n, pairs, first):
     """Rows of two neighbouring blocks, with the columns of the mesh point between them in front."""
     start, one, two = np.uint64(first), np.uint64(1), np.uint64(2)
@@ -174,7 +174,7 @@ def condense_dense(s, n, m):
     return sign
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, i, f3")
 def _first_block(local, i, n, inner, blocks):
     """Block i: what is left of local[i], with an identity for the right end."""
     one = np.uint64(n)
@@ -187,7 +187,7 @@ def _first_block(local, i, n, inner, blocks):
             blocks[i, r, one + one + c] = local[i, first + r, first + one + c]
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, f3, i")
 def _keep(a, i, count, blocks, j):
     """blocks[j] = what is left of a[i] without its first `count` rows and columns."""
     first = np.uint64(count)
@@ -196,7 +196,7 @@ def _keep(a, i, count, blocks, j):
             blocks[j, r, c] = a[i, first + r, first + c]
 
 
-@vector_kernel
+@vector_kernel("f3, f3, i, i, i")
 def _join(blocks, levels, n, j, k):
     """Rows of blocks 2 j and 2 j + 1, with the columns of the mesh point between them in front."""
     a, b = 2 * j, 2 * j + 1

@@ -17,7 +17,7 @@ ABANDONED = 3.0  # a trial this many boxes away is given up
 CONVERGED = 1e-11
 
 
-@kernel
+@kernel("i, b, f1, f1, f1, f1, f1, f2, i, f1, f2, f2, i1, f1 -> b")
 def deflated_newton(address, is_map, u, p, centre, scale, periods, known, count, f, jacobian, matrix, pivots, step):
     """Newton from u (in place); True where it converged."""
     n = u.size
@@ -79,7 +79,7 @@ def deflated_newton(address, is_map, u, p, centre, scale, periods, known, count,
     return False
 
 
-@allocating
+@allocating("i, b, f2, f1, f1, f1, f1, f2, i, f2, b1")
 def search(address, is_map, starts, p, centre, scale, periods, known, count, out, status):
     """`deflated_newton` from every row of starts (N, n), deflating the first `count` rows of known; see out, status."""
     n = starts.shape[1]

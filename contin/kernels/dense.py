@@ -3,7 +3,14 @@
 from contin.kernels.compile import kernel
 
 
-@kernel
+@kernel("f1, f1")
+def assign(target, source):
+    """target = source, both of one length (numba's own assignment of slices needs its runtime, for its messages)."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@kernel("f2, i1 -> i")
 def lu_factor(a, pivots):
     """Factor `a` (n, n) in place, P a = L U with partial pivoting; returns the sign of P, 0 where a pivot vanishes."""
     n = a.shape[0]
@@ -34,7 +41,7 @@ def lu_factor(a, pivots):
     return sign
 
 
-@kernel
+@kernel("f2, i1, f1")
 def lu_solve(a, pivots, b):
     """Solve with the factors of `lu_factor`, `b` (n,) in place."""
     n = a.shape[0]

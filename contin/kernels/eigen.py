@@ -11,7 +11,7 @@ RADIX = 2.0
 EPSILON = 2.220446049250313e-16
 
 
-@kernel
+@kernel("f2")
 def balance(a):
     """Diagonal similarity by powers of two that makes row and column norms comparable (in place.
 
@@ -50,7 +50,7 @@ def balance(a):
             return
 
 
-@kernel
+@kernel("f2")
 def hessenberg(a):
     """Reduce to upper Hessenberg form by stabilised elementary similarities (in place; below it zeros)."""
     n = a.shape[0]
@@ -83,7 +83,7 @@ def hessenberg(a):
                 a[i2, m - 1] = 0.0
 
 
-@kernel
+@kernel("f, f, f, f, f1, f1, i")
 def pair_of_block(a, b, c, d, re, im, k):
     """Eigenvalues of [[a, b], [c, d]] into re, im at k and k + 1, without cancellation in the real case."""
     p = 0.5 * (a - d)
@@ -102,7 +102,7 @@ def pair_of_block(a, b, c, d, re, im, k):
         im[k + 1] = -im[k]
 
 
-@kernel
+@kernel("f2, f1, f1, f1, f1 -> i")
 def hessenberg_qr(h, re, im, near_re, near_im):
     """Eigenvalues of the upper Hessenberg matrix `h` (destroyed); returns 0, or 1 where the iteration did not converge.
 
@@ -238,7 +238,7 @@ def hessenberg_qr(h, re, im, near_re, near_im):
     return 0
 
 
-@kernel
+@kernel("f2, f1, f1, f1, f1 -> i")
 def eigenvalues(a, re, im, near_re, near_im):
     """Eigenvalues of the real matrix `a` (n, n), which is destroyed, into re and im; returns 0 where all converged.
 

@@ -12,7 +12,7 @@ from contin.kernels.stages_dense import (
 from contin.kernels.stages_lanes import fill_borders, fill_columns, fill_local, invert_pair
 
 
-@kernel
+@kernel("Equations, Points, f1, f1, f1, Factors, f2 -> i")
 def fill(e, w, z, tangent, scale, s, border):
     """s.local and s.stages of `Factors`; border (2, 2): coefficients of T and p. Needs `evaluate` with the Jacobian.
 

@@ -23,7 +23,7 @@ from contin.kernels.vector import add_four, subtract_four
 KEPT = 0.03  # a column that keeps more than this part of its length is orthogonal to rounding after one projection
 
 
-@kernel
+@kernel("f3, i, i, f3")
 def transitions(local, n, m, out):
     """M_i (N, n, n) from the condensed intervals `local` of `Factors`: minus their blocks of the left end."""
     inner = (m - 2) * n
@@ -33,7 +33,7 @@ def transitions(local, n, m, out):
                 out[i, r, c] = -local[i, inner + r, inner + c] if n > LANES else -local[inner + r, inner + c, i]
 
 
-@allocating
+@allocating("f3, f2 -> f")
 def deflate(m_all, directions):
     """Replace every M_i by H_(i+1) M_i H_i, H_i f_i = -+|f_i| e_1 (in place); returns the trivial multiplier.
 
@@ -76,7 +76,7 @@ def deflate(m_all, directions):
     return trivial
 
 
-@allocating_vector_kernel
+@allocating_vector_kernel("f3, i, f2, f2 -> b")
 def sweep(m_all, skip, q, r_product):
     """One turn: q (d, d) orthonormal becomes Q_N, r_product the triangular factor.
 
@@ -106,7 +106,7 @@ def sweep(m_all, skip, q, r_product):
     return True
 
 
-@vector_kernel
+@vector_kernel("f3, i, i, f2, f2")
 def _times(m_all, i, skip, q, y):
     """y = M_i q without the first `skip` rows and columns of M_i; four rows of q at once."""
     n, d = m_all.shape[1], q.shape[0]
@@ -126,7 +126,7 @@ def _times(m_all, i, skip, q, y):
                 y[a, b] += x * q[k, b]
 
 
-@vector_kernel
+@vector_kernel("f2, f2")
 def _times_triangular(r, product):
     """product = r product, both (d, d) upper triangular; four rows at once."""
     d = r.shape[0]
@@ -154,7 +154,7 @@ def _times_triangular(r, product):
         first = end
 
 
-@vector_kernel
+@vector_kernel("f2, f2, f2 -> f")
 def _orthonormalise(q, r, s):
     """Columns of q (d, d) become orthonormal, old q = new q r; s (4, d) is memory. Four columns at once.
 
@@ -176,7 +176,7 @@ def _orthonormalise(q, r, s):
     return least
 
 
-@vector_kernel
+@vector_kernel("f2, f2, i, i -> f")
 def _next_column(q, r, k, end):
     """Column k becomes a unit vector, columns k + 1 .. end - 1 orthogonal to it; returns the part that it had kept."""
     d = q.shape[0]
@@ -203,7 +203,7 @@ def _next_column(q, r, k, end):
     return norm / math.sqrt(whole)
 
 
-@vector_kernel
+@vector_kernel("f2, f2, f2, i, i")
 def _project(q, r, s, first, end):
     """Columns from `end` on become orthogonal to columns first .. end - 1 (four)."""
     d = q.shape[0]
@@ -226,7 +226,7 @@ def _project(q, r, s, first, end):
     subtract_four(q, end, d, d, s, 0, d, q, first, d, 1, rest)
 
 
-@allocating
+@allocating("f3, i, f2, f1, f1 -> b")
 def multipliers(m_all, skip, q, re, im):
     """Multipliers of the cycle into re and im (d,), d = n - skip; q (d, d) is the basis of a neighbour, or NaN.
 
@@ -257,7 +257,7 @@ def multipliers(m_all, skip, q, re, im):
     return eigenvalues(product, re, im, re, im) == 0
 
 
-@allocating_vector_kernel
+@allocating_vector_kernel("f2, f2, f2, f2")
 def _closed(r, begin, q, product):
     """product = r (begin^T q), r upper triangular."""
     d = q.shape[0]

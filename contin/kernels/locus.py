@@ -43,7 +43,7 @@ FOLD, HOPF, BRANCH = range(3)
 TESTS = 6
 
 
-@allocating
+@allocating("f2, f1, f1 -> f")
 def null_vectors(a, right, left):
     """Unit null vectors of a nearly singular matrix (destroyed) by elimination with complete pivoting.
 
@@ -108,7 +108,7 @@ def null_vectors(a, right, left):
     return abs(product)
 
 
-@kernel
+@kernel("f1, f1, i, i, f1, f1 -> i")
 def without(re, im, first, second, rest_re, rest_im):
     """Copy the eigenvalues except two (second = -1: except one)."""
     k = 0
@@ -120,7 +120,7 @@ def without(re, im, first, second, rest_re, rest_im):
     return k
 
 
-@kernel
+@kernel("f1, f1, f -> (i, i)")
 def critical_pair(re, im, kappa):
     """Indices of the two eigenvalues whose sum is nearest 0 and whose product is nearest kappa."""
     n = re.size
@@ -144,7 +144,7 @@ def critical_pair(re, im, kappa):
     return first, second
 
 
-@kernel
+@kernel("f1, f1, i -> f")
 def rest_product(re, im, count):
     """Sign of the product of the eigenvalues with the smallest one's size relative to the largest."""
     sign = 1.0
@@ -159,7 +159,15 @@ def rest_product(re, im, count):
     return sign * smallest / largest if largest > 0.0 and count > 0 else 1.0
 
 
-@allocating
+@kernel("f2, f2")
+def leading_block(matrix, out):
+    """out (n, n) = the first n rows and columns of matrix."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = matrix[i, j]
+
+
+@allocating("i, i, i, f1, i, f1, f2, f1, i1, f1, f1, f1, f1, f1 -> i")
 def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re, im, near_re, near_im):
     """Test functions, eigenvalues of f_u = `matrix` (n, n, scaled); returns the number of unstable ones, the critical
     ones not counted. `original` (m,) receives all parameters of the model, of which `slots` are (first, second)."""
@@ -236,7 +244,7 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
     return unstable
 
 
-@kernel
+@kernel("f2, i1, f1")
 def tangent_of(matrix, pivots, out):
     """Unit tangent from the factors of [F_z; t_old]."""
     n = out.size - 1
@@ -252,7 +260,7 @@ def tangent_of(matrix, pivots, out):
         out[j] /= norm
 
 
-@allocating
+@allocating("i, i, i, i, i, f1, i1, f1, f1, f, f1, f1, i, f1, f, f, f1, f1, f1, f1, f1 -> i")
 def probe(
     address, kind, form2, form3, n, original, slots, z0, tangent, h, guess, p, active, scale, tolerance, trust, z,
     tangent_out, tests, re, im,
@@ -278,10 +286,14 @@ def probe(
     tangent_of(matrix, pivots, tangent_out)
     tests[0] = tangent_out[size]
     re[:] = math.nan
-    return observe(kind, form2, form3, z, n, scale, block[:n, :n].copy(), original, slots, tests, re, im, re, im)
+    states = np.empty((n, n))
+    leading_block(block, states)
+    return observe(kind, form2, form3, z, n, scale, states, original, slots, tests, re, im, re, im)
 
 
-@allocating
+@allocating(
+    "i, i, i, i, i, f1, i1, f1, i, f1, f2, f1, i, f1, f1, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1 -> i"
+)
 def march(
     address, kind, form2, form3, n, original, slots, p, active, scale, walls, controls, limit, previous_tangent,
     previous_tests, loop_z, loop_tangent, seen, periods, growing, out_z, out_t, out_tests, out_unstable, out_re, out_im,
@@ -320,7 +332,7 @@ def march(
         return CORRECTOR
     tangent_of(matrix, pivots, tangent)
     out_re[0] = math.nan
-    states[:] = block[:n, :n]
+    leading_block(block, states)
     tests[0] = tangent[size]
     out_unstable[0] = observe(
         kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[0], out_im[0], out_re[0], out_im[0]
@@ -357,7 +369,7 @@ def march(
             if not cosine >= cos_max and h > max(h_min, SHORTEST):
                 h = max(0.5 * h, h_min, SHORTEST)
                 continue
-            states[:] = block[:n, :n]
+            leading_block(block, states)
             tests[0] = out_t[row, size]
             unstable = observe(
                 kind, form2, form3, z, n, scale, states, original, slots, tests, out_re[row], out_im[row], out_re[k],

@@ -7,7 +7,7 @@ import numpy as np
 from contin.kernels.compile import allocating, call5, call6, kernel
 
 
-@kernel
+@kernel("c2, c1 -> b")
 def complex_solve(a, b):
     """Solve a x = b in place of b by elimination with partial pivoting (a is destroyed); False where a is singular."""
     n = a.shape[0]
@@ -43,7 +43,7 @@ def complex_solve(a, b):
     return True
 
 
-@kernel
+@kernel("i, f1, f1, f1, f1, f1, f1, f1, f1")
 def second(form2, u, p, scale, x, y, wide_x, wide_y, out):
     """out = B(x, y) in scaled states."""
     n = x.size
@@ -55,7 +55,7 @@ def second(form2, u, p, scale, x, y, wide_x, wide_y, out):
         out[i] /= scale[i]
 
 
-@kernel
+@kernel("f1, f1, f1, f1 -> f")
 def dot(p_re, p_im, x_re, x_im):
     """Re <p, x> = Re conj(p) . x"""
     total = 0.0
@@ -64,7 +64,7 @@ def dot(p_re, p_im, x_re, x_im):
     return total
 
 
-@allocating
+@allocating("i, i, f1, f1, f1, f2, f, f1, f1, f1 -> b")
 def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
     """terms[0] = Re G21 and terms[1] = the sum of the moduli of its three terms, in scaled states with |q| = 1.
 

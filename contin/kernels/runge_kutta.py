@@ -15,7 +15,7 @@ DONE, EVENTS, STEPS, SMALL, NOT_FINITE = range(5)
 SAFETY, SHRINK, GROW = 0.9, 0.333, 6.0
 
 
-@kernel
+@kernel("i, i, b, f, f1, f1, f1, f1, f2, f2, i")
 def slope(value, jacobian, forced, t, y, p, u, F, J, out, row):
     """out[row] = dy/dt at (t, y)."""
     n = u.size
@@ -39,7 +39,7 @@ def slope(value, jacobian, forced, t, y, p, u, F, J, out, row):
             out[row, j * n + k] = s
 
 
-@kernel
+@kernel("f2, f1, f, f1")
 def interpolate(dense, start, x, y):
     """y at the fraction x of the step, from its dense output (7, size) and its start."""
     for k in range(y.size):
@@ -50,7 +50,7 @@ def interpolate(dense, start, x, y):
         y[k] = start[k] + s
 
 
-@kernel
+@kernel("i, i, b, f1, f1, f1, i, f1, f1, f2, f2, i1, f2, f1, f1, f2, f2, f2 -> i")
 def integrate(
     value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes,
     dense,

@@ -23,6 +23,7 @@ from collections import namedtuple
 import numpy as np
 
 from contin.kernels.collocation_basis import basis
+from contin.kernels.signature import structure
 
 Stages = namedtuple(
     "Stages",
@@ -41,6 +42,7 @@ Stages = namedtuple(
         "vector",  # (2, max(2, m) n) memory
     ],
 )
+structure(Stages, "f2, f2, f3, f4, i2, f3, f3, f2, f2, f2, f2")
 
 
 def new_stages(n: int, m: int, intervals: int, dense: bool) -> Stages:

@@ -7,7 +7,7 @@ from contin.kernels.compile import vector_kernel
 from contin.kernels.vector import multiply
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages, i, f2 -> i")
 def invert_pair_dense(e, w, period, g, i, panel):
     """g.inverse[i] from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0: one vanishes."""
     n, m = e.n, e.m
@@ -28,7 +28,7 @@ def invert_pair_dense(e, w, period, g, i, panel):
     return invert_dense(inverse, i, g.pivots, panel)
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages, i, f")
 def fill_columns_dense(e, w, period, g, i, start):
     """g.columns[i], and g.timing[i] from them and the inverse."""
     n, m = e.n, e.m
@@ -51,7 +51,7 @@ def fill_columns_dense(e, w, period, g, i, start):
             timing[i, x, r] = total
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f3, Stages, i")
 def fill_borders_dense(e, w, nodes_of_arc, g, i):
     """g.borders[i]; nodes_of_arc (m + 1, n, N): the arclength row's coefficients of the values at the nodes."""
     n, m = e.n, e.m
@@ -65,7 +65,7 @@ def fill_borders_dense(e, w, nodes_of_arc, g, i):
             borders[i, 1, x, k] = total
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages, i, f3")
 def fill_local_dense(e, w, period, g, i, local):
     """What is left for the inner stages: local[i] of `Factors`."""
     n, m = e.n, e.m
@@ -105,7 +105,7 @@ def fill_local_dense(e, w, period, g, i, local):
                     local[i, r, first + q] -= x * product[k, q] + y * product[n + k, q]
 
 
-@vector_kernel
+@vector_kernel("Equations, Stages, i, f3")
 def fill_timing_dense(e, g, i, local):
     """The columns of T and p of local[i]."""
     n, m = e.n, e.m
@@ -125,7 +125,7 @@ def fill_timing_dense(e, g, i, local):
             local[i, inner + n + p, inner + n + q] = -total
 
 
-@vector_kernel
+@vector_kernel("Stages, i, i, f2, f2")
 def reduce_stages_dense(g, n, m, right, reduced):
     """Right-hand sides `right` (m n, N) -> g.outer and `reduced` ((m - 1) n + 2, N), those of `local`."""
     outer, inverse, differences, nodes, borders, v = g.outer, g.inverse, g.differences, g.nodes, g.borders, g.vector
@@ -149,7 +149,7 @@ def reduce_stages_dense(g, n, m, right, reduced):
             reduced[inner + n + p, i] = -total
 
 
-@vector_kernel
+@vector_kernel("Stages, i, i, f2, f2, f, f")
 def expand_stages_dense(g, n, m, points, inner_values, period, parameter):
     """g.values from u at the mesh points (n, N + 1), the inner stages' values ((m - 2) n, ..), T, p and g.outer."""
     values, outer, inverse, differences, timing, v = g.values, g.outer, g.inverse, g.differences, g.timing, g.vector

@@ -6,7 +6,7 @@ from contin.kernels.collocation_elimination import invert
 from contin.kernels.compile import vector_kernel
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages, f1 -> i")
 def invert_pair(e, w, period, g, work):
     """g.inverse from the Jacobians at the outer Gauss points; returns the sign of the pivots, 0 where one vanishes."""
     n, m = e.n, e.m
@@ -27,7 +27,7 @@ def invert_pair(e, w, period, g, work):
     return invert(inverse, g.pivots, work)
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages")
 def fill_columns(e, w, period, g):
     """g.columns, and g.timing from them and the inverse."""
     n, m = e.n, e.m
@@ -58,7 +58,7 @@ def fill_columns(e, w, period, g):
                     timing[x, r, i] += total
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f3, Stages")
 def fill_borders(e, w, nodes_of_arc, g):
     """g.borders; nodes_of_arc (m + 1, n, N): the arclength row's coefficients of the values at the nodes."""
     n, m = e.n, e.m
@@ -81,7 +81,7 @@ def fill_borders(e, w, nodes_of_arc, g):
                     borders[1, x, k, i] += y * nodes_of_arc[j, k, i]
 
 
-@vector_kernel
+@vector_kernel("Equations, Points, f, Stages, f3")
 def fill_local(e, w, period, g, local):
     """What is left for the inner stages: `local` of `Factors`."""
     n, m = e.n, e.m
@@ -112,7 +112,7 @@ def fill_local(e, w, period, g, local):
                 local[r, inner + n + x, i] += g.columns[x, n + r, i]
 
 
-@vector_kernel
+@vector_kernel("i, i, f2, Stages, i, i, i, f3")
 def _spread_column(n, m, product, g, stage, q, column, local):
     """One column of `local` from Z times that of the pair; of state q of (u_0, v)[stage], -1: of T or p."""
     differences, nodes, borders = g.differences, g.nodes, g.borders
@@ -142,7 +142,7 @@ def _spread_column(n, m, product, g, stage, q, column, local):
                 local[r, column, i] -= borders[p, 1, k, i] * product[k, i] + borders[p, m, k, i] * product[n + k, i]
 
 
-@vector_kernel
+@vector_kernel("Stages, i, i, f2, f2")
 def reduce_stages(g, n, m, right, reduced):
     """Right-hand sides `right` (m n, N) -> g.outer and `reduced` ((m - 1) n + 2, N), those of `local`."""
     outer, inverse, differences, nodes, borders = g.outer, g.inverse, g.differences, g.nodes, g.borders
@@ -172,7 +172,7 @@ def reduce_stages(g, n, m, right, reduced):
                 reduced[inner + n + p, i] -= total
 
 
-@vector_kernel
+@vector_kernel("Stages, i, i, f2, f2, f, f")
 def expand_stages(g, n, m, points, inner_values, period, parameter):
     """g.values from u at the mesh points (n, N + 1), the inner stages' values ((m - 2) n, ..), T, p and g.outer."""
     values, outer, inverse, differences, product = g.values, g.outer, g.inverse, g.differences, g.product
@@ -200,7 +200,7 @@ def expand_stages(g, n, m, points, inner_values, period, parameter):
                 values[r, i] -= inverse[s, q, i] * product[q, i] + inverse[s, n + q, i] * product[n + q, i]
 
 
-@vector_kernel
+@vector_kernel("Stages, i, i, i, f2, f2")
 def nodes_of_stages(g, n, m, j, points, out):
     """out (n, N): the values at node j of all intervals."""
     values, nodes = g.values, g.nodes

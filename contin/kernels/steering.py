@@ -23,7 +23,7 @@ ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a 
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
 
 
-@kernel
+@kernel("f, f, f, f, f -> b")
 def is_dip(before, here, after, h_before, h_after):
     """True where |test| has a local minimum at `here` that may hide two zeros.
 

@@ -17,7 +17,7 @@ STABILITY_NOISE = 1e-13  # an eigenvalue this small beside the largest has no si
 PAIR_NOISE = 1e-14  # ... nor a sum this small: in a conservative system l and -l are eigenvalues all along a branch
 
 
-@kernel
+@kernel("f1, f1, f1 -> i")
 def flow_tests(re, im, tests):
     """Fill tests[2] (pairs) and tests[3] (1: no flips in a flow); returns the number of eigenvalues with Re > 0."""
     n = re.size
@@ -47,7 +47,7 @@ def flow_tests(re, im, tests):
     return unstable
 
 
-@kernel
+@kernel("f1, f1, f1 -> i")
 def map_tests(re, im, tests):
     """Fill tests[2] (pairs) and tests[3] (flips); returns the number of multipliers outside the unit circle."""
     n = re.size

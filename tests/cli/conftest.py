@@ -5,6 +5,6 @@ import pytest
 
 @pytest.fixture(scope="session", autouse=True)
 def _compiled():
-    from contin.runs.warm import warm_up
+    from tests.warm import warm_up
 
     warm_up()

@@ -17,8 +17,8 @@ from contin.cli.main import main
 from contin.continuation.problem import Chunk, Stop
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.runs.warm import warm_up
 from contin.store.journal import SqliteJournal, packed, unpacked
+from tests.warm import warm_up
 
 
 def chunk(rows: int = 3) -> Chunk:

@@ -6,6 +6,7 @@ Step control as in `contin.kernels.runge_kutta`. Memory does not grow with the t
 import math
 
 from contin.kernels.compile import allocating, kernel
+from contin.kernels.dense import assign
 from contin.kernels.dop853 import STAGES
 from contin.kernels.piecewise.flow import rates, settle, slope_at
 from contin.kernels.piecewise.landing import cross, earliest, land
@@ -17,7 +18,7 @@ RESOLVED = 3.0  # step times rate: an oscillation has at least two steps a turn
 SHORT_PIECES = 200  # consecutive pieces much shorter than a step: crossings accumulate
 
 
-@kernel
+@kernel("Flow, FlightMemory, f1, f, f -> f")
 def initial_step(flow, m, y, rtol, atol):
     """0.01 |y| / |y'|, weighted as errors are."""
     top, bottom = 0.0, 0.0
@@ -28,7 +29,7 @@ def initial_step(flow, m, y, rtol, atol):
     return 0.01 * math.sqrt(top / bottom) if top > 1e-10 and bottom > 1e-10 else 1e-6
 
 
-@kernel
+@kernel("FlightMemory, i -> f")
 def longest(m, n):
     """The longest step that resolves what the last one saw: |change of slope| / |change of state| is a rate.
 
@@ -41,7 +42,7 @@ def longest(m, n):
     return RESOLVED * math.sqrt(top / bottom) if bottom > 0.0 and top > 0.0 else math.inf
 
 
-@allocating
+@allocating("Flow, FlightMemory, f1, f1, i, b, f1, f2, f2, f2, i1 -> i")
 def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
     """Integrate y in place from controls[0] to controls[1].
 
@@ -75,7 +76,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
         used = min(h, t_end - t)
         if used < 1e-14 * max(abs(t), 1e-300) and t_end - t > used:
             return SMALL
-        m.begin[:] = y
+        assign(m.begin, y)
         controls[7] = t
         error = attempt(flow, m, t, used, rtol, atol)
         counts[2] += 1
@@ -104,14 +105,15 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
                 prepare_dense(flow, m, t, length)
             while counts[0] < times.size and times[counts[0]] <= t + length:
                 interpolate(m.dense, m.begin, (times[counts[0]] - t) / span, m.point)
-                samples[counts[0], :] = m.point
+                assign(samples[counts[0]], m.point)
                 counts[0] += 1
         t = t_end if length == used and t + used >= t_end else t + length
         if met >= 0:
             short = short + 1 if length < 1e-6 * used else 0
             if met == flow.surface_count and counts[1] < events.shape[0]:
                 events[counts[1], 0] = t
-                events[counts[1], 1:] = m.trial
+                for k in range(m.trial.size):
+                    events[counts[1], 1 + k] = m.trial[k]
                 counts[1] += 1
             counts[5] += 1 if touched else 0
             blocked = cross(flow, m, used, met, touched)
@@ -124,10 +126,10 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
                 counts[4] += 1
             if blocked != -1 or short > SHORT_PIECES:
                 counts[6] = blocked if blocked >= 0 else met
-                y[:] = m.trial
+                assign(y, m.trial)
                 controls[0] = t
                 return SLIDING
-            y[:] = m.trial
+            assign(y, m.trial)
             slope_at(flow, m, t, y, 0)
             rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
             for j in range(flow.surface_count + 1):
@@ -135,8 +137,8 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
                     m.g0[j] = max(m.g0[j], 0.0)
         else:
             limit = longest(m, n)
-            y[:] = m.trial
-            m.slopes[0, :] = m.slopes[STAGES]
+            assign(y, m.trial)
+            assign(m.slopes[0], m.slopes[STAGES])
             for j in range(flow.surface_count + 1):
                 if m.g1[j] < 0.0 and j == flow.surface_count:  # the section, against its direction
                     m.sigma[j] = -m.sigma[j]

@@ -11,6 +11,7 @@ import numpy as np
 
 from contin.kernels.compile import call3, call4, kernel, part
 from contin.kernels.dop853 import STAGES
+from contin.kernels.signature import structure
 
 ON_SURFACE = 1e-14  # |h| beside sum |h_u u|: the start lies on the surface
 
@@ -29,7 +30,10 @@ class Flow(NamedTuple):
     section: Any  # (n + 2,) normal, offset, direction; normal 0: no section
 
 
-class Memory(NamedTuple):
+structure(Flow, "i, i, i, i, i, i, b, i1, f1")
+
+
+class FlightMemory(NamedTuple):
     """Arrays the kernels work in; p and sigma carry the state of the flight between calls."""
 
     p: Any  # parameters, modes, time
@@ -50,10 +54,13 @@ class Memory(NamedTuple):
     dense: Any
 
 
+structure(FlightMemory, "f1, f1, f1, f1, f2, f1, f2, f1, f1, f1, f1, f2, f1, f1, f1, f2")
+
+
 def new_memory(n, count, p_size, size):
-    """Memory for a state (with its variations) of this size."""
+    """FlightMemory for a state (with its variations) of this size."""
     surfaces = count + 1
-    return Memory(
+    return FlightMemory(
         np.zeros(p_size), np.zeros(surfaces), np.zeros(n), np.zeros(n), np.zeros((n, n + p_size)), np.zeros(count),
         np.zeros((count, n + p_size)), np.zeros(surfaces), np.zeros(surfaces), np.zeros(surfaces), np.zeros(surfaces),
         np.zeros((STAGES + 4, size)), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros((7, size)),
@@ -64,7 +71,7 @@ def new_memory(n, count, p_size, size):
 def slope(value, jacobian, forced, columns, t, y, p, u, f, J, slopes, row):
     """slopes[row] = dy/dt at (t, y) in the modes of p; y = (u, v_1, .., v_k), v' = f_u v (+ f_q).
 
-    Arguments one by one: handing over all of `Memory` takes longer than a small model's formulas.
+    Arguments one by one: handing over all of `FlightMemory` takes longer than a small model's formulas.
     """
     n = u.size
     for k in range(n):
@@ -93,7 +100,7 @@ def slope_at(flow, m, t, y, row):
     slope(flow.value, flow.jacobian, flow.forced, flow.columns, t, y, m.p, m.u, m.f, m.J, m.slopes, row)
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, f1, f1, f1, f1")
 def rates(flow, m, t, y, f, g, d):
     """g_j and dg_j/dt at (t, y), where the state moves with f, for all surfaces and the section."""
     n = flow.n
@@ -125,7 +132,7 @@ def crossing_speed(flow, m, j, f):
     return s
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, f1 -> i")
 def settle(flow, m, t, y):
     """Modes at a start: signs of the surface functions; on a surface, the side that the flow goes to.
 

@@ -6,6 +6,7 @@ the sensitivity h_q where v is one to a parameter q. Surfaces met together are c
 """
 
 from contin.kernels.compile import allocating, call3, kernel, part
+from contin.kernels.dense import assign
 from contin.kernels.dop853 import STAGES
 from contin.kernels.piecewise.flow import crossing_speed, rates, set_mode, slope_at
 from contin.kernels.piecewise.step import attempt, first_zero, prepare_dense, short_step
@@ -27,7 +28,7 @@ def wanted(flow, m, j):
     return direction == 0.0 or direction * m.sigma[j] < 0.0
 
 
-@kernel
+@kernel("Flow, FlightMemory, f -> (i, f)")
 def earliest(flow, m, h):
     """(surface, fraction of the step) met first between m.g0, m.d0 and m.g1, m.d1; (-1, 2) for none.
 
@@ -42,7 +43,7 @@ def earliest(flow, m, h):
     return best, place
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, f, i, f, f, f, f, f1 -> (i, f)")
 def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
     """Shorten the step from m.begin so that it ends on the first surface met, within a step that crosses surface j.
 
@@ -106,7 +107,7 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
     return j, length + total
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, i -> (i, f)")
 def earliest_negative(flow, m, length, j):
     """Another surface than j that is already passed at the end of the step, and where (fraction); -1 for none."""
     best, place = -1, 2.0
@@ -118,7 +119,7 @@ def earliest_negative(flow, m, length, j):
     return best, place
 
 
-@allocating
+@allocating("Flow, FlightMemory, f, i, b -> i")
 def cross(flow, m, h, met, touched):
     """New modes at m.trial, which lies on surface `met`, and the saltation of its variations; repairs m.g1.
 
@@ -128,7 +129,7 @@ def cross(flow, m, h, met, touched):
     """
     n, surfaces = flow.n, flow.surface_count + 1
     old, new = m.point[:n], m.begin[:n]  # free now
-    old[:] = m.slopes[STAGES, :n]
+    assign(old, m.slopes[STAGES])
     for i in range(surfaces):
         on = i == met or m.g1[i] <= TOGETHER * h * abs(m.d1[i])
         m.g0[i] = 1.0 if on and (i < flow.surface_count or i == met) else 0.0
@@ -146,9 +147,9 @@ def cross(flow, m, h, met, touched):
             if not (speed * m.sigma[i] < 0.0 or (forced and i == met)):
                 continue
             set_mode(flow, m, i, -m.sigma[i])
-            m.u[:] = m.trial[:n]
+            assign(m.u, m.trial)
             call3(flow.value, m.u, m.p, m.f)
-            new[:] = m.f
+            assign(new, m.f)
             after = crossing_speed(flow, m, i, new)
             if after * m.sigma[i] <= 0.0 and not forced:
                 return i
@@ -164,7 +165,7 @@ def cross(flow, m, h, met, touched):
                         s += m.dh[i, k] * m.trial[at + k]
                     for k in range(n):
                         m.trial[at + k] += (new[k] - old[k]) * s / speed
-            old[:] = new
+            assign(old, new)
             m.d0[i] = 1.0
             changed = True
             forced = False

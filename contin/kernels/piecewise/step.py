@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from contin.kernels.compile import allocating, kernel
+from contin.kernels.dense import assign
 from contin.kernels.dop853 import E3, E5, STAGES, A, B, C, D
 from contin.kernels.piecewise.flow import slope, slope_at
 
@@ -17,7 +18,7 @@ SCAN = 16  # points of a step at which the Hermite cubic of a surface function i
 NEAR = 0.2  # of the smaller end value: a minimum this low may hide two crossings
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, f, f, f -> f")
 def attempt(flow, m, t, h, rtol, atol):
     """A step of length h from m.begin (slope in row 0) to m.trial; returns the error estimate (1: as allowed)."""
     begin, trial, slopes, p, u, f, J = m.begin, m.trial, m.slopes, m.p, m.u, m.f, m.J
@@ -47,12 +48,12 @@ def attempt(flow, m, t, h, rtol, atol):
     return h * error5 / bottom if bottom > 0.0 else error5
 
 
-@allocating
+@allocating("Flow, FlightMemory, f, f")
 def prepare_dense(flow, m, t, h):
     """Dense output of the step just attempted; the slope at its end stands in row STAGES."""
     size = m.begin.size
     for stage in range(STAGES + 1, STAGES + 4):
-        m.point[:] = m.begin
+        assign(m.point, m.begin)
         for j in range(stage):
             a = h * A[stage, j]
             if a != 0.0:
@@ -71,7 +72,7 @@ def prepare_dense(flow, m, t, h):
             m.dense[3 + i, k] = h * s
 
 
-@kernel
+@kernel("Flow, FlightMemory, f, f")
 def short_step(flow, m, t, h):
     """Move m.trial (slope in row STAGES) by a very short time h, of either sign: classical order 4, error h^5.
 
@@ -93,14 +94,14 @@ def short_step(flow, m, t, h):
     slope_at(flow, m, t + h, m.trial, STAGES)
 
 
-@kernel
+@kernel("f, f, f, f, f -> f")
 def cubic(x, g0, d0, g1, d1):
     """Hermite cubic on [0, 1] with these values and slopes (d: times the length of the step)."""
     change = g1 - g0
     return g0 + x * (change + (1.0 - x) * ((1.0 - x) * (d0 - change) - x * (d1 - change)))
 
 
-@kernel
+@kernel("f, f, f, f -> f")
 def first_zero(g0, d0, g1, d1):
     """Where the cubic first falls through zero, as a fraction of the step; 2 where it does not.
 

@@ -8,7 +8,7 @@ from contin.kernels.special_orbits.memory import BPC, LPC, PD
 STILL = 1e-8  # a part of the unit tangent this small has no direction
 
 
-@kernel
+@kernel("i, f1, f1, f2, f2, f2, f2, f1, f1, f1")
 def carry(kind, across, along, rows, start, y, v, sizes, scale, tangent):
     """Directions of the parameters (`turn_to`), row and start vector from the null functions y[2] and v[0].
 
@@ -45,7 +45,7 @@ def carry(kind, across, along, rows, start, y, v, sizes, scale, tangent):
             start[k, 0] = v[0, k] / (sizes[k] * sizes[k] * math.sqrt(total))
 
 
-@kernel
+@kernel("f1, f1, f1, f, f")
 def turn_to(across, along, scale, a, b):
     """New directions of the parameters: a `across` + b `along`, and one normal to it, both of scaled length 1."""
     last = scale.size - 1

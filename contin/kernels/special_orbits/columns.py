@@ -6,7 +6,7 @@ from contin.kernels.collocation import LANES
 from contin.kernels.compile import allocating, call4, call5, kernel, vector_kernel
 
 
-@allocating
+@allocating("Equations, Curve, Points, f1, f3")
 def second_column(e, c, w, z, fq):
     """fq at the Gauss points. Needs `evaluate`."""
     n, m = e.n, e.m
@@ -28,7 +28,7 @@ def second_column(e, c, w, z, fq):
         start += w.h[i]
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f3, f3, f3")
 def turn(across, along, fp, fq, fr):
     """fp, fq -> by s (in place of fp) and by r."""
     m, n, intervals = fp.shape
@@ -41,7 +41,7 @@ def turn(across, along, fp, fq, fr):
                 fr[g, k, i] = along[0] * a + along[1] * b
 
 
-@vector_kernel
+@vector_kernel("f3, f1, f, f2")
 def slope_right(fr, h, period, right):
     """right = h T f_r."""
     m, n, intervals = fr.shape
@@ -51,7 +51,7 @@ def slope_right(fr, h, period, right):
                 right[g * n + k, i] = h[i] * period * fr[g, k, i]
 
 
-@kernel
+@kernel("f2, i, i, i, f4, f4, f2, i")
 def spread(y, row, n, m, node, at, values, to):
     """Row of y to its values interval by interval and at the Gauss points (index `to`)."""
     intervals = node.shape[3]
@@ -64,7 +64,7 @@ def spread(y, row, n, m, node, at, values, to):
     to_gauss(values, node, at, to)
 
 
-@vector_kernel
+@vector_kernel("f2, f4, f4, i")
 def to_gauss(values, node, at, to):
     """at[to] (m, n, N) = values (m, m + 1) applied to node[to] (m + 1, n, N)."""
     _, nodes, n, intervals = node.shape
@@ -80,7 +80,7 @@ def to_gauss(values, node, at, to):
                     at[to, g, k, i] += x * node[to, j, k, i]
 
 
-@kernel
+@kernel("Equations, Curve, Points, Frame, CurveMemory, i, f, f")
 def second_derivatives(e, c, w, f, o, which, by_period, by_s):
     """rate = Df[v] and bend = D^2f[v, .] at the Gauss points, v at place `which` of o.at with its T and s parts."""
     n, m = e.n, e.m
@@ -112,7 +112,7 @@ def second_derivatives(e, c, w, f, o, which, by_period, by_s):
         start += w.h[i]
 
 
-@vector_kernel
+@vector_kernel("Equations, Curve, Points, CurveMemory, i, f, f, f, f, f, f, f, f2")
 def right_side(e, c, w, o, to, period, v_period, y_period, y_p, y_q, y_s, y_r, right):
     """right = -D^2F[v, y] = h (T D^2f[v, y] + v_T Df[y] + y_T Df[v]) at the Gauss points; y at place `to` of o.at."""
     n, m = e.n, e.m

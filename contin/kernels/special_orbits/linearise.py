@@ -46,7 +46,7 @@ def linearise(e, c, w, s, f, o, q, extra):
     return 0
 
 
-@kernel
+@kernel("Equations, Curve, Points, Frame, CurveMemory -> f")
 def period_row(e, c, w, f, o):
     """o.corner: coefficients of T and s in the forcing period's row (autonomous: 0); returns minus that of r."""
     corner, by_all = o.corner, o.by_all
@@ -63,7 +63,7 @@ def period_row(e, c, w, f, o):
     return by_r
 
 
-@kernel
+@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory, f, f")
 def solutions(e, c, w, s, f, o, extra, by_r):
     """o.y: F_(u, T, s) y = (-F, -F_r, 0, 0), the rows of the frame 0 but 1 for the null vectors."""
     n, m, x, jump = e.n, e.m, o.x, o.jump
@@ -85,7 +85,7 @@ def solutions(e, c, w, s, f, o, extra, by_r):
         finish(s, n, m, f, o, border, j < 2, j)
 
 
-@kernel
+@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory")
 def reduce_slopes(e, c, w, s, f, o):
     """o.reduced: -D^2F[v, y] for all v and y, condensed. NS: the last column belongs to k."""
     n, m, y, v = e.n, e.m, o.y, o.v
@@ -121,7 +121,7 @@ def reduce_slopes(e, c, w, s, f, o):
                 o.reduced[1, 3, r] -= 2.0 * s.end[r, n + j] * v[1, j]
 
 
-@kernel
+@kernel("Equations, Curve, Factors, CurveMemory")
 def slopes(e, c, s, o):
     """o.dG from o.reduced."""
     n, x, dG = e.n, o.x, o.dG

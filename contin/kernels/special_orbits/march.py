@@ -19,7 +19,10 @@ AGAIN = 8  # points for which it is believed
 SMALL = 2e-3  # relative amplitude down to which orbits that shrink are followed
 
 
-@kernel
+@kernel(
+    "i, Equations, Curve, Points, Factors, Scratch, Frame, CurveMemory, f1, f1, f1, f1, f2, i, f1, f1, f2, f2, f2, "
+    "f2, i1, f2, f2, f1, f1 -> i"
+)
 def follow_special(
     mode, e, c, w, s, x, f, o, scale, sizes, weights, controls, walls, limit, before_z, before_t, normals, out_z, out_t,
     out_tests, out_unstable, out_re, out_im, out_h, info,

@@ -4,12 +4,15 @@ from collections import namedtuple
 
 import numpy as np
 
+from contin.kernels.signature import structure
+
 LPC, PD, NS, BPC = range(4)
 FAILED, NOT_FINITE = -1, -2
 TEST_COUNTS = (6, 6, 10, 5)  # test functions of each kind, see `contin.kernels.special_orbits.tests`
 
 # gradient: address of (u, p, v, Df[v], D^2f[v, .]); second: index of q, that of p itself where no curve is followed
 Curve = namedtuple("Curve", ["kind", "gradient", "second"])
+structure(Curve, "i, i, i")
 
 Frame = namedtuple(
     "Frame",
@@ -21,9 +24,10 @@ Frame = namedtuple(
         "start",  # (n, 2) c or C of v(0)
     ],
 )
+structure(Frame, "f1, f1, f2, f2, f2")
 
-Memory = namedtuple(
-    "Memory",
+CurveMemory = namedtuple(
+    "CurveMemory",
     [
         "fq",  # (m, n, N) f by the second parameter
         "fr",  # (m, n, N) by r
@@ -76,10 +80,15 @@ Memory = namedtuple(
         "by_all",  # (1, n + m_p)
     ],
 )
+structure(
+    CurveMemory,
+    "f3, f3, f2, f2, f4, f4, f3, f4, f2, i1, f2, i1, f1, f3, f2, i1, f1, f1, f1, f1, f1, f2, f2, f1, f1, f1, "
+    "f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f1, f2, f1, f1, f1, f1, f1, f2, f1, f1, f2",
+)
 
 
 def new_curve_memory(kind, n, m, free, intervals, p_size):
-    """Memory for `follow_special` on one mesh; `free` multipliers are not trivial."""
+    """CurveMemory for `follow_special` on one mesh; `free` multipliers are not trivial."""
     nu = (intervals * m + 1) * n
     last = n + 3 if kind == BPC else n + 2
     null = 2 * n + 2 if kind == NS else n + 1
@@ -87,7 +96,7 @@ def new_curve_memory(kind, n, m, free, intervals, p_size):
     family = nu + intervals + 2
     size = family + small - 1
     others = max(free - (2 if kind == NS else 1), 0)
-    return Memory(
+    return CurveMemory(
         np.zeros((m, n, intervals)), np.zeros((m, n, intervals)), np.zeros((4, nu + 3)), np.zeros((2, nu + 3)),
         np.zeros((5, m + 1, n, intervals)), np.zeros((5, m, n, intervals)), np.zeros((m, n, intervals)),
         np.zeros((m, n, n + p_size, intervals)), np.zeros((last, last)), np.zeros(last, np.int64),

@@ -5,7 +5,7 @@ import numpy as np
 from contin.kernels.compile import vector_kernel
 
 
-@vector_kernel
+@vector_kernel("f1, f1, f1, f1, i, i, f1")
 def bring_in_phase(guess, here, scale, weights, n, nodes, drift):
     """Shift the orbit `guess` in time until it is in phase with `here`, to first order.
 
@@ -25,7 +25,7 @@ def bring_in_phase(guess, here, scale, weights, n, nodes, drift):
             guess[j] -= shift / size * drift[j]
 
 
-@vector_kernel
+@vector_kernel("f1, f1, i, i -> b")
 def turned_over(a, b, n, nodes):
     """True where the orbit between a and b has shrunk to a point: seen from its mean it lies on the other side."""
     total = 0.0

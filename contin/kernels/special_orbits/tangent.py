@@ -8,7 +8,7 @@ from contin.kernels.compile import kernel, vector_kernel
 from contin.kernels.special_orbits.memory import BPC, LPC, NS, PD
 
 
-@vector_kernel
+@vector_kernel("i, f1, f1, f2, f1, f2")
 def changes(kind, across, along, y, scale, d):
     """d (4, N): the scaled changes of z that the rows of y stand for (row 3 of NS: of k alone)."""
     size = scale.size
@@ -30,7 +30,7 @@ def changes(kind, across, along, y, scale, d):
         d[3, size - 3] = 1.0 / scale[size - 3]
 
 
-@vector_kernel
+@vector_kernel("f2, i, f1 -> f")
 def product(d, row, direction):
     """<d[row], direction>"""
     total = 0.0
@@ -39,7 +39,7 @@ def product(d, row, direction):
     return total
 
 
-@vector_kernel
+@vector_kernel("f2, f, f1, i, f1 -> f")
 def combined(d, first, weights, count, out):
     """out = first * d[0] + sum of weights[row] d[row + 1]; returns its length."""
     for j in range(np.uint64(out.size)):
@@ -54,7 +54,7 @@ def combined(d, first, weights, count, out):
     return math.sqrt(total)
 
 
-@kernel
+@kernel("i, f2, f2, f1, f1, f1 -> b")
 def tangent_of(kind, dG, d, weights, guide, out_t):
     """Unit tangent of the curve into out_t, along `guide`; False where it is not defined."""
     count = 3

@@ -14,7 +14,7 @@ from contin.kernels.special_orbits.memory import LPC, NS, PD
 from contin.kernels.tests_of_stability import map_tests
 
 
-@kernel
+@kernel("i, f1, f1, f, f, f1, f1, f1, f1 -> i")
 def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
     """Fill tests, of which 0 and 1 are not used, from the nontrivial multipliers; k is the further unknown of NS.
 
@@ -64,7 +64,7 @@ def special_tests(kind, re, im, k, speed, others_re, others_im, four, tests):
     return count
 
 
-@kernel
+@kernel("i, f1, f1, f, f, i -> i")
 def nearest(kind, re, im, k, sense, excluded):
     """Index of the multiplier nearest to the critical one: 1, -1, or of NS a root of m^2 - 2 k m + 1 = 0."""
     x = 1.0
@@ -85,7 +85,7 @@ def nearest(kind, re, im, k, sense, excluded):
     return found
 
 
-@kernel
+@kernel("f1, f1, f, f1, f1, f2, i, f1")
 def find_normal(across, along, slope, place, scale, normals, known, normal):
     """Unit normal of a curve of folds in the scaled plane of the parameters, in the sense of the nearest point known.
 
@@ -109,7 +109,7 @@ def find_normal(across, along, slope, place, scale, normals, known, normal):
     normal[1] /= length
 
 
-@kernel
+@kernel("f1, f1, f2, i -> i")
 def remember(place, normal, normals, known):
     """Add a place and its normal; returns the new number of known ones."""
     for i in range(3):

@@ -1,0 +1,1 @@
+"""Kernels to machine code, with numba, in processes of their own (`python -m contin.kernels.building`)."""

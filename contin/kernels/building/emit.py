@@ -1,0 +1,193 @@
+"""One kernel to an object file: numba's passes, our entry, LLVM's optimiser, one target."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import llvmlite.binding as llvm
+from llvmlite import ir
+from numba.core import cgutils, compiler
+from numba.core.registry import cpu_target
+
+from contin.kernels.building.functions import KernelFunction, symbol
+from contin.kernels.building.targets import BuildTarget
+from contin.kernels.signature import Array, Scalar, Tuple, Type, words
+from contin.machine.elementary import FUNCTIONS
+from contin.machine.elementary import symbol as elementary_symbol
+
+FAST: Final = {"contract", "reassoc", "nsz"}
+WORD: Final = ir.IntType(64)
+EXACT: Final = ("sqrt", "fabs", "floor", "ceil")  # instructions, not calls
+
+
+@dataclass(frozen=True)
+class Emitted:
+    """Machine code of one kernel for one target."""
+
+    name: str
+    needs: tuple[str, ...]
+    """Symbols of others that it calls."""
+    code: bytes
+
+
+@dataclass(frozen=True)
+class Translated:
+    """A kernel in LLVM's assembly, before it is optimised for any target."""
+
+    name: str
+    text: str
+
+
+def translate(kernel: KernelFunction) -> Translated:
+    """numba's part: types, passes, lowering. The module calls other kernels by symbol."""
+    declaration, signature = kernel.declaration, kernel.numba_signature
+    flags = compiler.Flags()
+    flags.error_model = "numpy"
+    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    flags.nrt = declaration.allocating
+    if declaration.vector:
+        flags.fastmath = FAST
+    result = compiler.compile_extra(
+        cpu_target.typing_context, cpu_target.target_context, declaration.function, signature.args,
+        signature.return_type, flags, {},
+    )  # fmt: skip
+    library, descriptor = result.library, result.fndesc
+    if _can_be_called(kernel):
+        library.add_ir_module(_entry(kernel, library, descriptor))
+    module = library._final_module
+    for linked in _all(library._linking_libraries):
+        module.link_in(linked._final_module, preserve=True)
+    public = {descriptor.llvm_func_name, entry_symbol(declaration.name)}
+    for function in module.functions:
+        if not function.is_declaration and function.name not in public:
+            function.linkage = "internal"
+    module.get_function(descriptor.llvm_func_name).name = symbol(declaration.name)
+    return Translated(declaration.name, _ours(str(module)))
+
+
+def emit(translated: Translated, target: BuildTarget) -> Emitted:
+    """LLVM's part."""
+    machine = target.machine()
+    module = llvm.parse_assembly(_for(translated.text, target, machine))
+    options = llvm.create_pipeline_tuning_options(speed_level=3)
+    options.loop_vectorization = True
+    passes = llvm.create_pass_builder(machine, options)
+    passes.getModulePassManager().run(module, passes)
+    needs = tuple(sorted(f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")))
+    return Emitted(translated.name, needs, machine.emit_object(module))
+
+
+def entry_symbol(name: str) -> str:
+    """The symbol of the function that takes words (`contin.machine.bridge`)."""
+    return f"entry.{name}"
+
+
+def _all(libraries: Sequence[Any]) -> list[Any]:
+    """Libraries and those that they need, each once."""
+    found: list[Any] = []
+    for library in libraries:
+        if library not in found:
+            found.append(library)
+            found += [inner for inner in _all(list(library._linking_libraries)) if inner not in found]
+    return found
+
+
+def _ours(text: str) -> str:
+    """Square roots as instructions, and elementary functions as ours: the C library's differ between machines."""
+    for name in EXACT:
+        text = re.sub(rf"@{name}(?=\()", f"@llvm.{name}.f64", text)
+    for name in FUNCTIONS:
+        text = re.sub(rf"@{name}(?=\()|@llvm\.{name}\.f64(?=\()", f"@{elementary_symbol(name)}", text)
+    return text
+
+
+def _for(text: str, target: BuildTarget, machine: Any) -> str:
+    """The module for another target than the one that numba wrote it for."""
+    text = re.sub(r'target triple = "[^"]*"', f'target triple = "{target.triple}"', text)
+    return re.sub(r'target datalayout = "[^"]*"', f'target datalayout = "{machine.target_data}"', text)
+
+
+def _can_be_called(kernel: KernelFunction) -> bool:
+    """Whether Python can make the arguments: there are no arrays of complex numbers among them."""
+
+    def plain(kind: Type) -> bool:
+        return all(plain(item) for item in kind.items) if isinstance(kind, Tuple) else kind.code in "iufb"
+
+    return all(plain(kind) for kind in kernel.signature.arguments)
+
+
+def _entry(kernel: KernelFunction, library: Any, descriptor: Any) -> Any:
+    """void entry(words): words -> values, the call, status and results -> words."""
+    context = cpu_target.target_context
+    signature = kernel.signature
+    module = context.create_module("entry")
+    callee = ir.Function(
+        module, context.call_conv.get_function_type(descriptor.restype, descriptor.argtypes), descriptor.llvm_func_name
+    )
+    function = ir.Function(
+        module, ir.FunctionType(ir.VoidType(), [WORD.as_pointer()]), entry_symbol(kernel.declaration.name)
+    )
+    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    results = _results(signature.result)
+    at = 1 + max(len(results), 1)
+    arguments = []
+    for kind, numba_kind in zip(signature.arguments, descriptor.argtypes, strict=True):
+        arguments.append(_value(context, builder, function.args[0], at, kind, numba_kind))
+        at += words(kind)
+    status, out = context.call_conv.call_function(builder, callee, descriptor.restype, descriptor.argtypes, arguments)
+    builder.store(builder.sext(status.code, WORD), builder.gep(function.args[0], [WORD(0)]))
+    for index, kind in enumerate(results):
+        item = builder.extract_value(out, index) if isinstance(signature.result, Tuple) else out
+        place = builder.gep(function.args[0], [WORD(1 + index)])
+        if kind.code == "f":
+            builder.store(item, builder.bitcast(place, ir.DoubleType().as_pointer()))
+        elif kind.code == "b":
+            builder.store(builder.zext(item, WORD), place)
+        else:
+            builder.store(item, place)
+    builder.ret_void()
+    return module
+
+
+def _results(kind: Type | None) -> list[Scalar]:
+    if kind is None:
+        return []
+    items = kind.items if isinstance(kind, Tuple) else (kind,)
+    scalars = [item for item in items if isinstance(item, Scalar)]
+    if len(scalars) != len(items):
+        raise TypeError("a kernel returns numbers, one or several")
+    return scalars
+
+
+def _value(context: Any, builder: Any, all_words: Any, at: int, kind: Type, numba_kind: Any) -> Any:
+    """The numba value that starts at a word."""
+
+    def word(index: int) -> Any:
+        return builder.load(builder.gep(all_words, [WORD(index)]))
+
+    if isinstance(kind, Tuple):
+        items = []
+        for item, numba_item in zip(kind.items, numba_kind.types, strict=True):
+            items.append(_value(context, builder, all_words, at, item, numba_item))
+            at += words(item)
+        return context.make_tuple(builder, numba_kind, items)
+    if isinstance(kind, Scalar):
+        if kind.code == "f":
+            return builder.load(builder.bitcast(builder.gep(all_words, [WORD(at)]), ir.DoubleType().as_pointer()))
+        return builder.icmp_signed("!=", word(at), WORD(0)) if kind.code == "b" else word(at)
+    assert isinstance(kind, Array)
+    array = cgutils.create_struct_proxy(numba_kind)(context, builder)
+    shape = [word(at + 1 + k) for k in range(kind.axes)]
+    strides = [word(at + 1 + kind.axes + k) for k in range(kind.axes)]
+    count = shape[0]
+    for length in shape[1:]:
+        count = builder.mul(count, length)
+    size = context.get_abi_sizeof(context.get_data_type(numba_kind.dtype))
+    array.data = builder.inttoptr(word(at), array.data.type)
+    array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
+    array.nitems, array.itemsize = count, WORD(size)
+    array.meminfo, array.parent = (cgutils.get_null_value(v.type) for v in (array.meminfo, array.parent))
+    return array._getvalue()

@@ -1,0 +1,177 @@
+"""Machine code of kernels when they are called: from the wheel, else from the user's cache, else made now.
+
+A kernel is loaded together with all kernels that it calls. What is missing is made by processes of their own
+(`contin.kernels.building`), as many at once as there are processors, and kept for every other environment with the same
+sources and versions; this process never imports numba, so a result does not depend on who compiled what, and when.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Collection, Iterable, Sequence
+from types import CodeType
+from typing import Any, Final
+
+from contin.kernels import packed, progress, sources
+from contin.kernels.clock import CLOCK
+from contin.kernels.compile import Kernel
+from contin.kernels.mode import Declaration
+from contin.kernels.signature import Array, Scalar, Tuple, Type, parse, words
+from contin.machine import bridge, memory, objects, target
+from contin.machine.elementary import FUNCTIONS, addresses, symbol
+from contin.machine.engine import ENGINE
+from contin.machine.folder import folder
+from contin.machine.objects import Piece
+
+_CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
+_DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
+
+_lock = threading.RLock()
+_loaded: set[str] = set()
+_ready = False
+
+
+def callable_of(declaration: Declaration) -> Callable[..., Any]:
+    """A function that runs the kernel."""
+    with CLOCK.standing(), _lock:
+        if declaration.name not in _loaded:
+            _load(declaration)
+    signature = parse(declaration.signature)
+    arguments = bridge.codes_of([_codes(kind) for kind in signature.arguments])
+    results = signature.result.items if isinstance(signature.result, Tuple) else (signature.result,)
+    codes = tuple(_CODES[kind.code] for kind in results if isinstance(kind, Scalar))
+    plan = bridge.Plan(arguments, sum(words(kind) for kind in signature.arguments), codes)
+    return bridge.make_call(declaration.name, ENGINE.address(f"entry.{declaration.name}"), plan)
+
+
+def called_by(declaration: Declaration) -> dict[str, Declaration]:
+    """The kernel and all that it calls, directly or not, by name."""
+    found: dict[str, Declaration] = {}
+    todo = [declaration]
+    while todo:
+        one = todo.pop()
+        if one.name not in found:
+            found[one.name] = one
+            todo += _direct(one.function.__code__, one.function.__globals__)
+    return found
+
+
+def _direct(code: CodeType, names: dict[str, Any]) -> list[Declaration]:
+    """Kernels that a function's text names, and those that the parts do which are put in place in it."""
+    found = []
+    for name in code.co_names:
+        value: Any = names.get(name)
+        if isinstance(value, Kernel):
+            found.append(value.declaration)
+        elif _is_part(value):
+            found += _direct(value.__code__, value.__globals__)
+    return found
+
+
+def text_length(declaration: Declaration) -> int:
+    """Bytes of Python's code of a kernel, with that of the parts that are put in place in it."""
+
+    def length(code: CodeType, names: dict[str, Any]) -> int:
+        parts = (names.get(name) for name in code.co_names)
+        inner: list[Any] = [p for p in parts if not isinstance(p, Kernel) and _is_part(p)]
+        return len(code.co_code) + sum(length(p.__code__, p.__globals__) for p in inner)
+
+    return length(declaration.function.__code__, declaration.function.__globals__)
+
+
+def _is_part(value: Any) -> bool:
+    module = getattr(value, "__module__", None)
+    return isinstance(module, str) and module.startswith(sources.BASE) and hasattr(value, "__code__")
+
+
+def _load(declaration: Declaration) -> None:
+    wanted = {n: d for n, d in called_by(declaration).items() if n not in _loaded}
+    pieces = {n: p for n, d in wanted.items() if (p := _known(d)) is not None}
+    missing = {n: d for n, d in wanted.items() if n not in pieces}
+    if missing:
+        together = {d.name: d for d in _companions(declaration)} | missing  # needed soon, and begun once is cheaper
+        made = _make({n: d for n, d in together.items() if n not in _loaded})
+        pieces |= {piece.name: piece for piece in made if piece.name in wanted}
+    global _ready
+    if not _ready:
+        ENGINE.add_text(memory.TEXT, optimise=False)
+        _ready = True
+    _define(pieces.values())
+    ENGINE.add_objects([pieces[name].code for name in sorted(pieces)])
+    _loaded.update(pieces)
+
+
+def _companions(declaration: Declaration) -> Iterable[Declaration]:
+    """The other kernels of its module, with all that they call."""
+    for value in declaration.function.__globals__.values():
+        if isinstance(value, Kernel) and value.declaration.function.__module__ == declaration.function.__module__:
+            yield from called_by(value.declaration).values()
+
+
+def module_of(declaration: Declaration) -> str:
+    """`piecewise.flight`"""
+    return declaration.function.__module__.removeprefix(sources.BASE)
+
+
+def file_name(declaration: Declaration) -> str:
+    """The name of its file in the user's cache: what it was made from is part of it."""
+    return f"{declaration.name}-{sources.key(module_of(declaration), target.name())}"
+
+
+def _known(declaration: Declaration) -> Piece | None:
+    """Its machine code, if the wheel or the cache has it; a file that is not what it should be is removed."""
+    shipped = packed.piece(declaration.name, sources.text_key(module_of(declaration)))
+    if shipped is not None:
+        return shipped
+    kept, name = folder(), file_name(declaration)
+    data = kept.read(name) if kept else None
+    if kept is None or data is None:
+        return None
+    piece = objects.from_bytes(data)
+    if piece is None or (piece.name, piece.key) != (declaration.name, sources.text_key(module_of(declaration))):
+        progress.note(f"{kept.path / name} was damaged: it is made anew")
+        kept.remove(name)
+        return None
+    return piece
+
+
+def _make(wanted: dict[str, Declaration]) -> Sequence[Piece]:
+    """Machine code of these kernels, those that another process finishes meanwhile included."""
+    from contin.kernels.pool import make  # not before: it starts processes
+
+    kept = folder()
+    if kept is None:
+        return make(list(wanted.values()))
+    known = []
+    with kept.building():
+        for name, declaration in list(wanted.items()):
+            piece = _known(declaration)
+            if piece is not None:
+                known.append(piece)
+                del wanted[name]
+        names = {d.name: file_name(d) for d in wanted.values()}
+        made = make(list(wanted.values()), lambda piece: kept.write(names[piece.name], objects.to_bytes(piece)))
+    return [*known, *made]
+
+
+def _define(pieces: Collection[Piece]) -> None:
+    """Elementary functions that the pieces need. LLVM ends the process where a symbol is missing: none may be."""
+    have = {f"contin.{name}" for name in _loaded} | {f"contin.{p.name}" for p in pieces} | OUTSIDE
+    needed = {symbol: piece.name for piece in pieces for symbol in piece.needs if symbol not in have}
+    ours = {symbol(name): name for name in FUNCTIONS}
+    for wanted, name in needed.items():
+        if wanted not in ours:
+            raise RuntimeError(f"{name} needs {wanted}, which nothing defines")
+    for defined, address in addresses([ours[wanted] for wanted in needed]).items():
+        ENGINE.define(defined, address)
+
+
+OUTSIDE: Final = frozenset({"NRT_MemInfo_alloc_aligned", "NRT_MemInfo_call_dtor"})
+
+
+def _codes(kind: Type) -> tuple[int, ...]:
+    if isinstance(kind, Tuple):
+        return bridge.codes_of([_codes(item) for item in kind.items])
+    if isinstance(kind, Array):
+        return bridge.array_codes(_DTYPES[kind.code], kind.axes)
+    return (_CODES[kind.code],)
