@@ -12,6 +12,7 @@ from typing import Any
 
 from contin.kernels import mode
 from contin.kernels.mode import Declaration
+from contin.kernels.signature import describe
 
 Decorator = Callable[[Callable[..., Any]], Any]
 
@@ -30,7 +31,12 @@ class Kernel:
             from contin.kernels.library import callable_of  # not before: most commands call no kernel
 
             call = self._call = callable_of(self.declaration)
-        return call(*arguments)
+        try:
+            return call(*arguments)
+        except TypeError as error:
+            given = ", ".join(describe(value) for value in arguments)
+            stated = self.declaration.signature
+            raise TypeError(f"{self.declaration.name}({stated}) got {given}") from error
 
     def __repr__(self) -> str:
         return f"<kernel {self.declaration.name}({self.declaration.signature})>"

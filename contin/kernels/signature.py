@@ -94,7 +94,7 @@ def words(kind: Type) -> int:
 def describe(value: Any) -> str:
     """What a value is, in the words of a signature, for messages."""
     dtype = getattr(value, "dtype", None)
-    if dtype is not None and getattr(value, "ndim", 0):
+    if dtype is not None and value.ndim:
         order = "" if value.flags.c_contiguous else ", not contiguous"
         return f"array of {dtype}, {value.ndim} axes{order}"
     return type(value).__name__

@@ -155,10 +155,13 @@ tuple:
   %count = load i64, ptr %plan1
   %plan_t = getelementptr i64, ptr %plan, i64 2
   store ptr %plan_t, ptr %state
-  %items = call i64 @PyTuple_Size(ptr %object)
-  %is_tuple = icmp sge i64 %items, 0
-  br i1 %is_tuple, label %sized, label %error
+  %kind_at = getelementptr i8, ptr %object, i64 {type}
+  %kind = load ptr, ptr %kind_at
+  %is_tuple = call i32 @PyType_IsSubtype(ptr %kind, ptr inttoptr (i64 {tuple_type} to ptr))
+  %no_tuple = icmp eq i32 %is_tuple, 0
+  br i1 %no_tuple, label %bad, label %sized
 sized:
+  %items = call i64 @PyTuple_Size(ptr %object)
   %same = icmp eq i64 %items, %count
   br i1 %same, label %item, label %bad
 item:
@@ -324,8 +327,8 @@ def _address(name: str) -> Address:
     descr = {"order": HEAD + 10, "number": HEAD + 12}  # PyArray_Descr: after the type, kind, type, byteorder, flags
     foreign = ord(">" if np.little_endian else "<")
     text = _TEXT.format(
-        type=HEAD - 8, ndarray=id(np.ndarray), type_error=id(TypeError), none=id(None), foreign=foreign,
-        needed=CONTIGUOUS_ALIGNED_WRITEABLE, **fields, **descr,
+        type=HEAD - 8, ndarray=id(np.ndarray), type_error=id(TypeError), tuple_type=id(tuple), none=id(None),
+        foreign=foreign, needed=CONTIGUOUS_ALIGNED_WRITEABLE, **fields, **descr,
     )  # fmt: skip
     names = [line.split("@")[1].split("(")[0] for line in text.splitlines() if line.startswith("declare")]
     for symbol in names:
@@ -388,17 +391,22 @@ def _pack(words: Any, at: int, codes: Any, value: Any) -> int:
         return at
     if code == ARRAY:
         axes, number = next(codes), next(codes)
-        flags = isinstance(value, np.ndarray) and value.flags
-        if not flags or (value.ndim, value.dtype.num) != (axes, number) or not (flags.c_contiguous and flags.writeable):
+        if not isinstance(value, np.ndarray) or not _fits(value, axes, number):
             raise TypeError("an argument does not have the declared type")
         for k, word in enumerate((value.ctypes.data, *value.shape, *value.strides)):
             words[at + k] = word
-        return at + 1 + 2 * axes
+        return at + 1 + 2 * int(axes)
     if code == REAL:
-        ctypes.c_double.from_buffer(words, 8 * at).value = float(value)
+        ctypes.c_double.from_buffer(words, 8 * at).value = ctypes.c_double(value).value
     else:
         words[at] = bool(value) if code == TRUTH else operator.index(value)
     return at + 1
+
+
+def _fits(array: Any, axes: int, number: int) -> bool:
+    flags, dtype = array.flags, array.dtype
+    declared = (array.ndim, dtype.num, dtype.isnative) == (axes, number, True)
+    return bool(declared and flags.c_contiguous and flags.aligned and flags.writeable)
 
 
 def _result(words: Any, at: int, code: int) -> Any:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 from functools import cache
 from typing import Any, Final
 
@@ -46,6 +47,11 @@ def _of_this_machine() -> str:
 
     has = llvm.get_host_cpu_features()
     return next(level for level, needed in LEVELS.items() if all(has.get(feature, False) for feature in needed))
+
+
+def label() -> str:
+    """`x86-64-v3-linux`, say: the level on this kind of system, after which files of machine code are named."""
+    return f"{name()}-{sys.platform if sys.platform in ('linux', 'darwin', 'win32') else 'linux'}"
 
 
 def processor() -> str:

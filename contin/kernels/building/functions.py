@@ -10,8 +10,8 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from numba import njit
-from numba.core import types, typing
+from numba import njit, types
+from numba.core import typing
 from numba.core.datamodel import models
 from numba.core.extending import register_model
 from numba.core.funcdesc import FunctionDescriptor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from numba.core import types
+from numba import types
 
 from contin.kernels.signature import Array, Scalar, Tuple, Type
 
