@@ -321,6 +321,16 @@ def show(
 
 
 @app.command()
+def kernels(
+    action: Annotated[str, typer.Argument(help="status, build (all of them, now), clear, or where.")] = "status",
+) -> None:
+    """The machine code of the numerical kernels: what is there, where it is kept, making it beforehand."""
+    from contin.cli.kernels import kernels
+
+    raise typer.Exit(kernels(action))
+
+
+@app.command()
 def schema(
     what: Annotated[str, typer.Argument(help="model, run, scan or result.")] = "run",
 ) -> None:

@@ -86,11 +86,11 @@ def _is_part(value: Any) -> bool:
 
 def _load(declaration: Declaration) -> None:
     wanted = {n: d for n, d in called_by(declaration).items() if n not in _loaded}
-    pieces = {n: p for n, d in wanted.items() if (p := _known(d)) is not None}
+    pieces = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
     missing = {n: d for n, d in wanted.items() if n not in pieces}
     if missing:
         together = {d.name: d for d in _companions(declaration)} | missing  # needed soon, and begun once is cheaper
-        made = _make({n: d for n, d in together.items() if n not in _loaded})
+        made = provide({n: d for n, d in together.items() if n not in _loaded})
         pieces |= {piece.name: piece for piece in made if piece.name in wanted}
     global _ready
     if not _ready:
@@ -118,7 +118,7 @@ def file_name(declaration: Declaration) -> str:
     return f"{declaration.name}-{sources.key(module_of(declaration), target.name())}"
 
 
-def _known(declaration: Declaration) -> Piece | None:
+def known(declaration: Declaration) -> Piece | None:
     """Its machine code, if the wheel or the cache has it; a file that is not what it should be is removed."""
     shipped = packed.piece(declaration.name, sources.text_key(module_of(declaration)))
     if shipped is not None:
@@ -135,23 +135,30 @@ def _known(declaration: Declaration) -> Piece | None:
     return piece
 
 
-def _make(wanted: dict[str, Declaration]) -> Sequence[Piece]:
+def complete(wanted: dict[str, Declaration]) -> list[tuple[Piece, ...]]:
+    """Machine code of all these kernels, for this process's target; what is missing is made."""
+    have = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
+    made = provide({n: d for n, d in wanted.items() if n not in have})
+    return [(piece,) for piece in (*have.values(), *made)]
+
+
+def provide(wanted: dict[str, Declaration]) -> Sequence[Piece]:
     """Machine code of these kernels, those that another process finishes meanwhile included."""
     from contin.kernels.pool import make  # not before: it starts processes
 
     kept = folder()
     if kept is None:
-        return make(list(wanted.values()))
-    known = []
-    with kept.building():
+        return [piece for (piece,) in make(list(wanted.values()))]
+    others = []
+    with kept.building(lambda: all(known(d) is not None for d in wanted.values())):
         for name, declaration in list(wanted.items()):
-            piece = _known(declaration)
+            piece = known(declaration)
             if piece is not None:
-                known.append(piece)
+                others.append(piece)
                 del wanted[name]
         names = {d.name: file_name(d) for d in wanted.values()}
-        made = make(list(wanted.values()), lambda piece: kept.write(names[piece.name], objects.to_bytes(piece)))
-    return [*known, *made]
+        made = make(list(wanted.values()), lambda ps: kept.write(names[ps[0].name], objects.to_bytes(ps[0])))
+    return [*others, *(piece for (piece,) in made)]
 
 
 def _define(pieces: Collection[Piece]) -> None:

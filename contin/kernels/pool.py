@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import Final, NoReturn
 
 from contin.errors import ContinError
 from contin.kernels import progress
@@ -33,14 +33,18 @@ ENVIRONMENT: Final = {
 START: Final = "import sys; sys.path.insert(0, sys.argv[1]); from contin.kernels.building.worker import main; main()"
 
 
+Pieces = tuple[Piece, ...]
+"""Machine code of one kernel, for one target or several."""
+
+
 class KernelError(ContinError):
     """Machine code could neither be found nor made."""
 
 
 def make(
-    wanted: Sequence[Declaration], keep: Callable[[Piece], object] = lambda _: None, label: str = ""
-) -> list[Piece]:
-    """Machine code of these kernels, for this process's target or another; `keep` is called as each is finished."""
+    wanted: Sequence[Declaration], keep: Callable[[Pieces], object] = lambda _: None, labels: Sequence[str] = ()
+) -> list[Pieces]:
+    """Machine code of these kernels, each for this process's target or for `labels`; `keep` is told of each at once."""
     if not wanted:
         return []
     if find_spec("numba") is None:
@@ -49,7 +53,7 @@ def make(
             "installed: pip install numba"
         )
     left = deque(sorted(wanted, key=_length, reverse=True))
-    done: list[Piece] = []
+    done: list[Pieces] = []
     failed: list[str] = []
     lock = threading.Lock()
     total = len(left)
@@ -62,15 +66,15 @@ def make(
                     if not left:
                         return
                     declaration = left.popleft()
-                piece = worker.make(declaration.name)
+                pieces = worker.make(declaration.name)
                 with lock:
-                    done.append(piece)
-                    keep(piece)
-                    progress.tell(len(done), total, piece.name)
+                    done.append(pieces)
+                    keep(pieces)
+                    progress.tell(len(done), total, declaration.name)
         except KernelError as error:
             failed.append(str(error))
 
-    workers = [Worker(label or target.label()) for _ in range(min(_processors(), total))]
+    workers = [Worker(labels or (target.label(),)) for _ in range(min(_processors(), total))]
     try:
         threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in workers]
         for thread in threads:
@@ -89,34 +93,39 @@ def make(
 class Worker:
     """A process with numba in it. Names go in by lines, files of `contin.machine.objects` come out, length first."""
 
-    def __init__(self, label: str) -> None:
+    def __init__(self, labels: Sequence[str]) -> None:
+        self.labels = labels
         root = str(Path(__file__).parents[2])
         # -P: no file in the folder where the user happens to be is taken for a module
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", START, root, label],
+            [sys.executable, "-P", "-c", START, root, *labels],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
         self._errors = bytearray()
         self._reader = threading.Thread(target=self._read_errors, daemon=True)
         self._reader.start()
 
-    def make(self, name: str) -> Piece:
-        """The machine code of one kernel."""
+    def make(self, name: str) -> Pieces:
+        """The machine code of one kernel for every target."""
         assert self.process.stdin is not None
-        assert self.process.stdout is not None
         try:
             self.process.stdin.write(name.encode() + b"\n")
             self.process.stdin.flush()
-            length = self.process.stdout.read(8)
-            data = self.process.stdout.read(struct.unpack("<Q", length)[0]) if len(length) == 8 else b""
         except OSError:
-            data = b""
-        piece = objects.from_bytes(data)
-        if piece is None:
-            self._reader.join(5.0)
-            told = bytes(self._errors).decode(errors="replace").strip().splitlines()
-            raise KernelError(f"the kernel {name} could not be compiled: {' / '.join(told[-3:]) or 'no reason given'}")
-        return piece
+            self._fail(name)
+        return tuple(self._read() or self._fail(name) for _ in self.labels)
+
+    def _read(self) -> Piece | None:
+        assert self.process.stdout is not None
+        length = self.process.stdout.read(8)
+        if len(length) < 8:
+            return None
+        return objects.from_bytes(self.process.stdout.read(struct.unpack("<Q", length)[0]))
+
+    def _fail(self, name: str) -> NoReturn:
+        self._reader.join(5.0)
+        told = bytes(self._errors).decode(errors="replace").strip().splitlines()
+        raise KernelError(f"the kernel {name} could not be compiled: {' / '.join(told[-3:]) or 'no reason given'}")
 
     def close(self) -> None:
         """End the process."""

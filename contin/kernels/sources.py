@@ -17,7 +17,10 @@ from typing import Final
 
 HERE: Final = Path(__file__).parent
 BASE: Final = "contin.kernels."
-COMPILER: Final = ("compile.py", "mode.py", "signature.py", "building")
+COMPILER: Final = (
+    "compile.py", "mode.py", "signature.py", "building/emit.py", "building/functions.py", "building/types.py",
+    "building/pointer_calls.py", "building/vectors.py", "building/targets.py",
+)  # fmt: skip
 _STRUCTURE: Final = re.compile(rb"^structure\(\s*(\w+)", re.M)
 _IMPORT: Final = re.compile(rb"^\s*from contin\.kernels\.([\w.]+) import|^\s*from contin\.kernels import (\w+)", re.M)
 
@@ -54,9 +57,7 @@ def versions() -> dict[str, str]:
 def _compiler() -> bytes:
     digest = hashlib.sha256()
     for name in COMPILER:
-        path = HERE / name
-        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
-            digest.update(file.name.encode() + b"\x00" + file.read_bytes())
+        digest.update(name.encode() + b"\x00" + (HERE / name).read_bytes())
     return digest.digest()
 
 

@@ -12,7 +12,7 @@ import os
 import stat
 import sys
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
@@ -80,16 +80,20 @@ class Folder:
             return []
 
     @contextmanager
-    def building(self) -> Iterator[None]:
-        """One process at a time: whoever needs code that is not there waits for the one that is making some."""
-        from filelock import FileLock
+    def building(self, there: Callable[[], bool]) -> Iterator[None]:
+        """One process makes code at a time; another one waits for its end, or until what it needs is `there`."""
+        from filelock import FileLock, Timeout
 
         lock = FileLock(self.path / "building", thread_local=False)
-        try:
-            lock.acquire()
-        except (OSError, NotImplementedError):  # a file system without locks: the same code may be made twice
-            yield
-            return
+        while True:
+            try:
+                lock.acquire(timeout=0.5)
+                break
+            except Timeout:
+                if there():
+                    break
+            except (OSError, NotImplementedError):  # a file system without locks: the same code may be made twice
+                break
         try:
             yield
         finally:

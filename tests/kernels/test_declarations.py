@@ -1,27 +1,13 @@
 """Signatures: read as they are written, one for each kernel, and as many types as arguments."""
 
-import importlib
 import inspect
-import pkgutil
 from collections import namedtuple
-from pathlib import Path
 
 import pytest
 
-from contin import kernels
-from contin.kernels.compile import Kernel
+from contin.kernels.catalogue import every
 from contin.kernels.library import called_by
 from contin.kernels.signature import Array, Scalar, Tuple, parse, structure, words
-
-
-def all_kernels():
-    """Every declared kernel by name."""
-    found = {}
-    for info in pkgutil.walk_packages([str(Path(kernels.__file__).parent)], "contin.kernels."):
-        if ".building" not in info.name:
-            values = vars(importlib.import_module(info.name)).values()
-            found |= {v.declaration.name: v.declaration for v in values if isinstance(v, Kernel)}
-    return found
 
 
 def test_signatures_are_read_as_they_are_written():
@@ -49,7 +35,7 @@ def test_an_unknown_type_is_named():
 
 
 def test_every_kernel_has_as_many_types_as_arguments():
-    declarations = all_kernels()
+    declarations = every()
     assert len(declarations) > 100
     for name, declaration in declarations.items():
         assert len(parse(declaration.signature).arguments) == len(inspect.signature(declaration.function).parameters), (
@@ -58,5 +44,5 @@ def test_every_kernel_has_as_many_types_as_arguments():
 
 
 def test_what_a_kernel_calls_is_found_through_the_parts_that_are_put_in_place_in_it():
-    march = all_kernels()["algebraic.march"]
+    march = every()["algebraic.march"]
     assert {"algebraic.correct", "dense.lu_solve", "eigen.eigenvalues", "steering.is_dip"} <= set(called_by(march))

@@ -1,5 +1,6 @@
 """A wheel carries the bundled models; an editable install reads the repository's folder; both give the command."""
 
+import os
 import subprocess
 import sys
 import sysconfig
@@ -10,14 +11,16 @@ from pathlib import Path
 import pytest
 
 from contin._version import __version__
+from contin.machine import target
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = sysconfig.get_paths()["purelib"]
 
 
-def run(*arguments: object, cwd: Path) -> str:
+def run(*arguments: object, cwd: Path, **environment: str) -> str:
     """Standard output of a command that must succeed."""
-    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, cwd=cwd, check=False)
+    given = {**os.environ, "CONTIN_KERNELS": "no", **environment}
+    done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, cwd=cwd, check=False, env=given)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -27,9 +30,10 @@ def build(tmp_path_factory):
     """Builds a wheel of one kind with hatchling, which needs no network."""
     pytest.importorskip("hatchling")
 
-    def make(kind: str) -> Path:
+    def make(kind: str, kernels: str = "no") -> Path:
         folder = tmp_path_factory.mktemp(kind)
-        run(sys.executable, "-c", f"import hatchling.build as b; print(b.build_{kind}({str(folder)!r}))", cwd=ROOT)
+        code = f"import hatchling.build as b; print(b.build_{kind}({str(folder)!r}))"
+        run(sys.executable, "-c", code, cwd=ROOT, CONTIN_KERNELS=kernels)
         [wheel] = folder.glob("*.whl")
         return wheel
 
@@ -86,3 +90,35 @@ def test_an_editable_install_reads_the_folder_of_the_repository(build, install, 
     binaries = install(wheel)
     assert "metronomes/pair" in run(binaries / "contin", "models", cwd=tmp_path)
     assert models_folder(binaries, tmp_path) == ROOT / "models"
+
+
+WITHOUT_NUMBA = """
+import sys
+sys.modules["numba"] = None  # not installed
+import contin
+line = contin.continuation(contin.equilibrium(contin.load("brusselator")), "B", (0, 4))
+orbit = contin.continuation(line["HB1"].switch(), "B", (0, 4), settings={"steps": 5})
+from contin.kernels import packed
+from contin.machine.folder import folder
+print(folder(), len(packed._archive().namelist()) > 100, line["HB1"].values["B"], len(orbit))
+"""
+
+
+def test_a_wheel_with_machine_code_needs_no_numba_and_no_home(build, install, tmp_path):
+    """Archives for this processor's target: what is made here anyway. The other targets differ in name alone."""
+    wheel = build("wheel", target.label())
+    with zipfile.ZipFile(wheel) as archive:
+        assert f"contin/_kernels/{target.label()}.zip" in archive.namelist()
+        [metadata] = [name for name in archive.namelist() if name.endswith("METADATA")]
+        assert "Requires-Dist: numba" not in archive.read(metadata).decode()
+    home = {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/nonexistent", "CONTIN_CACHE_DIR": ""}
+    told = run(install(wheel) / "python", "-c", WITHOUT_NUMBA, cwd=tmp_path, **home)
+    assert told.split()[:2] == ["None", "True"]
+    assert float(told.split()[2]) == pytest.approx(2.0, abs=1e-9)
+    assert int(told.split()[3]) > 5
+
+
+def test_a_wheel_without_machine_code_needs_numba(build):
+    with zipfile.ZipFile(build("wheel")) as archive:
+        [metadata] = [name for name in archive.namelist() if name.endswith("METADATA")]
+        assert "Requires-Dist: numba" in archive.read(metadata).decode()

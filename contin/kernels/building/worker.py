@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import struct
 import sys
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 
 from contin.kernels import mode, sources
@@ -14,23 +15,26 @@ from contin.machine import objects
 
 
 def main() -> None:
-    """Serve until standard input ends. Arguments: the folder that holds contin, the target's name."""
-    target = EVERY[sys.argv[2]]
+    """Serve until standard input ends. Arguments: the folder that holds contin, the targets' names."""
+    targets = [EVERY[label] for label in sys.argv[2:]]
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # nothing that is printed may come between
     mode.compiler = NumbaCompiler()
     for line in sys.stdin:
-        data = objects.to_bytes(made(line.strip(), target))
-        out.write(struct.pack("<Q", len(data)) + data)
+        for piece in made(line.strip(), targets):
+            data = objects.to_bytes(piece)
+            out.write(struct.pack("<Q", len(data)) + data)
         out.flush()
 
 
-def made(name: str, target: BuildTarget) -> objects.Piece:
-    """Machine code of a kernel, under the key that the cache has for it."""
+def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.Piece]:
+    """Machine code of a kernel for every target, under the key of its text."""
     from contin.kernels.building.emit import emit, translate
 
     module = name.rpartition(".")[0]
     for needed in sorted(sources.behind(module)):
         import_module(sources.BASE + needed)
-    emitted = emit(translate(REGISTRY[name]), target)
-    return objects.Piece(name, sources.text_key(module), emitted.needs, emitted.code)
+    translated = translate(REGISTRY[name])
+    for target in targets:
+        emitted = emit(translated, target)
+        yield objects.Piece(name, sources.text_key(module), emitted.needs, emitted.code)
