@@ -22,7 +22,7 @@ from contin.kernels.collocation import evaluate, new_points, residual, set_phase
 from contin.kernels.collocation_mesh import evened, mesh_error
 from contin.kernels.collocation_steps import advance, along, direct, distance, predict
 from contin.kernels.collocation_system import factorise, new_factors, solve, solve_start
-from contin.kernels.compile import call3, kernel, part
+from contin.kernels.compile import call3, kernel
 from contin.kernels.condensation import eliminate_intervals
 from contin.kernels.filling import fill
 from contin.kernels.floquet import deflate, multipliers, transitions
@@ -100,7 +100,7 @@ def new_memory(n, m, nontrivial, intervals, size, p):
     return new_points(n, m, intervals, p), new_factors(n, m, intervals), new_scratch(n, nontrivial, intervals, size)
 
 
-@part
+@kernel("Equations, Points, Factors, Scratch, f1, f1, f1, f, f -> i")
 def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     """Newton with chord iterations on the plane <tangent, (z - z0) / scale> = reach, on x.z (phase row set).
 
@@ -150,7 +150,7 @@ def correct(e, w, s, x, z0, tangent, scale, reach, tolerance):
     return 0
 
 
-@part
+@kernel("Equations, Points, Factors, Scratch, f1, f1 -> i")
 def renew(e, w, s, x, tangent, scale):
     """Factors at x.z itself; returns the sign of the determinant."""
     if not evaluate(e, w, x.z, True):
@@ -159,7 +159,7 @@ def renew(e, w, s, x, tangent, scale):
     return sign * factorise(s, e.n, e.m, x.border, 1.0) if sign != 0 else 0
 
 
-@part
+@kernel("Equations, Points, Factors, Scratch, f2, i, f1, f1, f -> i")
 def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
     """Row 0 of `here` becomes the corrected point x.z where it was not on the family to `tolerance`: after a change of
     mesh it is not.
@@ -180,7 +180,7 @@ def settled(e, w, s, x, here, sign, scale, sizes, tolerance):
     return 0 if kept or x.sizes[2] > STALE * min(1.0, amplitude(z, e.n, nodes // e.n, sizes)) else sign
 
 
-@part
+@kernel("Equations, Points, Factors, Scratch -> f")
 def floquet(e, w, s, x):
     """Multipliers from the condensed blocks in `s`: nontrivial ones into x.re, x.im.
 
@@ -209,7 +209,7 @@ def floquet(e, w, s, x):
     return math.nan
 
 
-@part
+@kernel("Equations, Points, Factors, Scratch, f1, f1, i, f, i, i, f2, f1, f2, f2 -> i")
 def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, out_re, out_im):
     """Tangent (row of out_t), test functions (x.tests) and multipliers (row of out_re, out_im) at x.z, from the
     factors.
@@ -254,7 +254,7 @@ def measure(e, w, s, x, scale, sizes, sign, reference, near, row, out_t, tests, 
     return map_tests(x.re, x.im, tests)
 
 
-@part
+@kernel("f1, i, i, f1 -> f")
 def amplitude(z, n, count, sizes):
     """Largest max - min of a state over the orbit, relative to its size."""
     largest = 0.0
@@ -268,7 +268,7 @@ def amplitude(z, n, count, sizes):
     return largest
 
 
-@part
+@kernel("f1, i, i, f1, f -> b")
 def outgrown(z, n, count, sizes, period_limit):
     """True where a state has become larger than twice its size, or the period has reached its limit."""
     if z[count * n] > period_limit:

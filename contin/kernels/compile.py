@@ -42,9 +42,9 @@ class Kernel:
         return f"<kernel {self.declaration.name}({self.declaration.signature})>"
 
 
-def _declare(signature: str, *, vector: bool = False, allocating: bool = False) -> Decorator:
+def _declare(signature: str, *, vector: bool = False, allocating: bool = False, inlined: bool = False) -> Decorator:
     def decorate(function: Callable[..., Any]) -> Any:
-        declaration = Declaration(function, signature, vector, allocating)
+        declaration = Declaration(function, signature, vector, allocating, inlined)
         return Kernel(declaration) if mode.compiler is None else mode.compiler.kernel(declaration)
 
     return decorate
@@ -57,6 +57,11 @@ def kernel(signature: str) -> Decorator:
     time to compile it, several times larger; `allocating` is for those that need it.
     """
     return _declare(signature)
+
+
+def inlined(signature: str) -> Decorator:
+    """A small kernel without memory of its own, whose code LLVM puts in place where others call it: no call is made."""
+    return _declare(signature, inlined=True)
 
 
 def allocating(signature: str) -> Decorator:
@@ -79,7 +84,7 @@ def allocating_vector_kernel(signature: str) -> Decorator:
 
 
 def part(function: Callable[..., Any]) -> Any:
-    """A part of one kernel: put in place where it is called, not compiled by itself, and of no use elsewhere."""
+    """A few lines without types of their own: numba puts them in place, and types them, wherever they are called."""
     return function if mode.compiler is None else mode.compiler.part(function)
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from contin.kernels.collocation import LANES
 from contin.kernels.collocation_dense import eliminate_dense
 from contin.kernels.collocation_elimination import eliminate
-from contin.kernels.compile import kernel, part, vector_kernel
+from contin.kernels.compile import kernel, vector_kernel
 
 
-@part
+@kernel("Factors, i, i -> i")
 def condense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
     return condense_dense(s, n, m) if n > LANES else condense_lanes(s, n, m)
@@ -35,7 +35,7 @@ def next_level(depth, nodes, here, level, first, count):
         here[pairs + 1] = here[count]
 
 
-@part
+@kernel("Factors, i, i -> i")
 def eliminate_intervals(s, n, m):
     """The inner stages of every interval; returns the sign of the pivots, 0 where one vanishes."""
     inner = (m - 2) * n
@@ -50,7 +50,7 @@ def eliminate_intervals(s, n, m):
     return sign
 
 
-@part
+@kernel("Factors, i, i -> i")
 def condense_lanes(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p), into s.end; all lanes at once. Returns the sign of the pivots."""
     s_local, s_blocks, s_levels, s_work = s.local, s.blocks, s.levels, s.work
@@ -136,7 +136,7 @@ def _pair_up(blocks, levels, n, pairs, first):
                 levels[n + r, n + c, start + j] = blocks[r, c, two * j] + blocks[r, c, two * j + one]
 
 
-@part
+@kernel("Factors, i, i -> i")
 def condense_dense(s, n, m):
     """Eliminate everything but (u(0), u(1), T, p) of `Factors` s, into s.end; returns the sign of the pivots."""
     local, levels, blocks, here = s.local, s.levels, s.blocks, s.here

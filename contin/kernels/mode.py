@@ -17,6 +17,8 @@ class Declaration:
     """Sums may be reordered and fused."""
     allocating: bool
     """Makes arrays of its own."""
+    inlined: bool
+    """LLVM puts its code in place where other kernels call it."""
 
     @property
     def name(self) -> str:

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from contin.kernels.compile import kernel, part
+from contin.kernels.compile import inlined
 
 # why a march stopped
 LIMIT, EVENT, DIP, BOUND, CORRECTOR, NOT_FINITE, RESCALE, LOOP, CORNER = range(9)
@@ -23,7 +23,7 @@ ROUNDING = 1e-13  # a first correction below this says nothing: the branch is a 
 SHORTEST = 1e-7  # arclength at which a tangent that still turns too far is a corner's
 
 
-@kernel("f, f, f, f, f -> b")
+@inlined("f, f, f, f, f -> b")
 def is_dip(before, here, after, h_before, h_after):
     """True where |test| has a local minimum at `here` that may hide two zeros.
 
@@ -45,7 +45,7 @@ def is_dip(before, here, after, h_before, h_after):
     return b - slope * slope / (4.0 * second) < DIP_FRACTION * b
 
 
-@part
+@inlined("f1, f1, f1, f1, f, f, f1, f1")
 def set_out(origin, tangent, old, scale, h, h_previous, y, z):
     """Predict the point at h: along the tangent and, where the tangent before is known, its change. y is scaled."""
     bend = 0.5 * h * h / h_previous if h_previous > 0.0 else 0.0
@@ -54,7 +54,7 @@ def set_out(origin, tangent, old, scale, h, h_previous, y, z):
         z[j] = origin[j] + scale[j] * y[j]
 
 
-@part
+@inlined("f1, f2, i, f1, i, b, f, f -> b")
 def strays(tests, rows, k, previous, first, signed, h, h_previous):
     """True where a test from `first` on is far from what the two points before predict.
 
@@ -69,7 +69,7 @@ def strays(tests, rows, k, previous, first, signed, h, h_previous):
     return rough
 
 
-@part
+@inlined("f1, f2, i, f1, i, f, f -> i")
 def dipping(tests, rows, k, previous, first, h_previous, h):
     """The test from `first` on that may have touched zero at row k, between the row before and the new point; or -1."""
     found = -1
@@ -80,7 +80,7 @@ def dipping(tests, rows, k, previous, first, h_previous, h):
     return found
 
 
-@part
+@inlined("f, f, f, f, f, f, f, f, f, f -> f")
 def next_step(h, angle, target_angle, correction, wanted, order, iterations, most, h_min, h_max):
     """The next step from the tangent's turn, the corrector's first correction (~ h^order) and its iterations."""
     factor = GROWTH
@@ -93,7 +93,7 @@ def next_step(h, angle, target_angle, correction, wanted, order, iterations, mos
     return min(max(h * max(factor, SHRINK), h_min), h_max)
 
 
-@part
+@inlined("f1, f1, f1, f1, f1, f1, f1, f -> b")
 def passes_start(z, last_z, loop_z, loop_tangent, seen, periods, scale, h):
     """True where the branch passes its start between `last_z` and `z`, in its sense.
 

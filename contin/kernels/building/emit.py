@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import llvmlite.binding as llvm
@@ -12,7 +13,7 @@ from llvmlite import ir
 from numba.core import cgutils, compiler
 from numba.core.registry import cpu_target
 
-from contin.kernels.building.functions import KernelFunction, symbol
+from contin.kernels.building.functions import REGISTRY, KernelFunction, symbol
 from contin.kernels.building.targets import BuildTarget
 from contin.kernels.signature import Array, Scalar, Tuple, Type, words
 from contin.machine.elementary import FUNCTIONS
@@ -60,12 +61,33 @@ def translate(kernel: KernelFunction) -> Translated:
     module = library._final_module
     for linked in _all(library._linking_libraries):
         module.link_in(linked._final_module, preserve=True)
+    for name in _inlined(module, declaration.name):
+        module.link_in(_body(name), preserve=True)
     public = {descriptor.llvm_func_name, entry_symbol(declaration.name)}
     for function in module.functions:
         if not function.is_declaration and function.name not in public:
             function.linkage = "internal"
     module.get_function(descriptor.llvm_func_name).name = symbol(declaration.name)
     return Translated(declaration.name, _ours(str(module)))
+
+
+def _inlined(module: Any, own: str) -> list[str]:
+    """Kernels whose code is put in place of their calls in the module; what they call so themselves is in it."""
+    names = [f.name.removeprefix("contin.") for f in module.functions if f.is_declaration]
+    return [name for name in names if name != own and name in REGISTRY and REGISTRY[name].declaration.inlined]
+
+
+def _body(name: str) -> Any:
+    """A module with the code of a kernel to be put in place."""
+    module = llvm.parse_assembly(_translation(name).text)
+    module.get_function(symbol(name)).add_function_attribute("alwaysinline")
+    module.get_function(entry_symbol(name)).linkage = "internal"
+    return module
+
+
+@cache
+def _translation(name: str) -> Translated:
+    return translate(REGISTRY[name])
 
 
 def emit(translated: Translated, target: BuildTarget) -> Emitted:
@@ -101,7 +123,18 @@ def _ours(text: str) -> str:
         text = re.sub(rf"@{name}(?=\()", f"@llvm.{name}.f64", text)
     for name in FUNCTIONS:
         text = re.sub(rf"@{name}(?=\()|@llvm\.{name}\.f64(?=\()", f"@{elementary_symbol(name)}", text)
-    return text
+    seen: set[str] = set()
+    return "\n".join(line for line in text.splitlines() if not _repeats(line, seen)) + "\n"
+
+
+def _repeats(line: str, seen: set[str]) -> bool:
+    """Whether a line declares what another line has declared: a function that had two names before."""
+    declared = re.match(r"declare [^@]*@([\w.]+)\(", line)
+    if declared is None:
+        return False
+    known = declared[1] in seen
+    seen.add(declared[1])
+    return known
 
 
 def _for(text: str, target: BuildTarget, machine: Any) -> str:

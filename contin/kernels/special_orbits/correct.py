@@ -4,7 +4,7 @@ import math
 
 from contin.kernels.collocation import set_phase
 from contin.kernels.collocation_march import floquet
-from contin.kernels.compile import part
+from contin.kernels.compile import kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.special_orbits.linearise import linearise
 from contin.kernels.special_orbits.memory import FAILED
@@ -14,7 +14,7 @@ ITERATIONS = 8
 STAGNATION = 1e-7
 
 
-@part
+@kernel("Equations, Curve, Points, Factors, Scratch, Frame, CurveMemory, f1, f1, f, f, b, f1 -> i")
 def correct_special(e, c, w, s, x, f, o, scale, sizes, length, tolerance, exact, info):
     """Newton on the plane <o.t0, (z - o.z0) / scale> = length from o.guess, into o.zn, with tangent o.tn.
 

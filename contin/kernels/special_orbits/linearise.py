@@ -2,7 +2,7 @@
 
 from contin.kernels.collocation import evaluate, residual
 from contin.kernels.collocation_system import reduce_right
-from contin.kernels.compile import call4, kernel, part
+from contin.kernels.compile import call4, kernel
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_solve
 from contin.kernels.filling import fill
@@ -18,7 +18,7 @@ from contin.kernels.special_orbits.memory import BPC, FAILED, LPC, NOT_FINITE, N
 from contin.kernels.special_orbits.null_vectors import final_factors, finish, null_functions
 
 
-@part
+@kernel("Equations, Curve, Points, Factors, Frame, CurveMemory, f, f -> i")
 def linearise(e, c, w, s, f, o, q, extra):
     """The solutions y, G and dG at o.z with second parameter q and the further unknown; 0, FAILED or NOT_FINITE."""
     w.p[c.second] = q

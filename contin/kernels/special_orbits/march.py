@@ -27,7 +27,7 @@ def follow_special(
     mode, e, c, w, s, x, f, o, scale, sizes, weights, controls, walls, limit, before_z, before_t, normals, out_z, out_t,
     out_tests, out_unstable, out_re, out_im, out_h, info,
 ):  # fmt: skip
-    """What `mode` says. One kernel for all: each kernel that calls others compiles them once more.
+    """What `mode` says.
 
     MARCH : follow the curve from row 0, where everything is known, for up to `limit` points. A step that fails, turns
         by more than an angle or leads beyond a point (an orbit of no extent) is repeated with half its length. Returns
