@@ -11,10 +11,12 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
+from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 SAME = 1e-6  # scaled distance of a point from a curve
+INSIDE = 1e-4  # scaled distance
 PARALLEL = 0.9999  # cosine of two tangents, which are exact at labelled points
 
 
@@ -54,9 +56,15 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
     distances = np.linalg.norm(offsets, axis=1)
     gaps = np.linalg.norm(np.diff(branch.z, axis=0) / scale, axis=1) if len(branch) > 1 else np.zeros(1)
     reach = 2.0 * float(gaps.max(initial=0.0)) + 1e-9
+    inside = z  # a little way into the branch: it may begin on a surface of discontinuity
+    if tangent is not None:
+        inside = z + INSIDE * tangent / max(float(np.linalg.norm(tangent / scale)), 1e-300)
     for row in np.argsort(distances)[:4]:
         if distances[row] > reach:
             return False
+        beside = branch.z[min(max(row, 1), max(len(branch) - 2, 0))]  # an end may lie on such a surface
+        if isinstance(problem, EquilibriumProblem) and problem.separated(beside, inside):
+            continue
         along = branch.tangents[row] / scale
         norm = float(np.linalg.norm(along))
         if norm == 0.0:

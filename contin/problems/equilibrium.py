@@ -88,6 +88,10 @@ class EquilibriumProblem:
         """The surface that the state slides on, in words: branches of different motions are never one."""
         return None if self.sliding is None else self.sliding.jump.surface.text
 
+    def separated(self, a: Array, b: Array) -> bool:
+        """True where a surface on which the equations jump lies between a and b: no branch leads across."""
+        return bool(self.system.n_switches) and boundary.separated(self, a, b)
+
     @property
     def is_map(self) -> bool:
         return bool(self.system.kind == "map")
@@ -304,7 +308,8 @@ class EquilibriumProblem:
         return left_reach(self.system, z[:, : self.n], p)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return corners.cross_corner(self, last, frame, settings)
+        crossed = corners.cross_corner(self, last, frame, settings)
+        return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         from contin.problems.symmetry import reversing_symmetries

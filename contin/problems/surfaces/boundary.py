@@ -19,10 +19,12 @@ from contin.problems.surfaces.jumps import Jump, jumps_of
 BUDGET: Final = 30
 SETTLED: Final = 1e-14  # scaled Newton steps
 ACCURATE: Final = 1e-10
-FARTHEST: Final = 0.5  # scaled distance ahead at which a surface is looked for
+FARTHEST: Final = 1e-3  # scaled distance ahead at which a surface is looked for
 BESIDE: Final = (0.5, 0.9, 0.99)  # parts of it at which the branch must be there, on the same side
 TANGENT: Final = 1e-2  # sine of an angle: fields that cross the surface at less than it do not define sliding motion
-AHEAD: Final = tuple(accumulate([1.9] * 15, mul, initial=1e-5))  # scaled distances beyond a last row, to 0.15
+AHEAD: Final = tuple(accumulate([2.15] * 9, mul, initial=1e-6))  # scaled distances beyond a last row, to 1e-3
+NEAR: Final = 1e-4  # a step across a surface is repeated with shorter ones down to this length
+SHORTER: Final = 4.0
 ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
 
 
@@ -47,23 +49,37 @@ def cut_at_surface(problem: Any, chunk: Chunk) -> Chunk:
         return chunk
     if len(chunk) < 2:
         return chunk
-    n = problem.n
     for k in _candidates(problem, chunk):
-        a, b = chunk.z[k], chunk.z[k + 1]
-        p, q = problem.full_parameters(a), problem.full_parameters(b)
-        for jump in jumps_of(problem.system):
-            before, after = jump.height(a[:n], p)[0], jump.height(b[:n], q)[0]
-            if before * after < 0.0:
-                t = before / (before - after)
-                z = (1.0 - t) * a + t * b
-                if jump.is_jump(z[:n], problem.full_parameters(z)):
-                    return chunk.cut(int(k) + 1, Stop.CORRECTOR, float(chunk.lengths[k + 1]))
+        if separated(problem, chunk.z[k], chunk.z[k + 1]):
+            return _before(chunk, int(k))
     if problem.sliding is None:
         return chunk
     weights = problem.sliding.weights(problem, chunk.z[1:])
     drive = problem.sliding.drive(problem, chunk.z)
     left = np.flatnonzero(~((weights >= 0.0) & (weights <= 1.0)) | (drive[1:] * _first(drive) < TANGENT))
-    return chunk if not left.size else chunk.cut(int(left[0]) + 1, Stop.CORRECTOR, float(chunk.lengths[left[0] + 1]))
+    return _before(chunk, int(left[0])) if left.size else chunk
+
+
+def _before(chunk: Chunk, row: int) -> Chunk:
+    """The chunk without the step from this row: to be done again with a shorter one, until it is as short as NEAR."""
+    length = float(chunk.lengths[row + 1])
+    if length > NEAR:
+        return chunk.cut(row + 1, Stop.LIMIT, max(length / SHORTER, 0.5 * NEAR))
+    return chunk.cut(row + 1, Stop.CORRECTOR, length)
+
+
+def separated(problem: Any, a: Array, b: Array) -> bool:
+    """True where a surface on which the equations jump lies between two points."""
+    n = problem.n
+    p, q = problem.full_parameters(a), problem.full_parameters(b)
+    for jump in jumps_of(problem.system):
+        before, after = jump.height(a[:n], p)[0], jump.height(b[:n], q)[0]
+        if before * after < 0.0:
+            t = before / (before - after)
+            z = (1.0 - t) * a + t * b
+            if jump.is_jump(z[:n], problem.full_parameters(z)):
+                return True
+    return False
 
 
 def _first(drive: Array) -> float:
