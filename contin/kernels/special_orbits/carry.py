@@ -12,7 +12,8 @@ STILL = 1e-8  # a part of the unit tangent this small has no direction
 def carry(kind, across, along, rows, start, y, v, sizes, scale, tangent):
     """Directions of the parameters (`turn_to`), row and start vector from the null functions y[2] and v[0].
 
-    LPC: across is the direction in which the orbits fold; else it is that of the curve itself.
+    LPC: across is the direction in which the orbits fold; BPC: it is normal to the curve, along which the branch points
+    persist, so that a derivative in its direction says nothing; else it is that of the curve itself.
     """
     n = sizes.size
     nu = y.shape[1] - 3
@@ -24,6 +25,8 @@ def carry(kind, across, along, rows, start, y, v, sizes, scale, tangent):
         q = tangent[last - 1] / scale[last - 1]
         a = across[0] * p + across[1] * q
         b = along[0] * p + along[1] * q
+        if kind == BPC:
+            a, b = -b, a
         turn_to(across, along, scale, a if a >= 0.0 else -a, b if a >= 0.0 else -b)
     if kind == BPC:
         return

@@ -143,3 +143,22 @@ def test_a_curve_of_folds_turns_round_at_a_generalised_hopf_point_without_a_cusp
     folds = curve(family["LPC2"], ("D", "a"), {"D": (0.2, 0.5), "a": (0.5, 1.5)}, settings=mesh)
     assert [end.reason for end in folds.ends] == ["bound", "hopf"]
     assert labels(folds, "CPC") == []
+
+
+@pytest.mark.parametrize("names", [("p", "q"), ("q", "p")])
+def test_branch_points_at_which_two_families_always_cross_have_a_curve(names):
+    """r' = -r (r - p)(r - q): the circles r = p and r = q exist for all p and q, and cross at p = q."""
+    growth = "-(r - p)*(r - q)"
+    model = Model(
+        "crossing", states={"x": 1.2, "y": 0}, parameters={"p": 1.2, "q": 0.8}, definitions={"r": "sqrt(x^2 + y^2)"},
+        equations={"x": f"({growth})*x - y", "y": f"x + ({growth})*y"},
+    )  # fmt: skip
+    angle = np.linspace(0, 2 * np.pi, 101)
+    circle = 1.2 * np.column_stack([np.cos(angle), np.sin(angle)])
+    box = {"p": (0.3, 2.0), "q": (0.3, 2.0)}
+    family = contin.continuation(contin.periodic_orbit(model, circle, period=2 * np.pi), names[0], box[names[0]])
+    crossings = contin.continuation(family["BPC1"].locus(), names, box)
+    assert [end.reason for end in crossings.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(crossings.columns["p"], crossings.columns["q"], rtol=0, atol=1e-9)
+    assert np.ptp(crossings.columns["p"]) == pytest.approx(1.7)
+    assert crossings.points == ()
