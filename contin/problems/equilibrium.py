@@ -23,6 +23,7 @@ from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
 from contin.problems.functions.march import DenseMarch
+from contin.problems.functions.turning import no_fold
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, state_scales
@@ -275,10 +276,19 @@ class EquilibriumProblem:
         return special.TEST_OF[type_]
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return self._described(special.verify(self, type_, near, frame), frame)
+        return self._described(self._turning(special.verify(self, type_, near, frame), near, frame), frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        return [self._described(item, frame) for item in special.verify_compound(self, a, b, frame)]
+        found = (self._turning(item, a, frame) for item in special.verify_compound(self, a, b, frame))
+        return [self._described(item, frame) for item in found]
+
+    def _turning(self, found: Verified | str, near: Sample, frame: Frame) -> Verified | str:
+        """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
+        if isinstance(found, str) or found.type != "LP" or self.system.jacobian_address != NO_FUNCTION:
+            return found
+        here = DenseMarch(self).linearisation(found.z, near.tangent, frame.scale)
+        why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
+        return found if why is None else f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
 
     def _described(self, found: Verified | str, frame: Frame) -> Verified | str:
         from contin.problems.describe import with_normal_form

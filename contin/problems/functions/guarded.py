@@ -16,7 +16,8 @@ from contin.errors import UserFunctionError
 def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
     """function(*arguments); UserFunctionError, which names the error and its line, where that raises."""
     try:
-        return function(*arguments)
+        with np.errstate(all="ignore"):  # what is not finite is told where it matters
+            return function(*arguments)
     except Exception as error:  # somebody else's code may raise anything
         frames = traceback.extract_tb(error.__traceback__)[1:]  # the first is this one
         place = f" ({Path(frames[0].filename).name}, line {frames[0].lineno})" if frames else ""

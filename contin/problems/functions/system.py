@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,14 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import NO_FUNCTION, Array
-from contin.errors import InputError, NotFiniteError, UserFunctionError
+from contin.errors import InputError, InputWarning, NotFiniteError, UserFunctionError
 from contin.normalforms.jet import expand_complex
 from contin.problems.functions.derivatives import Lines, is_analytic
 from contin.problems.functions.guarded import called, numbers, vector
+from contin.problems.functions.trials import not_analytic, real, try_function
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
 
+LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
 
 
@@ -42,11 +46,15 @@ class FunctionSystem:
         self.state_names, self.parameter_names = model.state_names, model.parameter_names
         self._trouble: tuple[str, Array, Array] | None = None  # the last failure, and where: u, p
         self._worked: set[str] = set()
+        self._lost = np.full(self.n, np.nan)
+        self._made = 0  # Jacobians by complex steps
         u0, p0 = model.start_point()
         self.observable_names: tuple[str, ...] = ()
         value = self.value(u0, p0)
         if model.jacobian is not None:
             self._check_jacobian(u0, p0)
+        if model.written is None:
+            try_function(self, u0, p0)
         if not np.all(np.isfinite(value)):
             raise NotFiniteError(f"{self.explain(u0, p0)} (at u0)")
         self.observable_names = tuple(self._recorded(u0, p0))
@@ -91,7 +99,9 @@ class FunctionSystem:
         states, others = np.array(u, dtype=float), np.asarray(p, dtype=float)
         before = self._trouble
         with np.errstate(all="ignore"):
-            value = np.array(self.raw(states, others), dtype=float)
+            value: Array = self.attempt(
+                "value", lambda: real("residual", self.raw(states, others)), self._lost, states, others
+            )
         if self._trouble is before and not np.all(np.isfinite(value)):
             bad = int(np.flatnonzero(~np.isfinite(value))[0])
             self._trouble = f"component {bad} of the residual is {value[bad]:.3g}", states, others
@@ -197,7 +207,7 @@ class FunctionSystem:
         jacobian = self.model.jacobian
 
         def evaluate() -> Array:
-            return np.asarray(called("Jacobian", lambda: jacobian(u, self._named(p)) @ v), dtype=float)
+            return real("Jacobian", np.asarray(called("Jacobian", lambda: jacobian(u, self._named(p)) @ v)))
 
         product: Array = self.attempt("Jacobian", evaluate, np.full(self.n, np.nan), u, p)
         return product
@@ -209,7 +219,7 @@ class FunctionSystem:
 
             def evaluate() -> Array:
                 what = "parameter Jacobian"
-                return vector(what, called(what, given, u, self._named(p), name), self.n).astype(float)
+                return real(what, vector(what, called(what, given, u, self._named(p), name), self.n))
 
             slope: Array = self.attempt("parameter Jacobian", evaluate, np.full(self.n, np.nan), u, p)
             return slope
@@ -231,17 +241,30 @@ class FunctionSystem:
                     raise UserFunctionError(
                         f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
                     )
-                return np.array(matrix, dtype=float)
+                return real("Jacobian", np.asarray(matrix))
 
             full: Array = self.attempt("Jacobian", evaluate, np.full((self.n, self.n), np.nan), u, p)
             return full
         matrix = np.empty((self.n, self.n))
+        self._made += 1
+        if self.lines.analytic and self._made % LOOK_AGAIN == 0:
+            self._look_again(u, p)
         direction = np.zeros(self.n + self.m)
         for j in range(self.n):
             direction[j] = 1.0
             matrix[:, j] = self.lines.first(u, p, direction)
             direction[j] = 0.0
         return matrix
+
+    def _look_again(self, u: Array, p: Array) -> None:
+        """Where complex steps no longer give the derivative, take differences from here on, with a warning."""
+        try:
+            why = not_analytic(self, u, p, self.lines.first)
+        except UserFunctionError:
+            return  # told where the value itself is needed
+        if why is not None:
+            self.lines = replace(self.lines, analytic=False)
+            warnings.warn(f"{self.model.name}: {why}", InputWarning, stacklevel=2)
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """F (n,) and dF/dz (n, n + m)."""

@@ -24,6 +24,7 @@ from contin.continuation.vectors import norm
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
+from contin.problems.functions.turning import no_fold
 from contin.problems.sparse import special
 from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
@@ -286,6 +287,11 @@ class LargeProblem:
             return f"{type_} not verified: {error}"
         if not isinstance(found, str) and not np.isfinite(found.error):
             return f"{type_} not verified: its place is not determined to any accuracy"
+        if type_ == "LP" and isinstance(found, Verified) and self.system.model.written is None:
+            here = self.linearisation(found.z, near.tangent, frame.scale)
+            why = no_fold(self.residual, here, found.z, frame.scale)
+            if why is not None:
+                return f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
         return found
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:

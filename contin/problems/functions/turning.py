@@ -1,0 +1,72 @@
+"""Whether the parameter turns at a point that was verified as a fold, by the residual alone.
+
+Derivatives that are wrong, or differences taken across a corner, can make F_u look singular. The curve itself says: at
+distance s along its tangent the parameter has moved by P(s) = a s^2 + b s^3 + ... at a fold, by about |s| at a corner
+where it turns, and by c s where it does not turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.march import Linearisation
+from contin.continuation.vectors import norm
+
+NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner
+NOISE: Final = 1e-9  # moves of the parameter that say nothing
+SQUARE: Final = 1.5  # power of s below which the parameter does not turn smoothly
+BUDGET: Final = 25
+
+
+def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: Array, scale: Array) -> str | None:
+    """Why the point z (n + 1,), verified as a fold, is none; None where it is one or nothing can be said.
+
+    here : solves with [J; t] at z in scaled unknowns, t a tangent of the branch near it.
+    """
+    if here is None:
+        return None
+    t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
+    if not np.all(np.isfinite(t)) or norm(t) == 0.0:
+        return None
+    t = t / norm(t)
+    even, odd = [], []
+    for s in (NEAR, FAR):
+        up, down = (_moved(residual, here, z, t, scale, side * s) for side in (1.0, -1.0))
+        if up is None or down is None:
+            return None
+        even.append(abs(up + down) / 2.0)
+        odd.append(abs(up - down) / 2.0)
+    if max(even[0], odd[0]) < NOISE:
+        return None
+    if odd[0] > even[0] and odd[1] > even[1]:
+        return "the parameter does not turn here: the derivatives are wrong, or the function is not smooth"
+    power = np.log(even[1] / max(even[0], 1e-300)) / np.log(FAR / NEAR)
+    if power < SQUARE:
+        return "the parameter turns at a corner, where the function is not smooth"
+    return None
+
+
+def _moved(
+    residual: Callable[[Array], Array], here: Linearisation, z: Array, t: Array, scale: Array, s: float
+) -> float | None:
+    """How far the parameter (scaled) is from its value at z where the curve has gone s along t; by chords."""
+    y = s * t
+    before = np.inf
+    for _ in range(BUDGET):
+        f = residual(z + scale * y)
+        if not np.all(np.isfinite(f)):
+            return None
+        step = here.solve(np.append(-f / scale[:-1], 0.0))
+        step = step + (s - float(t @ (y + step))) * t
+        size = norm(step)
+        if not np.isfinite(size) or size > 10.0 * abs(s) + before:
+            return None
+        y = y + step
+        if size < 1e-13 or (size >= 0.9 * before and size < 1e-9):
+            return float(y[-1])
+        before = size
+    return float(y[-1]) if before < 1e-9 else None

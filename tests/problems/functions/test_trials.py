@@ -1,0 +1,140 @@
+"""What a user's function is asked before it is trusted, and where its derivatives are not those of the curve."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import contin
+from contin.errors import InputWarning, UserFunctionError
+
+
+def parabola(u, p):
+    return np.array([p["a"] - u[0] ** 2, u[1] - u[0]])
+
+
+def slopes(u, p):
+    return np.array([[-2 * u[0], 0.0], [-1.0, 1.0]])
+
+
+def followed(function, u0, a, low, high, **options):
+    problem = contin.FunctionProblem(function, u0, {"a": a}, **options)
+    return contin.continuation(contin.equilibrium(problem), "a", (low, high))
+
+
+def test_a_right_jacobian_passes_and_a_wrong_entry_is_named():
+    assert [p.label for p in followed(parabola, [1.0, 1.0], 1.0, -1, 2, jacobian=slopes).points] == ["LP1"]
+    with pytest.raises(UserFunctionError, match=r"jacobian is not the derivative.*dF\[0\]/du\[0\] is -1\.0"):
+        followed(parabola, [1.0, 1.0], 1.0, -1, 2, jacobian=lambda u, p: slopes(u, p) * [[0.5, 1], [1, 1]])
+
+
+@pytest.mark.parametrize("kind", ["csr_array", "csc_matrix"])
+def test_a_wrong_sparse_jacobian_is_told(kind):
+    import scipy.sparse
+
+    n = 30
+    made = getattr(scipy.sparse, kind)
+    with pytest.raises(UserFunctionError, match=r"dF\[\d+\]/du\[\d+\] is -6"):
+        followed(
+            lambda u, p: p["a"] - u**3, np.ones(n), 1.0, 0, 2,
+            jacobian=lambda u, p: made(scipy.sparse.diags(-6 * u**2)),
+        )  # fmt: skip
+
+
+def test_a_wrong_parameter_jacobian_is_told():
+    with pytest.raises(UserFunctionError, match=r"dF\[0\]/da is -1, and differences give 1"):
+        followed(
+            parabola, [1.0, 1.0], 1.0, -1, 2, jacobian=slopes,
+            parameter_jacobian=lambda u, p, name: np.array([-1.0, 0.0]),
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
+def test_right_derivatives_pass_at_every_scale_and_beside_kinks(scale):
+    def f(u, p):
+        return np.array([scale * (p["a"] - u[0] / scale - 0.1 * abs(u[0] / scale - 1.0))])
+
+    def jacobian(u, p):
+        return np.array([[-1.0 - 0.1 * np.sign(u[0] / scale - 1.0)]])
+
+    problem = contin.FunctionProblem(f, [scale], {"a": 1.0}, jacobian=jacobian, typical=scale)
+    contin.equilibrium(problem)
+
+
+def test_complex_results_are_an_error_and_say_so():
+    with pytest.raises(UserFunctionError, match="complex number"):
+        followed(lambda u, p: np.array([p["a"] - u[0] ** 2 + 1e-3j]), [1.0], 1.0, -1, 2)
+
+
+def test_a_residual_that_becomes_complex_on_the_way_ends_the_branch_in_words():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        branch = followed(
+            lambda u, p: np.array([p["a"] - u[0] * np.emath.sqrt(u[0] - 0.1)]), [1.0], np.sqrt(0.9), -0.5, 2
+        )
+    assert "complex number" in branch.ends[0].text
+
+
+@pytest.mark.parametrize("cast", [np.float32, lambda x: np.float32(x).astype(float)])
+def test_float32_is_named(cast):
+    with pytest.raises(UserFunctionError, match="float32"):
+        followed(lambda u, p: cast(np.real(p["a"] - u**2)), [1.0], 1.0, -1, 2)
+
+
+def test_whole_numbers_are_not_taken_for_float32():
+    followed(lambda u, p: np.array([p["a"] - u[0], 0.0 * u[1] - 3 * (u[1] - 1)]), [1.0, 1.0], 1.0, 0, 2)
+
+
+def test_numpy_warnings_of_a_function_do_not_reach_the_user():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        branch = followed(
+            lambda u, p: np.array([p["a"] - np.log(u[0])]), [1.0], 0.0, -3, 2, jacobian=lambda u, p: [[-1 / u[0]]]
+        )
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+
+
+def test_where_complex_steps_fail_on_the_way_differences_are_taken_with_a_warning():
+    def f(u, p):  # a = u^2, followed from u = 0.5; the cast is met at u = 1
+        return np.array([p["a"] - (u[0] ** 2 if np.real(u[0]) < 1 else np.real(u[0]) ** 2)])
+
+    with pytest.warns(InputWarning, match="complex step"):
+        branch = followed(f, [0.5], 0.25, 0.1, 3)
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(branch.columns["u0"] ** 2, branch.columns["a"], rtol=1e-8)
+    assert branch.points == ()
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e3])
+def test_smooth_folds_are_folds(size):
+    def f(u, p):
+        x = u[0] / size
+        return np.array([p["a"] - x**2 - 0.3 * x**3])
+
+    branch = followed(f, [size], 1.3, -1, 2, typical=size)
+    x = -2.0 / 0.9  # the other place where 2 x + 0.9 x^2 = 0
+    found = sorted(point.values["a"] for point in branch.points if point.type == "LP")
+    assert found == pytest.approx([0.0, x**2 + 0.3 * x**3], abs=1e-9)
+
+
+def turning(function, at, tangent):
+    """What the check says of a point of the curve function(u, a) = 0."""
+    from contin.problems.functions.march import dense_linearisation
+    from contin.problems.functions.turning import no_fold
+
+    def residual(z):
+        return np.array([function(*z)])
+
+    h = 1e-3  # as across a kink: slopes of wide differences
+    z = np.array(at)
+    steps = np.eye(2) * h
+    jacobian = np.column_stack([(residual(z + e) - residual(z - e)) / (2 * h) for e in steps])
+    here = dense_linearisation(residual(z), jacobian, np.array(tangent), np.ones(2))
+    return no_fold(residual, here, z, np.ones(2))
+
+
+def test_corners_and_passages_are_told_from_folds():
+    assert turning(lambda u, a: a - u**2, [0.0, 0.0], [1.0, 0.0]) is None
+    assert turning(lambda u, a: a - u**2 - 3 * u**3, [0.0, 0.0], [1.0, 0.0]) is None
+    assert "corner" in turning(lambda u, a: a - abs(u), [0.0, 0.0], [1.0, 0.0])
+    assert "does not turn" in turning(lambda u, a: a - u**3 - 0.3 * u, [0.0, 0.0], [1.0, 0.3])
