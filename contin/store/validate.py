@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,7 +26,7 @@ Mistake = tuple[str, str]  # where, what
 
 def validate(document: Mapping[str, Any], path: Path) -> None:
     """Raise InputError with the first place where a result document does not follow its schema."""
-    for where, what in (*_mistakes(document, RESULT_SCHEMA, ""), *_uneven(document)):
+    for where, what in chain(_mistakes(document, RESULT_SCHEMA, ""), _uneven(document)):  # the second needs the first
         raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
 
 

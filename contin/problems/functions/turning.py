@@ -44,8 +44,7 @@ def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: A
         return None
     if odd[0] > even[0] and odd[1] > even[1]:
         return "the parameter does not turn here: the derivatives are wrong, or the function is not smooth"
-    power = np.log(even[1] / max(even[0], 1e-300)) / np.log(FAR / NEAR)
-    if power < SQUARE:
+    if even[1] < even[0] * (FAR / NEAR) ** SQUARE:
         return "the parameter turns at a corner, where the function is not smooth"
     return None
 
