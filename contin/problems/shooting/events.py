@@ -19,6 +19,7 @@ from contin.problems.special import nearest_pair
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8
+SAFETY = 2.0  # of errors that are differences of two approximations
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
@@ -54,7 +55,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         return f"{type_} not labelled: the critical multiplier is off by {gap:.1e}"
     width = float(frame.scale[-1])
     error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
-    error += found.error * width
+    error = SAFETY * (error + found.error * width)
     point = Verified(
         type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets)) > 1.0)),
         vectors={"theta": theta},
