@@ -22,7 +22,7 @@ from contin.errors import ContinError
 from contin.machine import environment
 from contin.store.digest import DamageWarning, LeftOutWarning
 
-CUT_SHORT, BAD_INPUT = 1, 2
+CUT_SHORT, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 app = typer.Typer(
     name="contin",
@@ -367,6 +367,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     raise SystemExit(code)
 
 
+def _stopped() -> int:
+    sys.stderr.write("stopped\n")
+    return exit_code()
+
+
 def _exit_code(arguments: Sequence[str] | None) -> int:
     warned = _Warned()
     try:
@@ -381,9 +386,10 @@ def _exit_code(arguments: Sequence[str] | None) -> int:
         sys.stderr.write(printable(f"{error.filename or 'contin'}: {error.strerror or error}") + "\n")
         return BAD_INPUT
     except KeyboardInterrupt:
-        sys.stderr.write("stopped\n")
-        return exit_code()
+        return _stopped()
     except SystemExit as end:  # of typer: an exit code, or words
+        if end.code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt
+            return _stopped()
         if isinstance(end.code, str):
             sys.stderr.write(f"{end.code}\n")
         code = end.code if isinstance(end.code, int) else int(end.code is not None)

@@ -71,7 +71,7 @@ class SqliteJournal:
             found = self._connection.execute("SELECT number, sha256 FROM chunk ORDER BY number DESC LIMIT 1").fetchone()
             self._number: int = 0 if found is None else found[0] + 1
             self._last: str = "" if found is None else found[1]
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             self._lock.release()
             raise InputError(in_words(path, error)) from None
         except BaseException:
@@ -115,7 +115,7 @@ class SqliteJournal:
             try:
                 whole = sum(1 for _ in _whole(connection))
                 there = connection.execute("SELECT count(*) FROM chunk").fetchone()[0]
-                damage = f"{there - whole} of {there} stored parts" if there > whole else ""
+                damage = f"{there - whole} of {there} stored parts" if there > whole else _pages(connection)
             except (sqlite3.Error, UnicodeDecodeError) as error:
                 damage = f"a stored part ({error})"
             kept = _taken(connection, whole) if damage else []
@@ -194,6 +194,12 @@ def _connected(place: Path) -> sqlite3.Connection:
     connection.execute("PRAGMA journal_mode = WAL")
     connection.execute("PRAGMA synchronous = NORMAL")
     return connection
+
+
+def _pages(connection: sqlite3.Connection) -> str:
+    """What SQLite finds wrong with the file's structure: an index may miss what the table has; empty if nothing."""
+    found = [str(row[0]) for row in connection.execute("PRAGMA integrity_check(1)")]
+    return "" if found == ["ok"] else f"a stored part ({found[0]})"
 
 
 def _rows(connection: sqlite3.Connection) -> Iterator[tuple[int, Kept]]:

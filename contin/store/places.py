@@ -64,7 +64,7 @@ def state_of(path: Path, application: int) -> State:
                 return State.FOREIGN
             ours = True
             marked = connection.execute("SELECT 1 FROM meta WHERE key = 'unfinished'").fetchone()
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:  # texts that are no UTF-8 any more
         if "locked" in str(error):
             raise InputError(f"{path}: {IN_USE}") from None
         return State.DAMAGED if ours else State.FOREIGN

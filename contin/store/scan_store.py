@@ -53,7 +53,7 @@ class ScanStore:
         self._lock = Lock(path)
         try:
             self._open(mark, json.dumps(head), resume)
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             self._lock.release()
             raise InputError(in_words(path, error)) from None
         except BaseException:
@@ -206,7 +206,7 @@ def _rows(connection: sqlite3.Connection) -> tuple[dict[int, Outcome], int]:
     rows: dict[int, Outcome] = {}
     bad = 0
     for job, label, outcome, end, stats, *checksum in connection.execute("SELECT * FROM run"):
-        if len(columns) > 5 and checksum != [_checksum(job, label, outcome, end, stats)]:
+        if len(columns) > 5 and not (isinstance(end, float) and checksum == [_checksum(job, label, outcome, end, stats)]):
             bad += 1
             continue
         values = {k: float("nan") if v is None else v for k, v in json.loads(stats).items()}

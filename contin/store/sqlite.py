@@ -225,7 +225,7 @@ def _with_columns(header: dict[str, Any], columns: dict[str, Any]) -> dict[str, 
     return branch
 
 
-def in_words(path: Path, error: sqlite3.Error) -> str:
+def in_words(path: Path, error: Exception) -> str:
     """What went wrong with a file, and what to do."""
     text = str(error)
     if "locked" in text:
