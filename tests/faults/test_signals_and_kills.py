@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-
 from contin.runs.warm import warm_up
+
 from contin.store.places import beside
 from contin.store.results import read_results
 from contin.store.scan_store import read_scan
