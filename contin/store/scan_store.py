@@ -206,7 +206,8 @@ def _rows(connection: sqlite3.Connection) -> tuple[dict[int, Outcome], int]:
     rows: dict[int, Outcome] = {}
     bad = 0
     for job, label, outcome, end, stats, *checksum in connection.execute("SELECT * FROM run"):
-        if len(columns) > 5 and not (isinstance(end, float) and checksum == [_checksum(job, label, outcome, end, stats)]):
+        sound = isinstance(end, float) and checksum == [_checksum(job, label, outcome, end, stats)]
+        if len(columns) > 5 and not sound:
             bad += 1
             continue
         values = {k: float("nan") if v is None else v for k, v in json.loads(stats).items()}
