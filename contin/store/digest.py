@@ -47,10 +47,11 @@ def mistake(document: Mapping[str, Any]) -> str | None:
 
 
 def parts_digest(*parts: str | bytes | int) -> str:
-    """Of several texts, bytes and integers, which cannot run into each other."""
+    """Of several texts, bytes and integers, which cannot run into each other, nor one kind be taken for another."""
     digest = hashlib.sha256()
     for part in parts:
         data = part if isinstance(part, bytes) else str(part).encode("utf-8", "surrogatepass")
+        digest.update(b"b" if isinstance(part, bytes) else b"t" if isinstance(part, str) else b"i")
         digest.update(len(data).to_bytes(8, "little"))
         digest.update(data)
     return digest.hexdigest()

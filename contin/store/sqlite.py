@@ -140,7 +140,7 @@ def load(path: Path) -> dict[str, Any]:
         if "locked" in str(error):
             raise InputError(in_words(path, error)) from None
         raise InputError(f"{path}: not a contin result file, or damaged ({error})") from None
-    except (sqlite3.Error, KeyError, ValueError, TypeError, RecursionError, OverflowError) as error:
+    except (sqlite3.Error, KeyError, ValueError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise InputError(f"{path}: not a contin result file, or damaged ({error})") from None
     validate(document, path)
     for note in notes:
@@ -212,7 +212,7 @@ def _stored(connection: sqlite3.Connection) -> dict[str, str] | None:
     if not connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'checksum'").fetchone():
         return None
     found: Iterable[tuple[str, str]] = connection.execute("SELECT part, sha256 FROM checksum").fetchall()
-    return dict(found)
+    return {part: digest for part, digest in found if isinstance(part, str)}  # what is damaged fits to nothing
 
 
 def _with_columns(header: dict[str, Any], columns: dict[str, Any]) -> dict[str, Any]:
