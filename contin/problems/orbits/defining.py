@@ -28,6 +28,7 @@ SETTLED: Final = 1e-13
 STALLED: Final = 1e-7
 PERTURBATION: Final = 1e-10
 SAMPLES: Final = 2
+SCATTERED: Final = 4.0  # the error beside the largest of so few samples of rounding
 SAME_PERIOD: Final = 1e-3  # relative difference of periods up to which points on two meshes are the same
 SAFETY: Final = 2.0  # the finer mesh has an error of its own
 UNRESOLVED: Final = 0.2  # distance from 1 of the multiplier on a finer mesh at which a fold by multipliers is none
@@ -154,4 +155,4 @@ def _measured(
         shift[-1] = shift[-2]
         back = curve.step(x + metric * shift, metric)
         scatter = max(scatter, np.inf if back is None else abs(float(shift[-1] + back[0][-1])))
-    return SolvedOrbit(z, curve.theta(x), residual, 2.0 * scatter * float(scale[-1]), right, scale)
+    return SolvedOrbit(z, curve.theta(x), residual, SCATTERED * scatter * float(scale[-1]), right, scale)

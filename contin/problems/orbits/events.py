@@ -22,6 +22,7 @@ from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
 
 RESIDUAL_LIMIT = 1e-7  # scaled
+CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
 UNRESOLVED = 1e-6  # a multiplier this close to 1 may be counted on either side: folds are resolved to this only
 UNCLEAR = 0.2  # distance of the computed multiplier from the critical one at which an event is not labelled
 NO_ORBIT = 1e-3  # an orbit with less amplitude than this (relative) is its Hopf point
@@ -142,7 +143,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     if not gap < UNCLEAR:
         return f"{type_} not labelled: the multipliers are not resolved there"
     others = without(nontrivial(problem, values), critical(type_, solved.theta))
-    rounding = 0.5 * np.finfo(float).eps * abs(float(solved.z[-1]))
+    rounding = np.finfo(float).eps * (abs(float(solved.z[-1])) + CANCELLED * width)
     point = Verified(
         type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
         vectors={"right": solved.right, "theta": solved.theta},
