@@ -1,14 +1,19 @@
-"""Machine code of the elementary functions: compiled when first asked for, each one once per process."""
+"""Machine code of the elementary functions: made when first asked for, kept in the user's folder as that of kernels."""
 
 from __future__ import annotations
 
+import hashlib
 import threading
 from collections.abc import Callable, Iterable
+from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
-from contin.machine import target
+from contin.machine import objects, target
 from contin.machine.elementary.names import FUNCTIONS, symbol
+from contin.machine.folder import folder
+from contin.machine.objects import Piece
 
 _lock = threading.Lock()
 _addresses: dict[str, int] = {}
@@ -44,25 +49,50 @@ def _address(name: str, wanted: str) -> int:
 
 
 def _compile(name: str, wanted: str) -> None:
+    """Load a function's code from the user's folder, or make it and put it there."""
     import llvmlite.binding as llvm
 
-    from contin.machine.elementary.translate import module_text
-
-    function = source(name)
-    looped = wanted != symbol(name)
-    text = module_text([] if looped else [function], [function] if looped else [])
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = target.machine(2)
-    module = llvm.parse_assembly(text)
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
-    builder.getModulePassManager().run(module, builder)
-    engine = llvm.create_mcjit_compiler(module, machine)
+    kept, file = folder(), f"{wanted}-{_key()}"
+    data = kept.read(file) if kept else None
+    piece = objects.from_bytes(data) if data is not None else None
+    if piece is None or (piece.name, piece.key) != (wanted, _key()):
+        piece = Piece(wanted, _key(), (), _object_code(name, wanted, machine))
+        if kept:
+            kept.write(file, objects.to_bytes(piece))
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(piece.code))
     engine.finalize_object()
     _engines.append(engine)
     _addresses[wanted] = int(engine.get_function_address(wanted))
-    if not looped:
+    if wanted == symbol(name):
         llvm.add_symbol(wanted, _addresses[wanted])
+
+
+def _object_code(name: str, wanted: str, machine: Any) -> bytes:
+    import llvmlite.binding as llvm
+
+    from contin.machine.elementary.translate import module_text  # not before: most processes need no translation
+
+    function = source(name)
+    looped = wanted != symbol(name)
+    module = llvm.parse_assembly(module_text([] if looped else [function], [function] if looped else []))
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+@cache
+def _key() -> str:
+    """Hash of all that machine code is made from: these sources, LLVM, the processor level and the system."""
+    import llvmlite
+
+    found = hashlib.sha256(f"{llvmlite.__version__} {target.label()}".encode())
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        found.update(path.name.encode() + path.read_bytes())
+    return found.hexdigest()[:32]
 
 
 def source(name: str) -> Callable[..., Any]:
