@@ -13,6 +13,7 @@ from contin.kernels.dop853 import E3, E5, STAGES, A, B, C, D
 
 DONE, EVENTS, STEPS, SMALL, NOT_FINITE = range(5)
 SAFETY, SHRINK, GROW = 0.9, 0.333, 6.0
+COLLAPSED = 1e-14  # of the time: a step this short that is not finite ends the integration
 
 
 @kernel("i, i, b, f, f1, f1, f1, f1, f2, f2, i")
@@ -50,14 +51,14 @@ def interpolate(dense, start, x, y):
         y[k] = start[k] + s
 
 
-@kernel("i, i, b, f1, f1, f1, i, f1, f1, f2, f2, i1, f2, f1, f1, f2, f2, f2 -> i")
+@kernel("i, i, b, f1, f1, f1, f1, i, f1, f1, f2, f2, i1, f2, f1, f1, f2, f2, f2 -> i")
 def integrate(
-    value, jacobian, forced, y, p, controls, max_steps, section, times, samples, events, counts, work, u, F, J, slopes,
-    dense,
+    value, jacobian, forced, y, p, controls, atol, max_steps, section, times, samples, events, counts, work, u, F, J,
+    slopes, dense,
 ):  # fmt: skip
     """Integrate y in place from controls[0] to controls[1]; returns DONE, EVENTS, STEPS, SMALL (step) or NOT_FINITE.
 
-    controls : [t, t_end, h, h_max, rtol, atol]; t and h are updated.
+    controls : [t, t_end, h, h_max, rtol]; t and h are updated.  atol : (size,), absolute tolerances.
     section : (n + 2,) [normal, offset, direction]: crossings of normal . u = offset, upwards for direction > 0,
         downwards for < 0, both for 0; where normal is zero there are none. `events` (K, 1 + size) receives (t, y) of up
         to K of them.
@@ -66,7 +67,8 @@ def integrate(
     work (3, size), u, F (n,), J (n, n + p_size), slopes (16, size), dense (7, size) : memory.
     """
     size, n = y.size, u.size
-    t, t_end, h, h_max, rtol, atol = controls[0], controls[1], controls[2], controls[3], controls[4], controls[5]
+    t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
+    span = t_end - t
     sectioned = False
     for k in range(n):
         if section[k] != 0.0:
@@ -76,10 +78,11 @@ def integrate(
     if h <= 0.0:
         top, bottom = 0.0, 0.0
         for k in range(size):
-            scale = atol + rtol * abs(y[k])
+            scale = atol[k] + rtol * abs(y[k])
             top += (y[k] / scale) ** 2
             bottom += (slopes[0, k] / scale) ** 2
-        h = 0.01 * math.sqrt(top / bottom) if top > 1e-10 and bottom > 1e-10 else 1e-6
+        moves = top > 1e-10 and bottom * span * span > 1e-10
+        h = 0.01 * math.sqrt(top / bottom) if moves else 1e-6 * span
     rejected = False
     for _ in range(max_steps):
         if t >= t_end:
@@ -105,14 +108,14 @@ def integrate(
                 e5 += E5[j] * slopes[j, k]
                 e3 += E3[j] * slopes[j, k]
             trial[k] = begin[k] + h * s
-            scale = atol + rtol * max(abs(begin[k]), abs(trial[k]))
+            scale = atol[k] + rtol * max(abs(begin[k]), abs(trial[k]))
             error5 += (e5 / scale) ** 2
             error3 += (e3 / scale) ** 2
         bottom = math.sqrt((error5 + 0.01 * error3) * size)
         error = h * error5 / bottom if bottom != 0.0 else 0.0  # NaN stays NaN
         counts[2] += 1
         if not math.isfinite(error):
-            if h < 1e-12:
+            if h < COLLAPSED * max(abs(t), span):
                 controls[0] = t
                 return NOT_FINITE
             h *= 0.1

@@ -187,6 +187,7 @@ class _Builder:
             None if period is None else self.formulas.read(period, (*path, "period"), self.constants),
             None if minimum is None else self.formulas.read(minimum, (*path, "minimum"), self.constants),
             item.beyond,
+            None if item.scale is None else self.formulas.read(item.scale, (*path, "scale"), self.constants),
         )
 
     def parameter(self, key: str) -> Parameter:
@@ -199,7 +200,8 @@ class _Builder:
             low, high = (self.formulas.read(v, (*path, "range", i), self.constants) for i, v in enumerate(item.range))
             bounds = (low, high)
         value = self.formulas.read(item.value, (*path, "value"), self.constants)
-        return Parameter(name, value, bounds, item.unit, item.description)
+        scale = None if item.scale is None else self.formulas.read(item.scale, (*path, "scale"), self.constants)
+        return Parameter(name, value, bounds, item.unit, item.description, scale)
 
     def equations(self) -> tuple[Expression, ...]:
         written = {canonical_name(n): n for n in self.entry.equations}
@@ -308,10 +310,14 @@ class _Builder:
         for state in parts["states"]:
             if state.period is not None:
                 self.positive(state.period, values, ("states", keys[state.name], "period"))
+        for section in ("states", "parameters"):
+            for part in parts[section]:
+                if part.scale is not None:
+                    self.positive(part.scale, values, (section, keys[part.name], "scale"), "a scale")
         if parts["forcing"] is not None:
             self.positive(parts["forcing"].period, values, ("forcing", "period"))
 
-    def positive(self, period: Expression, values: Mapping[str, float], path: Path) -> None:
-        value = evaluate(period, values)
+    def positive(self, formula: Expression, values: Mapping[str, float], path: Path, what: str = "a period") -> None:
+        value = evaluate(formula, values)
         if not 0 < value < float("inf"):
-            self.problems.add(path, f"a period must be positive and finite, got {value:.6g}")
+            self.problems.add(path, f"{what} must be positive and finite, got {value:.6g}")

@@ -203,6 +203,19 @@ class Model:
         values = self.default_parameters(overrides)
         return np.array([float(v) for v in evaluate_all([s.period or number(0) for s in self.states], values)])
 
+    def scales(self, overrides: Mapping[str, Override] | None = None) -> Array:
+        """Declared natural size of each state (n,), 0 where none is."""
+        values = self.default_parameters(overrides)
+        return np.array([float(v) for v in evaluate_all([s.scale or number(0) for s in self.states], values)])
+
+    def parameter_scale(self, name: str, overrides: Mapping[str, Override] | None = None) -> float | None:
+        """A parameter's declared natural size, or the width of its range; None without both."""
+        parameter = next(p for p in self.parameters if p.name == name)
+        if parameter.scale is not None:
+            return float(evaluate_all([parameter.scale], self.default_parameters(overrides))[0])
+        ends = self.parameter_range(name, overrides)
+        return None if ends is None else ends[1] - ends[0]
+
     # Text -------------------------------------------------------------------------------------------------------------
 
     def text(self) -> str:

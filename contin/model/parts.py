@@ -17,6 +17,7 @@ class State:
     """A state variable: `value` is the default guess, in the parameters; `period` makes it an angle.
 
     `minimum` is a value below which the equations have no meaning (an amplitude's 0); `beyond` says what to do there.
+    `scale` is its natural size, in which tolerances and lengths are measured; by default it is found at the start.
     """
 
     name: str
@@ -26,6 +27,7 @@ class State:
     period: Expression | None = None
     minimum: Expression | None = None
     beyond: str | None = None
+    scale: Expression | None = None
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class Parameter:
     range: tuple[Expression, Expression] | None = None
     unit: str | None = None
     description: str | None = None
+    scale: Expression | None = None
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,7 @@ class StateEntry(_Entry):
     period: Formula | None = None
     minimum: Formula | None = None
     beyond: Text | None = None
+    scale: Formula | None = None
 
 
 class ParameterEntry(_Entry):
@@ -116,6 +117,7 @@ class ParameterEntry(_Entry):
     range: Range | None = None
     unit: Text | None = None
     description: Text | None = None
+    scale: Formula | None = None
 
 
 State = Annotated[

@@ -49,11 +49,15 @@ def _lines(model: Model) -> Iterator[str]:
             more["minimum"] = formula(s.minimum)
         if s.beyond is not None:
             more["beyond"] = _text(s.beyond)
+        if s.scale is not None:
+            more["scale"] = formula(s.scale)
         yield f"  {_key(s.name)}: {_entry(formula(s.value), more, s.unit, s.description)}"
     if model.parameters:
         yield "parameters:"
         for p in model.parameters:
             more = {} if p.range is None else {"range": f"[{_flow(formula(p.range[0]))}, {_flow(formula(p.range[1]))}]"}
+            if p.scale is not None:
+                more["scale"] = formula(p.scale)
             yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
     if model.functions:
         yield "functions:"

@@ -26,14 +26,14 @@ from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.turning import no_fold
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
-from contin.problems.scales import bending_lengths, state_scales
+from contin.problems.scales import bending_lengths, parameter_width, state_scales
 from contin.problems.surfaces import boundary
 from contin.problems.surfaces.switch import Sliding, switched
+from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
 
 _NO_TANGENT = np.empty(0)
 NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not matter
-BENDS_UP_TO = 50  # states; the second derivatives of more take too long
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,15 +190,24 @@ class EquilibriumProblem:
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
-        width = bounds[1] - bounds[0]
-        if not np.isfinite(width):
-            width = max(1.0, abs(float(z[-1])))
+        width = parameter_width(self.system.model, self.parameters[0], float(z[-1]), bounds)
         jacobian = self.linearise(z)[1]
+        declared, usual = sizes_of(self.system.model, tuple(self.full_parameters(z).tolist()))
+        declared = np.where(self.angle_periods > 0.0, self.angle_periods / (2.0 * np.pi), declared)
         lengths = None
         if self.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
             lengths = bending_lengths(jacobian, self._second_derivatives(z), width)
-        states = state_scales(z[:-1], jacobian, width, self.angle_periods, lengths)
+        growth = self._growth(z, jacobian, width) if self.n <= BENDS_UP_TO and not z[:-1].any() else None
+        states, _ = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
         return np.append(np.sqrt(self.n) * states, width)
+
+    def _growth(self, z: Array, jacobian: Array, width: float) -> Array:
+        """`growth_lengths` at rest, (n,); slopes as large as they become over the parameter's range."""
+        p = self.full_parameters(z)
+        by_parameter = self.hessian(z, np.eye(1, self.n + 1, self.n)[0])[:, : self.n]
+        slopes = np.maximum(np.abs(jacobian[:, : self.n]), np.abs(by_parameter) * width)
+        second, third = pure_derivatives(self.system, z[: self.n], p)
+        return growth_lengths(np.nan_to_num(slopes), second, third)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         if not np.all(np.isfinite(self.linearise(z)[1])):

@@ -1,23 +1,24 @@
 """The metric at the start of a run: one scale per unknown, covariant under a change of units.
 
 If a state is measured in other units, its scale changes by the same factor and the run is the same. A state's scale is
-its size at the start, or how far the branch moves it while the parameter crosses its range; where both vanish, the size
-that the Jacobian's coupling to the others suggests (Osborne's balancing), and 1 where nothing is coupled. A state far
-from zero, beside the length over which the equations bend (a pressure near 1e5 whose changes matter), gets that length.
+what the model declares, or its size at the start, or how far the branch moves it while the parameter crosses its range;
+where both vanish, the size that the Jacobian's coupling to the others suggests (Osborne's balancing); where nothing is
+coupled, that of the model's own starts, or the length over which the equations bend. A state far from zero, beside the
+length over which the equations bend (a pressure near 1e5 whose changes matter), gets that length.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contin.abi import Array
+from contin.simulate.natural import beyond_rounding, filled
 
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
 NEGLIGIBLE = 1e-9  # a state this small beside its balanced scale is a zero with rounding errors
-TINY = 1e-14
-ROUNDING = 1e-12
-
-
+ROUNDING = 1e-14  # of the terms that cancelled
 OFFSET = 100.0  # a state this many bending lengths from zero is far from it
 
 
@@ -37,51 +38,57 @@ def bending_lengths(jacobian: Array, hessians: Array, parameter_scale: float) ->
 
 
 def state_scales(
-    u: Array, jacobian: Array, parameter_scale: float, angle_periods: Array, lengths: Array | None = None
-) -> Array:
-    """Typical sizes of the states, (n,), all positive.
+    u: Array,
+    jacobian: Array,
+    parameter_scale: float,
+    declared: Array,
+    usual: Array,
+    lengths: Array | None = None,
+    growth: Array | None = None,
+) -> tuple[Array, Array]:
+    """Typical sizes of the states, (n,), all positive; and which of them are a mere 1.
 
     u : (n,) start.  jacobian : (n, n + 1) = [F_u | F_p] there.  parameter_scale : length of the parameter's range.
-    lengths : `bending_lengths`, where they are known.
+    declared, usual : `contin.simulate.natural.sizes_of`.  lengths : `bending_lengths`, where they are known.
+    growth : `contin.simulate.natural.growth_lengths`, for states about which nothing else is known.
     """
     n = u.size
-    size = np.abs(u)
-    size[size < TINY] = 0.0
-    motion = np.zeros(n)
-    if np.all(np.isfinite(jacobian)):
-        try:
-            motion = np.abs(np.linalg.solve(jacobian[:, :n], jacobian[:, n])) * parameter_scale
-        except np.linalg.LinAlgError:
-            motion = np.zeros(n)
-        motion[~np.isfinite(motion)] = 0.0
-        motion[motion < TINY] = 0.0
+    size = beyond_rounding(u, usual)
+    finite = bool(np.all(np.isfinite(jacobian)))
+    motion = _motion(jacobian, parameter_scale) if finite else np.zeros(n)
     scale = np.where(size > 0.0, np.maximum(size, np.minimum(motion, SENSITIVITY_CAP * size)), motion)
     if lengths is not None:
         near = OFFSET * np.maximum(lengths, motion)
         scale = np.where((lengths > 0.0) & (size > near), near, scale)
-    angles = angle_periods > 0.0
-    scale[angles] = angle_periods[angles] / (2.0 * np.pi)
-    coupling = np.abs(jacobian[:, :n]) if np.all(np.isfinite(jacobian)) else np.zeros((n, n))
-    balanced = balance(scale, coupling)
-    small = ~angles & (scale < NEGLIGIBLE * balanced)
-    return np.where(small, balanced, np.where(scale > 0.0, scale, balanced))
+    scale = np.where(declared > 0.0, declared, scale)
+    coupling = np.abs(jacobian[:, :n]) if finite else np.zeros((n, n))
+    if growth is not None and not np.any(scale > 0.0):
+        scale = growth
+    balanced, unknown = filled(scale, coupling)
+    balanced = np.where(np.logical_and(unknown, usual > 0.0), usual, balanced)
+    small = (declared == 0.0) & (scale < NEGLIGIBLE * balanced)
+    result = np.where(small | (scale <= 0.0), balanced, scale)
+    return result, np.logical_and(unknown, ~(usual > 0.0))
 
 
-def balance(scale: Array, coupling: Array) -> Array:
-    """Fill unknown (zero) scales (n,) so that coupling (n, n) to and from the others is alike; 1 without any."""
-    n = scale.size
-    known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
-    result = np.where(known, scale, 1.0)
-    if not known.any():
-        return result
-    coupling = np.where(coupling > ROUNDING * coupling.max(), coupling, 0.0)
-    for _ in range(10):
-        for i in np.flatnonzero(~known):
-            others = np.arange(n) != i
-            incoming = float(coupling[i, others] @ result[others])
-            outgoing = float(coupling[others, i] @ (1.0 / result[others]))
-            if incoming > 0.0 and outgoing > 0.0:
-                result[i] = np.sqrt(incoming / outgoing)
-            elif incoming > 0.0 and coupling[i, i] > 0.0:  # only driven: as large as the others make it
-                result[i] = incoming / coupling[i, i]
-    return result
+def _motion(jacobian: Array, parameter_scale: float) -> Array:
+    """How far the parameter's range moves every state, to first order, (n,); 0 where that is rounding."""
+    n = len(jacobian)
+    try:
+        inverse = np.linalg.inv(jacobian[:, :n])
+    except np.linalg.LinAlgError:
+        return np.zeros(n)
+    slopes = jacobian[:, n]
+    motion = np.abs(inverse @ slopes) * parameter_scale
+    noise = ROUNDING * (np.abs(inverse) @ np.abs(slopes)) * parameter_scale
+    return np.asarray(np.where(np.isfinite(motion) & (motion > noise), motion, 0.0))
+
+
+def parameter_width(model: Any, name: str, value: float, bounds: tuple[float, float]) -> float:
+    """Scale of a parameter: the width of its range; of an endless one its own scale or range, its size, or 1."""
+    width = bounds[1] - bounds[0]
+    if np.isfinite(width):
+        return width
+    own = getattr(model, "parameter_scale", None)
+    declared = None if own is None else own(name)
+    return float(declared) if declared else abs(value) or 1.0

@@ -15,6 +15,7 @@ from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.maps.iterate import IteratedSystem
+from contin.simulate.natural import natural_metric
 
 BUDGET = 60
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
@@ -114,8 +115,7 @@ def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibriu
     if not np.all(np.isfinite(f)):
         raise NotFiniteError(system.explain(u, problem.base) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
-    scale = np.maximum(np.abs(u), 1e-3 * max(1e-12, float(np.abs(u).max(initial=0.0))))
-    scale[scale == 0.0] = 1.0
+    scale = natural_metric(system, u, problem.base).states
     best_u, best = u, history[0]
     before = np.inf
     for _ in range(BUDGET):
@@ -143,7 +143,7 @@ def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibriu
                         break
             damping *= 0.5
         if not accepted:
-            if _is_rounding(lambda state: evaluate(state)[0], u, f, step):
+            if _is_rounding(lambda state: evaluate(state)[0], u, f, step, scale):
                 return Equilibrium(system, u, problem.base, angle_periods)
             break
         before = size if damping == 1.0 else np.inf
@@ -174,9 +174,9 @@ def _powell(problem: EquilibriumProblem, u: Array) -> Array | None:
     return guess if found.success and np.all(np.isfinite(guess)) else None
 
 
-def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: Array) -> bool:
+def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: Array, scale: Array) -> bool:
     """True where f at u is only rounding: a thousand (tiny) Newton steps back, it is linear all the same."""
-    if not float(np.abs(step).max()) <= TINY * max(1.0, float(np.abs(u).max())):
+    if not np.all(np.abs(step) <= TINY * np.maximum(scale, np.abs(u))):
         return False
     back = function(u - 1000.0 * step)
     return bool(np.max(np.abs(back - 1001.0 * f)) <= 0.1 * np.max(np.abs(1001.0 * f)))

@@ -15,6 +15,7 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.scales import parameter_width
 
 UNBOUNDED = (-np.inf, np.inf)
 
@@ -92,9 +93,9 @@ class TwoParameterProblem(ABC):
 
     def widths(self, z: Array, first: tuple[float, float]) -> tuple[float, float]:
         """Scales of the first and the second parameter: the widths of their ranges; of an endless one, their size."""
-        ranges = zip((first, self.second_bounds), (z[-1], z[-2]), strict=True)
-        widths = [hi - lo if np.isfinite(hi - lo) else max(1.0, abs(float(value))) for (lo, hi), value in ranges]
-        return widths[0], widths[1]
+        ranges = zip(self.parameters, (z[-1], z[-2]), (first, self.second_bounds), strict=True)
+        one, two = (parameter_width(self.system.model, name, float(value), ends) for name, value, ends in ranges)
+        return one, two
 
     def place(self, z: Array) -> str:
         """Both parameters at z, in words."""

@@ -101,7 +101,7 @@ def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mappin
         Everything that is wrong, each with its place in the file.
     """
     problems = Problems(source)
-    model = _model(entry, source, file, problems, overrides or {})
+    model = _model(entry, source, file, problems, overrides or {}, swept(entry))
     problems.raise_if_any()
     plan = make_plan_for(model, entry, source, file, overrides)
     if entry.simulate or entry.sweep is not None:
@@ -141,9 +141,12 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
     return {kind: path for kind, path in files.items() if path is not None}
 
 
-def _model(entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number]) -> Any:
+def _model(
+    entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number],
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> Any:  # fmt: skip
     model = _written_model(entry, source, file, problems)
-    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides}, swept(entry))
+    return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides}, ranges)
 
 
 def swept(entry: Any) -> dict[str, tuple[float, float]]:

@@ -55,7 +55,7 @@ def top(values: Array) -> float:
 
 
 def trajectory_around(
-    system: Any, p: Array, t: Array, states: Array, rtol: float, atol: float
+    system: Any, p: Array, t: Array, states: Array, rtol: float, atol: Array
 ) -> Callable[[int], Array]:
     """`around` for `extremes_between`: the observables on the trajectory through a row's neighbours."""
 

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
 
-RTOL, ATOL = 1e-10, 1e-12
+RTOL = 1e-10
 CHUNK = 20_000  # steps between two looks at Ctrl-C
 BUDGET = 5_000_000
 STEPS_A_PERIOD = 16  # at least, where formulas may switch with the time, which no error estimate sees
@@ -67,8 +68,8 @@ class Flight:
 def fly(
     system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None,
-    columns: NDArray[np.int64] | None = None, rtol: float = RTOL, atol: float = ATOL, max_step: float = np.inf,
-    box: float = 1e100, budget: int = BUDGET, pieces: Any = None,
+    columns: NDArray[np.int64] | None = None, rtol: float = RTOL, atol: float | Array | None = None,
+    max_step: float = np.inf, box: float | Array = 1e100, budget: int = BUDGET, pieces: Any = None,
 ) -> Flight:  # fmt: skip
     """Integrate du/dt = f(u, p) over `duration`, or until `events` crossings of `section`.
 
@@ -76,7 +77,8 @@ def fly(
 
     variations : (n, k) initial vectors of v' = f_u v + f_q; they jump by the saltation matrix of every crossing.
     columns : (k,) index of q in z = (u, p) for sensitivities to a parameter, -1 for plain variations (the default).
-    box : the largest modulus of a state at which the flight ends as escaped.
+    atol : of the states, one or (n,); by default a part of rtol in their natural sizes at the start.
+    box : the largest modulus of a state, one or (n,), at which the flight ends as escaped.
     budget : most steps.  pieces : those of the system, perhaps with some surfaces held; by default none is.
 
     DOP853: about 1 us a step for small models; 2000 time units of the pair of metronomes, with 2700 crossings, 18 ms.
@@ -96,6 +98,8 @@ def fly(
     if y.shape != (n,):
         raise InputError(f"the start must have {n} values ({', '.join(system.state_names)}); got {y.size}")
     carried = 0 if variations is None else variations.shape[1]
+    allowed = absolute_tolerances(system, y, np.asarray(p, dtype=float)[: system.m], SMALLER * rtol, atol)
+    boxes = np.array(np.broadcast_to(box, n), dtype=float)
     if variations is not None:
         y = np.concatenate([y, np.asarray(variations, dtype=float).T.ravel()])
     of = np.full(carried, -1, np.int64) if columns is None else shifted(columns, pieces)
@@ -113,10 +117,14 @@ def fly(
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
     samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
     ring, counts = np.zeros((CROSSINGS, 2)), np.zeros(7, np.int64)
-    controls = np.array([start, start + duration, 0.0, max_step, rtol, atol, box, start, 0.0, 0.0, 0.0])
+    controls = np.array([start, start + duration, 0.0, max_step, rtol, start, 0.0, 0.0, 0.0])
+    sensitive = None if columns is None else np.array([p[k - n] if n <= k < n + system.m else 0.0 for k in columns])
+    errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
     started, stiff, left = False, 0, 0.0
     while True:
-        status = kernel.fly(flow, memory, y, controls, CHUNK, started, wanted, samples, found, ring, counts)
+        status = kernel.fly(
+            flow, memory, y, controls, errors, boxes, CHUNK, started, wanted, samples, found, ring, counts
+        )
         started = True
         if status != kernel.STEPS or counts[2] > budget:
             break
@@ -128,8 +136,10 @@ def fly(
             break
     crossed_last = counts[4] > 0 and ring[(counts[4] - 1) % CROSSINGS, 0] >= controls[0]
     if status == kernel.ESCAPED and not carried and not crossed_last:
-        controls[0] = _leave(system, memory.begin, p, float(controls[7]), float(controls[0]), box, rtol, atol, y)
-    outcome, why = _outcome(system, status, y, memory, counts, budget, box, float(controls[0]), left)
+        controls[0] = _leave(
+            system, memory.begin, p, float(controls[5]), float(controls[0]), boxes, rtol, allowed, y
+        )
+    outcome, why = _outcome(system, status, y, memory, counts, budget, boxes, float(controls[0]), left)
     if stiff >= STIFF_CHUNKS:
         why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF"
     crossed = int(counts[4])
@@ -150,7 +160,7 @@ def is_stiff(system: Any, u: Array, p: Array, h: float) -> bool:
 
 
 def _leave(
-    system: Any, begin: Array, p: Array, low: float, high: float, box: float, rtol: float, atol: float, y: Array
+    system: Any, begin: Array, p: Array, low: float, high: float, box: Array, rtol: float, atol: Array, y: Array
 ) -> float:
     """When the last step, from `begin` at time `low`, leaves the box; puts the state there into y."""
     start, inside = low, begin.copy()
@@ -159,7 +169,7 @@ def _leave(
         if not low < middle < high:
             break
         flight = fly(system, inside, p, middle - start, start=start, rtol=rtol, atol=atol)
-        if flight.outcome == DONE and float(np.abs(flight.end).max()) <= box:
+        if flight.outcome == DONE and bool(np.all(np.abs(flight.end) <= box)):
             low = middle
         else:
             high = middle
@@ -183,7 +193,7 @@ def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
 
 
 def _outcome(
-    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: float, t: float,
+    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array, t: float,
     left: float,
 ) -> tuple[str, str]:  # fmt: skip
     from contin.kernels.piecewise import flight as kernel
@@ -192,8 +202,8 @@ def _outcome(
         return DONE, ""
     n = system.n
     if status == kernel.ESCAPED:
-        k = int(np.argmax(np.abs(y[:n])))
-        return ESCAPED, f"left the box at t = {t:.6g}: |{system.state_names[k]}| exceeds {box:.6g}"
+        k = int(np.argmax(np.abs(y[:n]) / box))
+        return ESCAPED, f"left the box at t = {t:.6g}: |{system.state_names[k]}| exceeds {box[k]:.6g}"
     if status == kernel.SLIDING:
         surface = system.pieces.name(int(counts[6]))
         return SLIDING, (

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
+from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
@@ -76,8 +77,9 @@ def simulate(
     start : a named start, a mapping of states, or None for the states' values.  samples : equally spaced times that the
     solution is kept at; a map keeps every iterate.
     method : DOP853 (compiled; piecewise-smooth flows piece by piece), or for stiff flows Radau, LSODA, BDF (scipy, with
-    the compiled equations and Jacobian).  rtol, atol : tolerances (atol: 1e-3 rtol by default).
-    box : modulus of a state at which the simulation ends as escaped.  budget : most steps of the integrator.
+    the compiled equations and Jacobian).  rtol, atol : tolerances (atol by default 1e-3 rtol in the states' natural
+    sizes).  box : modulus of a state at which the simulation ends as escaped (by default where numbers end).
+    budget : most steps of the integrator.
     until : a condition such as "x > 2 and y < 0"; the simulation ends exactly where it becomes true.
 
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
@@ -99,13 +101,14 @@ def simulate(
     if model.kind == "map":
         return iterated(model, system, u, p, time, transient, box, until)
     times = np.linspace(transient, transient + time, samples)
-    options = {"rtol": rtol, "atol": 1e-3 * rtol if atol is None else atol, "box": box}
+    errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
+    options = {"rtol": rtol, "atol": errors, "box": box}
     if method in STIFF:
         from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 
         if until is not None:
             raise InputError("until: events are located by the method DOP853 only")
-        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, options["atol"], box)
+        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
         why = NONSMOOTH if outcome == DONE and system.n_switches else why
         end, crossings = (float(t[-1]) if len(t) else 0.0), 0
     else:

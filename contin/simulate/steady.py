@@ -21,6 +21,7 @@ from contin.errors import InputError
 from contin.machine import elementary
 from contin.simulate.extrema import extremes, extremes_between, trajectory_around
 from contin.simulate.flight import fly
+from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.reach import left_reach
 from contin.simulate.run import observed, over_time
 
@@ -30,6 +31,7 @@ WINDOWS: Final = 200.0  # longest time, in windows
 GROWTH: Final = 1.25  # of the time between two looks
 BEFORE: Final = 0.1  # part of a quantity's largest modulus ever that counts towards its size now
 STEADY_NOISE: Final = 1e-2  # (of the tolerance) changes below this have no direction
+ESCAPED: Final = 1e12  # natural sizes: a state this large is not one that the model was made for
 DECAY: Final = 0.95  # a change that shrinks by less does not tell what is left
 
 
@@ -42,7 +44,7 @@ class Criterion:
     extrapolated from both changes, is less than this (in units of the quantity's largest modulus); changes that grow
     (a state about to be left) settle nothing.  longest : time at which waiting ends, unsettled (default: 200 windows).
     samples : times in the shortest window at which the quantities are evaluated.
-    rtol : of the integrator.  box : modulus of a state at which a run has escaped.
+    rtol : of the integrator.  box : modulus of a state at which a run has escaped; by default `ESCAPED` natural sizes.
     """
 
     window: float
@@ -50,13 +52,15 @@ class Criterion:
     longest: float = 0.0
     samples: int = 400
     rtol: float = 1e-8
-    box: float = 1e6
+    box: float | None = None
 
     def __post_init__(self) -> None:
         if self.longest == 0.0:
             object.__setattr__(self, "longest", WINDOWS * self.window)
         for name in ("window", "tolerance", "longest", "rtol", "box"):
             value = getattr(self, name)
+            if value is None and name == "box":
+                continue
             if not (np.isfinite(value) and value > 0.0):
                 raise InputError(f"{name} must be a positive number; got {value!r}")
         if not 8 <= self.samples <= FINEST:
@@ -79,13 +83,17 @@ class Settled:
     why: str = ""
 
 
-def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
+def settle(system: Any, u: Array, p: Array, criterion: Criterion, metric: Metric | None = None) -> Settled:
     """Integrate (iterate) until the system's observables have settled.
 
     `system` : compiled, with the quantities to watch as its observables (`contin.simulate.watch`).
+    metric : natural sizes; by default those at u.
     """
-    advance = _iterates(system, p, criterion) if system.kind == "map" else _flight(system, p, criterion)
     u = np.array(u, dtype=float)
+    metric = natural_metric(system, u, p) if metric is None else metric
+    box = np.full(system.n, criterion.box) if criterion.box is not None else ESCAPED * metric.states
+    errors = metric.tolerances(1e-3 * criterion.rtol)
+    advance = _iterates(system, p, box) if system.kind == "map" else _flight(system, p, criterion, errors, box)
     quarter = max(round(criterion.window), 8) if system.kind == "map" else criterion.samples
     step = 1.0 if system.kind == "map" else criterion.window / criterion.samples
     most = int(criterion.longest / step * (1.0 + 1e-12))
@@ -105,7 +113,7 @@ def settle(system: Any, u: Array, p: Array, criterion: Criterion) -> Settled:
             last = so_far.last(done // 4)
             around = None
             if system.kind != "map":
-                around = trajectory_around(system, p, last.t, last.states, criterion.rtol, 1e-3 * criterion.rtol)
+                around = trajectory_around(system, p, last.t, last.states, criterion.rtol, errors)
             how, words = ("settled", "") if settled else ("unsettled", f"not settled at t = {step * done:.6g}")
             return Settled(_summary(last, around), u, step * done, how, words)
         target = min(int(np.ceil(GROWTH * done)), most)
@@ -132,7 +140,7 @@ class _Samples:
 Advance = Callable[[Array, int, int], tuple[Array, _Samples, float, str, str]]
 
 
-def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
+def _flight(system: Any, p: Array, criterion: Criterion, errors: Array, box: Array) -> Advance:
     """(u, samples so far, samples wanted) -> (u, samples, time, outcome, why) of a flow."""
     step = criterion.window / criterion.samples
 
@@ -140,7 +148,7 @@ def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
         times = step * np.arange(done + 1.0, done + count + 1.0)
         flight = fly(
             system, u, p, float(times[-1]) - step * done, start=step * done, times=times, rtol=criterion.rtol,
-            atol=1e-3 * criterion.rtol, box=criterion.box,
+            atol=errors, box=box,
         )  # fmt: skip
         t, states = flight.t, flight.u
         if flight.outcome == "done" and len(t) < count:  # the last time differs from the end by rounding
@@ -151,14 +159,14 @@ def _flight(system: Any, p: Array, criterion: Criterion) -> Advance:
     return advance
 
 
-def _iterates(system: Any, p: Array, criterion: Criterion) -> Advance:
+def _iterates(system: Any, p: Array, box: Array) -> Advance:
     """The same of a map."""
 
     def advance(u: Array, done: int, count: int) -> tuple[Array, _Samples, float, str, str]:
         states, taken, how = np.empty((count, system.n)), count, ("done", "")
         for k in range(count):
             u = system.value(u, p)
-            if not np.all(np.abs(u) <= criterion.box):
+            if not np.all(np.abs(u) <= box):
                 taken, how = k, ("escaped", "left the box")
                 break
             states[k] = u

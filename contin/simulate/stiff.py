@@ -17,7 +17,7 @@ class _TooManyCallsError(Exception):
 
 
 def integrate_stiff(
-    system: Any, u: Array, p: Array, times: Array, method: str, rtol: float, atol: float, box: float
+    system: Any, u: Array, p: Array, times: Array, method: str, rtol: float, atol: Array, box: float
 ) -> tuple[Array, Array, int, str, str]:
     """(t, states, steps, outcome, why) with the states at `times` as far as the solution goes; from t = 0.
 

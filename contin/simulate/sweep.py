@@ -10,11 +10,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
 
 STEPS = 60
 LARGEST = 100_000
+LEAST = 1e-3  # natural sizes: what a smaller state is pushed by is a part of this
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,8 @@ def sweep(
 
     system = compile_system(watching(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
-    chosen = criterion or default_criterion(system, u0, p)
+    metric = natural_metric(system, u0, p)
+    chosen = criterion or default_criterion(system, metric)
     upwards = np.linspace(low, high, steps + 1)
     values = np.concatenate([upwards, upwards[::-1]]) if down else upwards
     directions = np.concatenate([np.ones(steps + 1), -np.ones(steps + 1)]) if down else np.ones(steps + 1)
@@ -88,8 +91,8 @@ def sweep(
     u, outcomes, statistics = u0, [], []
     for k, value in enumerate(values):
         p = np.array(list(model.default_parameters({**fixed, parameter: value}).values()), dtype=float)
-        pushed = u + disturb * signs * np.maximum(np.abs(u), 1e-3 * max(float(np.abs(u).max()), 1e-3))
-        found = settle(system, pushed, p, chosen)
+        pushed = u + disturb * signs * np.maximum(np.abs(u), LEAST * metric.states)
+        found = settle(system, pushed, p, chosen, metric)
         outcomes.append(found.outcome)
         statistics.append(found.statistics)
         u = found.u if found.outcome in ("settled", "unsettled") else u0
@@ -108,11 +111,6 @@ def parameters_of(model: Any, start: Any) -> dict[str, Any]:
     return dict(model.start(start).parameters if isinstance(start, str) else start.get("parameters", {}))
 
 
-def default_criterion(system: Any, u: Array, p: Array) -> Criterion:
+def default_criterion(system: Any, metric: Metric) -> Criterion:
     """Windows of 30 turns or more of the fastest linear rate at the start (a map: of 200 iterates)."""
-    if system.kind == "map":
-        return Criterion(200.0)
-    full = np.append(p, 0.0) if system.is_forced else p
-    _, jacobian = system.jacobian(u, full)
-    fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max()) if np.all(np.isfinite(jacobian)) else 1.0
-    return Criterion(30.0 * 2.0 * np.pi / (fastest if fastest > 0.0 else 1.0))
+    return Criterion(200.0 if system.kind == "map" else 30.0 * 2.0 * np.pi * metric.time)

@@ -10,11 +10,12 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
 from contin.simulate.flight import fly
+from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
 
 __all__ = ["Section", "Trajectory", "integrate"]
 
-RTOL, ATOL = 1e-10, 1e-12
+RTOL = 1e-10
 CHUNK = 20_000  # steps between two looks at Ctrl-C
 
 
@@ -38,12 +39,13 @@ class Trajectory:
 def integrate(
     system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None, rtol: float = RTOL,
-    atol: float | Array = ATOL, max_step: float = np.inf, budget: int = 5_000_000,
+    atol: float | Array | None = None, max_step: float = np.inf, budget: int = 5_000_000,
 ) -> Trajectory:  # fmt: skip
     """Integrate du/dt = f(u, p) over `duration`, or until `events` crossings of `section` were found.
 
     DOP853 (order 8, adaptive) with 7th-order dense output. times : increasing, at which the state is wanted.
-    variations : (n, k) initial vectors of v' = f_u v. Smooth non-stiff flows; about 1 us a step for small models.
+    variations : (n, k) initial vectors of v' = f_u v. atol : of the states, (n,) or one for all; by default a part of
+    rtol in their natural sizes at the start. Smooth non-stiff flows; about 1 us a step for small models.
 
     Raises InputError for a map or a bad duration, NotFiniteError where the solution leaves the equations' domain or
     the budget of steps is used up (a stiff model: see
@@ -58,9 +60,10 @@ def integrate(
     if system.n_switches:
         return _in_pieces(
             system, u, p, duration, start=start, times=times, section=section, events=events, variations=variations,
-            rtol=rtol, atol=float(np.min(atol)), max_step=max_step, budget=budget,
+            rtol=rtol, atol=atol, max_step=max_step, budget=budget,
         )  # fmt: skip
     n = system.n
+    allowed = absolute_tolerances(system, u, p, SMALLER * rtol, atol)
     y = np.array(u, dtype=float)
     if variations is not None:
         y = np.concatenate([y, np.asarray(variations, dtype=float).T.ravel()])
@@ -72,12 +75,12 @@ def integrate(
     if section is not None:
         plane[:n], plane[n], plane[n + 1] = section.normal, section.offset, section.direction
     counts = np.zeros(4, np.int64)
-    controls = np.array([start, start + duration, 0.0, max_step, rtol, float(np.min(atol))])
+    controls = np.array([start, start + duration, 0.0, max_step, rtol])
     memory = kernel.new_work(y.size, n, system.p_size)  # type: ignore[no-untyped-call]
     while True:
         status = kernel.integrate(
-            system.value_address, system.jacobian_address, system.is_forced, y, full, controls, CHUNK, plane, wanted,
-            samples, found, counts, *memory,
+            system.value_address, system.jacobian_address, system.is_forced, y, full, controls,
+            with_variations(allowed, SMALLER * rtol, variations), CHUNK, plane, wanted, samples, found, counts, *memory,
         )  # fmt: skip
         if status != kernel.STEPS or counts[2] > budget:
             break

@@ -40,7 +40,7 @@ def with_clock(model: Any, until: str) -> Any:
 
 
 def fly_until(
-    clocked: Any, u: Array, p: Array, duration: float, *, times: Array, rtol: float, atol: float, box: float,
+    clocked: Any, u: Array, p: Array, duration: float, *, times: Array, rtol: float, atol: Array, box: float,
     budget: int,
 ) -> tuple[Flight, bool]:  # fmt: skip
     """(flight, whether the event came): to the end of the time, or to the event; states without the clock.
@@ -48,7 +48,9 @@ def fly_until(
     clocked : the compiled system of `with_clock`. The event is where the condition becomes true; one that holds from
     the beginning must first become false.
     """
-    options: dict[str, Any] = {"rtol": rtol, "atol": atol, "box": box}
+    errors = np.append(atol, 1e-3 * rtol * duration)  # of the clock: it runs for the time of the flight
+    boxes = np.append(np.full(len(atol), box), np.inf)
+    options: dict[str, Any] = {"rtol": rtol, "atol": errors, "box": boxes}
     y, t, steps, crossed, before = np.append(np.asarray(u, dtype=float), 0.0), 0.0, 0, 0, 1.0
     kept_t, kept_u = [times[:0]], [np.empty((0, y.size))]
     length, came = duration / PIECES, False

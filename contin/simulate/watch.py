@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final
 
-from contin.errors import InputError
+import numpy as np
 
-ASLEEP: Final = "1e-6"  # product of two amplitudes far below which their phase difference counts for nothing
+from contin.errors import InputError
+from contin.simulate.natural import sizes_of
+
+ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
 
 
 def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
@@ -47,9 +50,12 @@ def _of_states(model: Any) -> dict[str, Any]:
 def _of_oscillators(model: Any) -> dict[str, Any]:
     pairs = [(o.position, o.velocity) for o in model.averaging.oscillators]
     amplitudes = {f"r{k + 1}": model.expression(f"sqrt({x}^2 + {y}^2)") for k, (x, y) in enumerate(pairs)}
+    declared, usual = sizes_of(model, tuple(model.default_parameters().values()))
+    sizes = dict(zip(model.state_names, np.where(declared > 0.0, declared, usual), strict=True))
     cosines = {}
     x1, y1 = pairs[0]
     for k, (x, y) in enumerate(pairs[1:], 2):
-        product = f"sqrt(({x1}^2 + {y1}^2)*({x}^2 + {y}^2)) + {ASLEEP}"
+        asleep = ASLEEP * (max(sizes[x1], sizes[y1]) or 1.0) * (max(sizes[x], sizes[y]) or 1.0)
+        product = f"sqrt(({x1}^2 + {y1}^2)*({x}^2 + {y}^2)) + {asleep!r}"
         cosines[f"c1{k}"] = model.expression(f"({x1}*{x} + {y1}*{y})/({product})")
     return amplitudes | cosines

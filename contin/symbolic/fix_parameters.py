@@ -37,7 +37,8 @@ def mapped(model: Model, change: Callable[[Expression], Expression], dropped: se
 
     def states_of(state: State) -> State:
         period = None if state.period is None else change(state.period)
-        return replace(state, value=change(state.value), period=period)
+        scale = None if state.scale is None else change(state.scale)
+        return replace(state, value=change(state.value), period=period, scale=scale)
 
     def start_of(start: Start) -> Start:
         parameters = {n: change(e) for n, e in start.parameters.items() if n not in dropped}
@@ -50,6 +51,7 @@ def mapped(model: Model, change: Callable[[Expression], Expression], dropped: se
                 p,
                 value=change(p.value),
                 range=None if p.range is None else (change(p.range[0]), change(p.range[1])),
+                scale=None if p.scale is None else change(p.scale),
             )
             for p in model.parameters
         ),

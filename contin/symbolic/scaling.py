@@ -44,6 +44,7 @@ def scale(model: Model, time: Any = 1, states: Mapping[str, Any] | None = None) 
                 s,
                 value=div(s.value, unit_of(s.name)),
                 period=None if s.period is None else div(s.period, unit_of(s.name)),
+                scale=None if s.scale is None else div(s.scale, unit_of(s.name)),
                 unit=None if s.name in units else s.unit,
             )
             for s in model.states

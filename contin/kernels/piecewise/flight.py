@@ -11,22 +11,23 @@ from contin.kernels.dop853 import STAGES
 from contin.kernels.piecewise.flow import rates, settle, slope_at
 from contin.kernels.piecewise.landing import cross, earliest, land
 from contin.kernels.piecewise.step import attempt, prepare_dense
-from contin.kernels.runge_kutta import GROW, SAFETY, SHRINK, interpolate
+from contin.kernels.runge_kutta import COLLAPSED, GROW, SAFETY, SHRINK, interpolate
 
 DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING, ESCAPED = range(7)
 RESOLVED = 3.0  # step times rate: an oscillation has at least two steps a turn
 SHORT_PIECES = 200  # consecutive pieces much shorter than a step: crossings accumulate
 
 
-@kernel("Flow, FlightMemory, f1, f, f -> f")
-def initial_step(flow, m, y, rtol, atol):
-    """0.01 |y| / |y'|, weighted as errors are."""
+@kernel("Flow, FlightMemory, f1, f, f, f1 -> f")
+def initial_step(flow, m, y, span, rtol, atol):
+    """0.01 |y| / |y'|, weighted as errors are; a part of the time where nothing moves yet."""
     top, bottom = 0.0, 0.0
     for k in range(y.size):
-        scale = atol + rtol * abs(y[k])
+        scale = atol[k] + rtol * abs(y[k])
         top += (y[k] / scale) ** 2
         bottom += (m.slopes[0, k] / scale) ** 2
-    return 0.01 * math.sqrt(top / bottom) if top > 1e-10 and bottom > 1e-10 else 1e-6
+    moves = top > 1e-10 and bottom * span * span > 1e-10
+    return 0.01 * math.sqrt(top / bottom) if moves else 1e-6 * span
 
 
 @kernel("FlightMemory, i -> f")
@@ -42,22 +43,23 @@ def longest(m, n):
     return RESOLVED * math.sqrt(top / bottom) if bottom > 0.0 and top > 0.0 else math.inf
 
 
-@allocating("Flow, FlightMemory, f1, f1, i, b, f1, f2, f2, f2, i1 -> i")
-def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossings, counts):
+@allocating("Flow, FlightMemory, f1, f1, f1, f1, i, b, f1, f2, f2, f2, i1 -> i")
+def fly(flow, m, y, controls, atol, box, max_steps, started, times, samples, events, crossings, counts):
     """Integrate y in place from controls[0] to controls[1].
 
     Returns DONE, EVENTS, STEPS, SMALL, NOT_FINITE, SLIDING or ESCAPED.
 
-    controls : [t, t_end, h, h_max, rtol, atol, box, t_begin]; t, h and t_begin, the time at m.begin, are updated.
-    box: largest modulus of a state (ESCAPED; m.begin is then the last state inside).
+    controls : [t, t_end, h, h_max, rtol, t_begin, ...]; t, h and t_begin, the time at m.begin, are updated.
+    atol : (size,), absolute tolerances.  box : (n,), largest moduli of the states (ESCAPED; m.begin is then the last
+        state inside).
     max_steps : of this call; call again (started = True) to go on: m keeps the modes.
     times, samples (len(times), size) : y wanted at increasing times.  events (K, 1 + size) : crossings of the section.
     crossings (K, 2) : time and surface of the last K crossings, used as a ring.
     counts : [samples, events, steps, rejected, crossings, touched, surface (where SLIDING)].
     """
     t, t_end, h, h_max, rtol = controls[0], controls[1], controls[2], controls[3], controls[4]
-    atol, box = controls[5], controls[6]
-    landing = controls[8:]
+    span = t_end - t
+    landing = controls[6:]
     n = flow.n
     if not started:
         blocked = settle(flow, m, t, y)
@@ -67,7 +69,7 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
     slope_at(flow, m, t, y, 0)
     rates(flow, m, t, y, m.slopes[0], m.g0, m.d0)
     if h <= 0.0:
-        h = initial_step(flow, m, y, rtol, atol)
+        h = initial_step(flow, m, y, span, rtol, atol)
     rejected, short, limit = False, 0, math.inf
     for _ in range(max_steps):
         if t >= t_end:
@@ -77,12 +79,12 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
         if used < 1e-14 * max(abs(t), 1e-300) and t_end - t > used:
             return SMALL
         assign(m.begin, y)
-        controls[7] = t
+        controls[5] = t
         error = attempt(flow, m, t, used, rtol, atol)
         counts[2] += 1
         if not math.isfinite(error):
             counts[3] += 1
-            if h < 1e-12:
+            if h < COLLAPSED * max(abs(t), span):
                 return NOT_FINITE
             h, rejected = 0.1 * used, True
             continue
@@ -152,6 +154,6 @@ def fly(flow, m, y, controls, max_steps, started, times, samples, events, crossi
         if counts[1] >= events.shape[0] > 0:
             return EVENTS
         for k in range(n):
-            if not abs(y[k]) <= box:
+            if not abs(y[k]) <= box[k]:
                 return ESCAPED
     return DONE if t >= t_end else STEPS

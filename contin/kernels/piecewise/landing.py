@@ -43,7 +43,7 @@ def earliest(flow, m, h):
     return best, place
 
 
-@kernel("Flow, FlightMemory, f, f, i, f, f, f, f, f1 -> (i, f)")
+@kernel("Flow, FlightMemory, f, f, i, f, f, f1, f, f1 -> (i, f)")
 def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
     """Shorten the step from m.begin so that it ends on the first surface met, within a step that crosses surface j.
 

@@ -18,7 +18,7 @@ SCAN = 16  # points of a step at which the Hermite cubic of a surface function i
 NEAR = 0.2  # of the smaller end value: a minimum this low may hide two crossings
 
 
-@kernel("Flow, FlightMemory, f, f, f, f -> f")
+@kernel("Flow, FlightMemory, f, f, f, f1 -> f")
 def attempt(flow, m, t, h, rtol, atol):
     """A step of length h from m.begin (slope in row 0) to m.trial; returns the error estimate (1: as allowed)."""
     begin, trial, slopes, p, u, f, J = m.begin, m.trial, m.slopes, m.p, m.u, m.f, m.J
@@ -41,7 +41,7 @@ def attempt(flow, m, t, h, rtol, atol):
             e5 += E5[USED[q]] * x
             e3 += E3[USED[q]] * x
         trial[k] = begin[k] + h * s
-        scale = atol + rtol * max(abs(begin[k]), abs(trial[k]))
+        scale = atol[k] + rtol * max(abs(begin[k]), abs(trial[k]))
         error5 += (e5 / scale) ** 2
         error3 += (e3 / scale) ** 2
     bottom = math.sqrt((error5 + 0.01 * error3) * size)

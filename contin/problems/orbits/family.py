@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
+from contin.problems.scales import parameter_width
 from contin.simulate.reach import left_reach
 
 _TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
@@ -89,8 +90,7 @@ class FamilyOfOrbits:
 
     def width(self, z: Array, bounds: tuple[float, float]) -> float:
         """Scale of the parameter: the width of its range; of an endless one, its size."""
-        width = bounds[1] - bounds[0]
-        return width if np.isfinite(width) else max(1.0, abs(float(z[-1])))
+        return parameter_width(self.system.model, self.parameters[0], float(z[-1]), bounds)
 
     @abstractmethod
     def profile(self, z: Array) -> Profile:

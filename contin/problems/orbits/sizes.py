@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
-from contin.problems.scales import balance
+from contin.simulate.natural import filled
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -26,7 +26,7 @@ def state_sizes(family: OrbitProblem, profile: Profile) -> Array:
     largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
     small = largest <= TINY_STATE * float(largest.max())
     if small.any():
-        usual = balance(np.where(small, 0.0, largest), _coupling(family, profile))
+        usual, _ = filled(np.where(small, 0.0, largest), _coupling(family, profile))
         largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
     return np.asarray(largest)
 

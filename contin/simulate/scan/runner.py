@@ -8,6 +8,7 @@ from typing import Any
 
 from contin.abi import Array
 from contin.errors import ContinError
+from contin.simulate.natural import natural_metric
 from contin.simulate.scan.grid import NO_START, OTHER, Outcome, ScanSpec
 from contin.simulate.steady import Criterion, named_statistics, settle
 from contin.simulate.sweep import default_criterion, parameters_of
@@ -33,7 +34,7 @@ class Runner:
         for job in range(len(self.spec)):
             found = self._start(job)
             if found is not None:
-                return replace(default_criterion(self.system, *found[:2]), **given)
+                return replace(default_criterion(self.system, natural_metric(self.system, *found[:2])), **given)
         return Criterion(1.0, **given)
 
     def _start(self, job: int) -> tuple[Array, Array, dict[str, Any]] | None:

@@ -1,0 +1,180 @@
+"""Natural sizes of states and time at a start: the one source of absolute numbers, covariant under a change of units.
+
+A tolerance, a push, a box, a distance is so many natural sizes. If a state is measured in other units its size changes
+by the same factor, and the computation is the same. A state's size is, in this order: the model's `scale`; an angle's
+period / (2 pi); its value at the start, or the largest one in the model's own starts; how far its equation moves it in
+the natural time; the length over which the equations bend; what the coupling to the others makes of their sizes
+(Osborne's balancing, to first and second order). Where none of these says anything it is 1: see `Metric.guessed`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import ContinError
+
+ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
+SMALLER: Final = 1e-2  # absolute tolerances, in natural sizes, beside relative ones
+BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
+SWEEPS: Final = 10  # of balancing
+
+
+@dataclass(frozen=True, eq=False)
+class Metric:
+    """Natural sizes of the states (n,) and of time, all positive; names of the states whose size is a mere 1."""
+
+    states: Array
+    time: float
+    guessed: tuple[str, ...] = ()
+
+    def tolerances(self, relative: float) -> Array:
+        """Absolute tolerances (n,): these parts of the natural sizes."""
+        return relative * self.states
+
+
+def natural_metric(system: Any, u: Array, p: Array) -> Metric:
+    """The metric at a start (u, p) of a compiled model, or of a Python function."""
+    n = int(system.n)
+    full = np.append(p, 0.0) if system.is_forced else np.asarray(p, dtype=float)
+    declared, usual = sizes_of(system.model, tuple(float(v) for v in p))
+    f, jacobian = (np.nan_to_num(part, posinf=0.0, neginf=0.0) for part in system.jacobian(u, full))
+    matrix = jacobian[:, :n]
+    if system.kind == "map":
+        f, matrix = f - u, matrix - np.eye(n)
+    rate = float(np.abs(np.linalg.eigvals(matrix)).max())
+    size = np.where(declared > 0.0, declared, np.maximum(beyond_rounding(u, usual), usual))
+    terms = np.abs(jacobian) @ np.abs(np.concatenate([u, full]))  # what cancels in f, to first order
+    moved = np.where(np.abs(f) > ROUNDING * terms, np.abs(f), 0.0) / (rate if rate > 0.0 else np.inf)
+    size = np.where(size > 0.0, size, moved)
+    second = np.zeros((n, n))
+    if not size.all() and n <= BENDS_UP_TO:
+        second, third = pure_derivatives(system, u, full)
+        size = np.where(size > 0.0, size, growth_lengths(np.abs(matrix), second, third))
+    size, guessed = filled(size, np.abs(matrix), second)
+    time = 1.0 / rate if rate > 0.0 else 0.0
+    if system.kind == "map":
+        time = 1.0
+    elif not time > 0.0 and f.any():
+        time = float(np.min(size[f != 0.0] / np.abs(f[f != 0.0])))
+    names = system.state_names or tuple(f"u{k}" for k in range(n))
+    return Metric(size, time if time > 0.0 else 1.0, tuple(names[k] for k in np.flatnonzero(guessed)))
+
+
+def absolute_tolerances(
+    system: Any, u: Array, p: Array, relative: float, given: float | Array | None = None
+) -> Array:
+    """Absolute tolerances of the states (n,): as given, for one or all, or these parts of their natural sizes."""
+    if given is not None:
+        return np.array(np.broadcast_to(given, int(system.n)), dtype=float)
+    return natural_metric(system, np.asarray(u, dtype=float), np.asarray(p, dtype=float)).tolerances(relative)
+
+
+def with_variations(
+    allowed: Array, relative: float, variations: Array | None, parameters: Array | None = None
+) -> Array:
+    """Absolute tolerances of (u, v_1, .., v_k): those of v_j as many times as large as it begins, in natural sizes.
+
+    allowed : of u, these (`relative`) parts of the natural sizes.  A sensitivity begins at 0: its tolerance is that of
+    the states, divided by its parameter's value in `parameters` (k,).
+    """
+    parts = [np.asarray(allowed, dtype=float)]
+    for j, column in enumerate([] if variations is None else np.asarray(variations, dtype=float).T):
+        factor = relative * float((np.abs(column) / allowed).max())
+        if factor == 0.0:
+            q = 0.0 if parameters is None else abs(float(parameters[j]))
+            factor = 1.0 / q if q > 0.0 else 1.0
+        parts.append(allowed * factor)
+    return np.concatenate(parts)
+
+
+@lru_cache(maxsize=256)
+def sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
+    """(declared, usual) sizes (n,) of a model's states, 0 where there are none.
+
+    declared : `scale`, or an angle's period / (2 pi).  usual : the largest moduli in the model's default and named
+    starts, at these values of the parameters.
+    """
+    if not hasattr(model, "starts") or not hasattr(model, "states"):  # a Python function
+        return np.zeros(model.n), np.abs(model.u0)
+    values = dict(zip(model.parameter_names, p, strict=True))
+    periods = model.periods(values) / (2.0 * np.pi)
+    declared = np.where(periods > 0.0, periods, model.scales(values))
+    usual = np.zeros(len(model.states))
+    for start in (None, *(s.name for s in model.starts)):
+        try:
+            usual = np.maximum(usual, np.abs(model.start_point(start, values)[0]))
+        except ContinError:  # a start that does not exist for these parameters
+            continue
+    return declared, usual
+
+
+def beyond_rounding(u: Array, usual: Array) -> Array:
+    """|u|, and 0 where that is a rounding error beside the usual sizes."""
+    size = np.abs(u)
+    return np.asarray(np.where(size > ROUNDING * usual, size, 0.0))
+
+
+def pure_derivatives(system: Any, u: Array, p: Array) -> tuple[Array, Array]:
+    """|d^2 F_k / d u_i^2| and |d^3 F_k / d u_i^3|, (n, n) each; p (p_size,)."""
+    n = int(system.n)
+    directions = np.eye(n, n + len(p))
+    second = np.column_stack([np.abs(system.derivative(u, p, d, d)) for d in directions])
+    third = np.column_stack([np.abs(system.derivative(u, p, d, d, d)) for d in directions])
+    return np.nan_to_num(second, posinf=0.0), np.nan_to_num(third, posinf=0.0)
+
+
+def growth_lengths(slopes: Array, second: Array, third: Array) -> Array:
+    """Where the terms of second or third order in a state alone are as large as those of first order, (n,).
+
+    slopes : (n, n), |d F_k / d u_i|, or how large that becomes over the parameter's range. 0 where nothing says so.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lengths = np.stack([2.0 * slopes / second, np.sqrt(6.0 * slopes / third)])
+    lengths = np.where(np.isfinite(lengths) & (lengths > 0.0), lengths, np.inf)
+    shortest = lengths.min(axis=(0, 1))
+    return np.asarray(np.where(np.isfinite(shortest), shortest, 0.0))
+
+
+def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[Array, Array]:
+    """Unknown (zero) sizes (n,) so that coupling (n, n) to and from the others is alike; and which are a mere 1.
+
+    second : |d^2 F_k / d u_i^2|, (n, n): what drives a state to which nothing couples to first order.
+    """
+    n = scale.size
+    known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
+    result = np.where(known, scale, 1.0)
+    found = known.copy()
+    if not known.any():
+        return result, ~found
+    coupling = np.where(coupling > ROUNDING * coupling.max(), coupling, 0.0)
+    for _ in range(SWEEPS):
+        for i in np.flatnonzero(~known):
+            others = (np.arange(n) != i) & found
+            incoming = float(coupling[i, others] @ result[others])
+            outgoing = float(coupling[others, i] @ (1.0 / result[others]))
+            if incoming == 0.0 and second is not None:
+                incoming = float(0.5 * second[i, others] @ result[others] ** 2)
+            if incoming > 0.0 and outgoing > 0.0:
+                result[i] = np.sqrt(incoming / outgoing)
+            elif incoming > 0.0 and coupling[i, i] > 0.0:  # only driven: as large as the others make it
+                result[i] = incoming / coupling[i, i]
+            else:
+                continue
+            found[i] = True
+    return result, ~found
+
+
+def guessed_note(names: Sequence[str]) -> str:
+    """What to say of states whose size is a mere 1."""
+    listed = ", ".join(names)
+    several = len(names) > 1
+    return (
+        f"nothing says how large {listed} {'are' if several else 'is'} (0 at the start, and in every start of the "
+        f"model): taken as 1; declare it, {names[0]}: {{value: 0, scale: ...}}"
+    )
