@@ -7,15 +7,17 @@ coefficients of that field decide.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contin.machine import elementary
 from contin.normalforms.bogdanov_takens import jordan_chain
-from contin.normalforms.jet import Jet
+from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import solve
 from contin.normalforms.maps import circle_manifold, flip_manifold
-from contin.normalforms.result import TRUST, NormalForm, parts, sense
-from contin.normalforms.static import state
+from contin.normalforms.result import DEGENERATE, TRUST, NormalForm, parts, sense, side
+from contin.normalforms.static import quadratic_error, state
 
 
 def generalised_flip(jet: Jet) -> NormalForm:
@@ -26,8 +28,11 @@ def generalised_flip(jet: Jet) -> NormalForm:
     manifold = flip_manifold(jet)
     e = manifold.g((5,), 0).real
     error = TRUST * manifold.magnitude((5,), 0)
-    coefficients = {"e": e, "c": manifold.g((3,), 0).real}
-    words = "generalised period doubling" + (", e zero to its estimated error" if abs(e) <= error else "")
+    coefficients: dict[str, object] = {"e": e, "c": manifold.g((3,), 0).real}
+    words = "generalised period doubling"
+    if abs(e) <= error:
+        coefficients["case"] = DEGENERATE
+        words += ", e zero to its estimated error"
     return NormalForm(
         "GPD", coefficients, words, {"q": manifold.right[0].real, "p": manifold.left[0].real}, {"e": error}
     )
@@ -45,7 +50,9 @@ def chenciner(jet: Jet, theta: float | None = None) -> NormalForm:
     error = TRUST * (manifold.magnitude((3, 2), 0) + elementary.square(d.imag))
     outer = {"supercritical": ", outer circle stable", "subcritical": ", outer circle unstable"}
     words = "Chenciner point" + outer.get(sense(l2, error), ", l2 zero to its estimated error")
-    coefficients = {"l2": l2, "theta": float(elementary.angle(value)), "d": parts(d), "d2": parts(d2)}
+    coefficients: dict[str, object] = {"l2": l2, "theta": float(elementary.angle(value)), "d": parts(d), "d2": parts(d2)}
+    if abs(l2) <= error:
+        coefficients["case"] = DEGENERATE
     return NormalForm("CH", coefficients, words, {"q": manifold.right[0], "p": manifold.left[0]}, {"l2": error})
 
 
@@ -59,9 +66,22 @@ def resonance_1_1(jet: Jet) -> NormalForm:
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     B00, B01 = jet.form(d0, d0), jet.form(d0, d1)
     a, b = 0.5 * float(chain.p1 @ B00), float(chain.p0 @ B00 + chain.p1 @ B01)
-    s = int(np.sign(a * (b - 2.0 * a)))
+    error_b = quadratic_error(jet, chain.p0, chain.q0, chain.q0) + quadratic_error(jet, chain.p1, chain.q0, chain.q1)
+    errors = {"a": 0.5 * quadratic_error(jet, chain.p1, chain.q0, chain.q0), "b": error_b}
+    slope = b - 2.0 * a
+    zero = abs(a) <= errors["a"] or abs(slope) <= errors["b"] + 2.0 * errors["a"]
+    s = 0 if zero else int(np.sign(a * slope))
+    coefficients: dict[str, object] = {"a": a, "b": b, "s": s}
+    if zero:
+        coefficients["case"] = DEGENERATE
     vectors = {"q0": chain.q0, "q1": chain.q1, "p0": chain.p0, "p1": chain.p1}
-    return NormalForm("R1", {"a": a, "b": b, "s": s}, f"1:1 resonance, s = {s}", vectors)
+    words = "1:1 resonance, " + ("degenerate: s is zero to its estimated error" if zero else f"s = {s}")
+    return NormalForm("R1", coefficients, words, vectors, errors)
+
+
+def _error(left: Real, *terms: Real) -> float:
+    """Estimated error of <left, sum of the terms>."""
+    return TRUST * float(np.abs(left) @ sum(np.abs(term) for term in terms))
 
 
 def resonance_1_2(jet: Jet) -> NormalForm:
@@ -74,14 +94,27 @@ def resonance_1_2(jet: Jet) -> NormalForm:
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     h20 = solve(eye - jet.A, jet.form(d0, d0))
     h11 = solve(eye - jet.A, jet.form(d0, d1) + h20)
-    cubic = jet.form(d0, d0, d0) + 3.0 * jet.form(d0, state(jet, h20))
-    mixed = jet.form(d0, d0, d1) + 2.0 * jet.form(d0, state(jet, h11)) + jet.form(d1, state(jet, h20))
-    C = float(chain.p1 @ cubic) / 6.0
-    D = 0.5 * float(chain.p0 @ cubic + chain.p1 @ mixed)
+    cubic = jet.form(d0, d0, d0), 3.0 * jet.form(d0, state(jet, h20))
+    mixed = jet.form(d0, d0, d1), 2.0 * jet.form(d0, state(jet, h11)), jet.form(d1, state(jet, h20))
+    C = float(chain.p1 @ sum(cubic)) / 6.0
+    D = 0.5 * float(chain.p0 @ sum(cubic) + chain.p1 @ sum(mixed))
     C1, D1 = 4.0 * C, -2.0 * D - 6.0 * C
+    errors = {"C": _error(chain.p1, *cubic) / 6.0, "D": 0.5 * (_error(chain.p0, *cubic) + _error(chain.p1, *mixed))}
+    errors |= {"C1": 4.0 * errors["C"], "D1": 2.0 * errors["D"] + 6.0 * errors["C"]}
     vectors = {"q0": chain.q0, "q1": chain.q1, "p0": chain.p0, "p1": chain.p1}
-    case = f"C1 {'>' if C1 > 0 else '<'} 0, D1 {'>' if D1 > 0 else '<'} 0"
-    return NormalForm("R2", {"C": C, "D": D, "C1": C1, "D1": D1, "case": case}, f"1:2 resonance, {case}", vectors)
+    signs = {"C1": side(C1, errors["C1"]), "D1": side(D1, errors["D1"])}
+    case = _case(signs)
+    return NormalForm("R2", {"C": C, "D": D, "C1": C1, "D1": D1, "case": case}, f"1:2 resonance, {case}", vectors, errors)
+
+
+def _case(signs: Mapping[str, str | None]) -> str:
+    """`C1 > 0, D1 < 0`, or which of them are zero to their errors, and the signs of the others."""
+    zero = [name for name, sign in signs.items() if sign is None]
+    known = [f"{name} {sign}" for name, sign in signs.items() if sign is not None]
+    if not zero:
+        return ", ".join(known)
+    text = f"{DEGENERATE}: {' and '.join(zero)} zero to {'its error' if len(zero) == 1 else 'their errors'}"
+    return ", ".join([text, *known])
 
 
 def resonance_1_3(jet: Jet) -> NormalForm:
@@ -95,13 +128,17 @@ def resonance_1_3(jet: Jet) -> NormalForm:
     B, C = manifold.g((0, 2), 0), manifold.g((2, 1), 0)
     B1, C1 = 3.0 * back * B, 3.0 * back * C - 3.0 * elementary.square(abs(B))
     coefficients: dict[str, object] = {"B": parts(B), "C": parts(C), "B1": parts(B1), "C1": parts(C1)}
-    if abs(B) > TRUST * manifold.magnitude((0, 2), 0):
-        a = C1.real / elementary.square(abs(B1))
-        coefficients |= {"a": a, "case": f"invariant circle {'stable' if a < 0 else 'unstable'}"}
+    errors = {"B": TRUST * manifold.magnitude((0, 2), 0), "C": TRUST * manifold.magnitude((2, 1), 0)}
+    errors |= {"B1": 3.0 * errors["B"], "C1": 3.0 * (errors["C"] + 2.0 * abs(B) * errors["B"] + TRUST * elementary.square(abs(B)))}
+    if abs(B) > errors["B"]:
+        a = float(C1.real / elementary.square(abs(B1)))
+        errors["a"] = float((errors["C1"] + 2.0 * abs(C1) * errors["B"] / abs(B)) / elementary.square(abs(B1)))
+        stable = side(a, errors["a"], "invariant circle unstable", "invariant circle stable")
+        coefficients |= {"a": a, "case": stable or f"{DEGENERATE}: a is zero to its estimated error"}
     else:
-        coefficients["case"] = "degenerate: B is zero to its estimated error"
+        coefficients["case"] = f"{DEGENERATE}: B is zero to its estimated error"
     vectors = {"q": manifold.right[0], "p": manifold.left[0]}
-    return NormalForm("R3", coefficients, f"1:3 resonance, {coefficients['case']}", vectors)
+    return NormalForm("R3", coefficients, f"1:3 resonance, {coefficients['case']}", vectors, errors)
 
 
 def resonance_1_4(jet: Jet) -> NormalForm:
@@ -114,10 +151,16 @@ def resonance_1_4(jet: Jet) -> NormalForm:
     C, D = manifold.g((2, 1), 0), manifold.g((0, 3), 0)
     C1, D1 = -4.0j * C, -4.0j * D
     coefficients: dict[str, object] = {"C": parts(C), "D": parts(D), "C1": parts(C1), "D1": parts(D1)}
-    if abs(D) > TRUST * manifold.magnitude((0, 3), 0):
+    errors = {"C": TRUST * manifold.magnitude((2, 1), 0), "D": TRUST * manifold.magnitude((0, 3), 0)}
+    errors |= {"C1": 4.0 * errors["C"], "D1": 4.0 * errors["D"]}
+    if abs(D) > errors["D"]:
         A0 = C1 / abs(D1)
-        coefficients |= {"A0": parts(A0), "case": f"|A0| {'>' if abs(A0) > 1 else '<'} 1"}
+        errors["A0"] = (errors["C1"] + abs(A0) * errors["D1"]) / abs(D1)
+        beside = side(abs(A0) - 1.0, errors["A0"], "|A0| > 1", "|A0| < 1") or f"{DEGENERATE}: |A0| is 1 to its error"
+        circle = side(A0.real, errors["A0"], "Re A0 > 0", "Re A0 < 0")
+        case = beside if circle else f"{beside}, {DEGENERATE}: Re A0 zero to its error"
+        coefficients |= {"A0": parts(A0), "case": case}
     else:
-        coefficients["case"] = "degenerate: D is zero to its estimated error"
+        coefficients["case"] = f"{DEGENERATE}: D is zero to its estimated error"
     vectors = {"q": manifold.right[0], "p": manifold.left[0]}
-    return NormalForm("R4", coefficients, f"1:4 resonance, {coefficients['case']}", vectors)
+    return NormalForm("R4", coefficients, f"1:4 resonance, {coefficients['case']}", vectors, errors)

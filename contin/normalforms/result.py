@@ -31,6 +31,16 @@ def parts(value: complex) -> list[float]:
     return [float(value.real), float(value.imag)]
 
 
+DEGENERATE = "degenerate"
+
+
+def side(value: float, error: float, positive: str = "> 0", negative: str = "< 0") -> str | None:
+    """In words which sign a coefficient has; None where it is zero to its error."""
+    if abs(value) <= error:
+        return None
+    return positive if value > 0.0 else negative
+
+
 def sense(value: float, error: float) -> str:
     """'supercritical' for a negative coefficient, 'subcritical' for a positive one, 'degenerate' within its error."""
     if abs(value) <= error:

@@ -132,3 +132,28 @@ def test_strong_resonance_coefficients_survive(seed):
     jet, T = hide(complex_map({(1, 0): 1j, (0, 3): B, (2, 1): C}, 3), [0.4], rng, 3, kind="map")
     assert complex(*resonance_1_4(jet).coefficients["A0"]) == pytest.approx(-1j * C / abs(B), rel=1e-6)
     assert complex(*resonance_1_4(jet).coefficients["C"]) == pytest.approx(C / length(T) ** 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_area_preserving_maps_have_no_sign_that_rounding_decides(seed):
+    """A generating function makes (x, y) -> (y, -x + f(y)) of area 1: Re C1 of R3, Re A0 of R4, s of R1 and D1 of R2.
+
+    Each is a rate of expansion, which such a map has not; what does not vanish keeps its sign under a change of
+    coordinates.
+    """
+    rng = np.random.default_rng(seed)
+    quadratic, cubic = rng.uniform(0.5, 2.0, 2)
+    forms = {}
+    for trace, name in ((2.0, "R1"), (-2.0, "R2"), (-1.0, "R3"), (0.0, "R4")):
+        field = [{(0, 1): 1.0}, {(1, 0): -1.0, (0, 1): trace, (0, 2): quadratic, (0, 3): cubic}]
+        forms[name] = {
+            "R1": resonance_1_1, "R2": resonance_1_2, "R3": resonance_1_3, "R4": resonance_1_4,
+        }[name](hide(field, [], rng, 4, kind="map")[0])  # fmt: skip
+    assert forms["R1"].coefficients["s"] == 0
+    assert forms["R1"].coefficients["case"] == "degenerate"
+    assert forms["R2"].coefficients["case"].startswith("degenerate: D1 zero to its error, C1 ")
+    assert forms["R3"].coefficients["case"].startswith("degenerate: a ")
+    assert "Re A0 zero" in forms["R4"].coefficients["case"]
+    for form in forms.values():
+        assert form.errors
+        assert all(error > 0.0 for error in form.errors.values())

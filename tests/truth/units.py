@@ -191,7 +191,7 @@ def orbits(model: Model, start: Any, parameter: str, label: str, names: tuple[st
 
     def check(verbs: Verbs) -> Mapping[str, Any]:
         branch = contin.continuation(contin.equilibrium(verbs.model, verbs.new(start)), parameter)
-        family = contin.continuation(branch[label], parameter)
+        family = contin.continuation(branch[label].switch(parameter), parameter)
         return summary(verbs, family, names)
 
     return check

@@ -44,7 +44,8 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
             form = normal_form(point.type, jet_at(problem, point.z, active), frequency=frequency)
     except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
         return replace(point, vectors=vectors)
-    return replace(point, normal_form=dict(form.coefficients), vectors=vectors | dict(form.vectors))
+    errors = {"errors": dict(form.errors)} if form.errors else {}
+    return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | dict(form.vectors))
 
 
 def branching_form(problem: Any, z: Array) -> Any:
