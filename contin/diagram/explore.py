@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -30,11 +31,16 @@ FOUND_ON = ("PD", "BPC", "HOM")  # where families of orbits lead to others
 
 @dataclass(frozen=True)
 class Budget:
-    """When the explorer stops: number of computed branches, accepted points over all of them, seconds of computing."""
+    """When the explorer stops: number of computed branches, accepted points over all of them, work, seconds.
+
+    work : accepted points times unknowns, over all branches; 4e8 are some ten minutes. Seconds are counted only where
+    they are given: what is found would depend on the machine.
+    """
 
     branches: int = 100
     steps: int = 200_000
-    seconds: float = 600.0
+    work: float = 4e8
+    seconds: float = math.inf
 
     @classmethod
     def of(cls, given: Budget | Mapping[str, Any] | None) -> Budget:
@@ -42,7 +48,7 @@ class Budget:
             return given or cls()
         unknown = sorted(set(given) - {f.name for f in fields(cls)})
         if unknown:
-            raise InputError(f"budget: unknown {', '.join(unknown)}; known: branches, steps, seconds")
+            raise InputError(f"budget: unknown {', '.join(unknown)}; known: branches, steps, work, seconds")
         return cls(**given)
 
 
@@ -120,6 +126,8 @@ class Explorer:
             return f"budget of {self.budget.branches} branches used"
         if sum(b.steps for b in computed) >= self.budget.steps:
             return f"budget of {self.budget.steps} steps used"
+        if sum(b.steps * b.z.shape[1] for b in computed) >= self.budget.work:
+            return f"budget of {self.budget.work:g} points times unknowns used"
         if computing_time() - began >= self.budget.seconds:
             return f"budget of {self.budget.seconds:g} s used"
         return None

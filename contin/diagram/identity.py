@@ -38,7 +38,7 @@ def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tup
         mapped = apply_symmetry(problem, symmetry, z)[0]
         image = None
         if tangent is not None:
-            size = 1e-6 * max(float(np.abs(z).max()), 1e-12) / max(float(np.abs(tangent).max()), 1e-300)
+            size = 1e-6 * (float(np.abs(z).max()) or 1.0) / max(float(np.abs(tangent).max()), 1e-300)
             ahead = apply_symmetry(problem, symmetry, z + size * tangent)[0]
             behind = apply_symmetry(problem, symmetry, z - size * tangent)[0]
             image = (ahead - behind) / (2.0 * size)

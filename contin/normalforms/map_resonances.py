@@ -50,7 +50,8 @@ def chenciner(jet: Jet, theta: float | None = None) -> NormalForm:
     error = TRUST * (manifold.magnitude((3, 2), 0) + elementary.square(d.imag))
     outer = {"supercritical": ", outer circle stable", "subcritical": ", outer circle unstable"}
     words = "Chenciner point" + outer.get(sense(l2, error), ", l2 zero to its estimated error")
-    coefficients: dict[str, object] = {"l2": l2, "theta": float(elementary.angle(value)), "d": parts(d), "d2": parts(d2)}
+    theta = float(elementary.angle(value))
+    coefficients: dict[str, object] = {"l2": l2, "theta": theta, "d": parts(d), "d2": parts(d2)}
     if abs(l2) <= error:
         coefficients["case"] = DEGENERATE
     return NormalForm("CH", coefficients, words, {"q": manifold.right[0], "p": manifold.left[0]}, {"l2": error})
@@ -104,7 +105,8 @@ def resonance_1_2(jet: Jet) -> NormalForm:
     vectors = {"q0": chain.q0, "q1": chain.q1, "p0": chain.p0, "p1": chain.p1}
     signs = {"C1": side(C1, errors["C1"]), "D1": side(D1, errors["D1"])}
     case = _case(signs)
-    return NormalForm("R2", {"C": C, "D": D, "C1": C1, "D1": D1, "case": case}, f"1:2 resonance, {case}", vectors, errors)
+    coefficients = {"C": C, "D": D, "C1": C1, "D1": D1, "case": case}
+    return NormalForm("R2", coefficients, f"1:2 resonance, {case}", vectors, errors)
 
 
 def _case(signs: Mapping[str, str | None]) -> str:
@@ -129,7 +131,8 @@ def resonance_1_3(jet: Jet) -> NormalForm:
     B1, C1 = 3.0 * back * B, 3.0 * back * C - 3.0 * elementary.square(abs(B))
     coefficients: dict[str, object] = {"B": parts(B), "C": parts(C), "B1": parts(B1), "C1": parts(C1)}
     errors = {"B": TRUST * manifold.magnitude((0, 2), 0), "C": TRUST * manifold.magnitude((2, 1), 0)}
-    errors |= {"B1": 3.0 * errors["B"], "C1": 3.0 * (errors["C"] + 2.0 * abs(B) * errors["B"] + TRUST * elementary.square(abs(B)))}
+    error_of_square = 2.0 * abs(B) * errors["B"] + TRUST * elementary.square(abs(B))
+    errors |= {"B1": 3.0 * errors["B"], "C1": 3.0 * (errors["C"] + error_of_square)}
     if abs(B) > errors["B"]:
         a = float(C1.real / elementary.square(abs(B1)))
         errors["a"] = float((errors["C1"] + 2.0 * abs(C1) * errors["B"] / abs(B)) / elementary.square(abs(B1)))

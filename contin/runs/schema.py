@@ -192,6 +192,7 @@ class BudgetEntry(Section):
 
     branches: Count | None = None
     steps: Count | None = None
+    work: Positive | None = None
     seconds: Positive | None = None
 
 

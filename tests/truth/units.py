@@ -116,6 +116,10 @@ class Verbs:
         return {n: float(v) * self.unit(n) for n, v in values.items() if not isinstance(v, bool | np.bool_)}
 
 
+SMOOTH = 1e-6  # relative distance of numbers that are one
+ROUGH = 2e-3  # ... of a settled state near a fold, where settling is slow
+
+
 def summary(verbs: Verbs, branch: Any, names: tuple[str, ...]) -> dict[str, Any]:
     """What must not depend on the units: labels with stability and where they are, reasons of the ends."""
     points = []
@@ -165,6 +169,11 @@ HENON = Model(
 DELAYED = Model(
     "delayed-logistic", kind="map", states={"x": 0.3, "y": 0.3}, parameters={"r": {"value": 1.5, "range": [1.1, 2.3]}},
     equations={"x": "r*x*(1 - y)", "y": "x"},
+)  # fmt: skip
+DOUBLE_ZERO = Model(  # the unfolding of Bogdanov and Takens, with further terms
+    "double-zero", states={"x": 1, "y": 0},
+    parameters={"a": {"value": -1, "range": [-1, 0.5]}, "b": {"value": -0.5, "range": [-1, 1]}},
+    equations={"x": "y", "y": "a + b*y + x^2 + x*y + 0.3*x^3"},
 )  # fmt: skip
 SADDLE_LOOP = Model(  # x'' = x - x^2 + small damping: the loop of x' = 0 exists at nu near 6/7 mu (here mu = 1)
     "loop", states={"x": 1, "y": 0}, parameters={"nu": {"value": 1.1, "range": [0.5, 1.5]}, "e": 0.2},
@@ -307,6 +316,7 @@ CHECKS: dict[str, tuple[Model, Check]] = {
     "orbits from a simulation": (VDP, simulated(VDP, "m", ("m",))),
     "a curve of folds with its cusp": (CUSP, locus(CUSP, {"x": -2}, "p", "LP1", ("p", "q"))),
     "a curve of Hopf points": (FHN, locus(FHN, {"v": -1.2, "w": -0.6}, "I", "HB1", ("I", "e"))),
+    "folds to a double zero": (DOUBLE_ZERO, locus(DOUBLE_ZERO, {"x": 0.9, "y": 0}, "a", "LP1", ("a", "b"))),
     "a map's flip and fold": (HENON, line(HENON, {"x": 0.8, "y": 0.25}, "a", ("a", "x"))),
     "a map's torus": (DELAYED, line(DELAYED, {"x": 0.3, "y": 0.3}, "r", ("r", "x"))),
     "a homoclinic end": (SADDLE_LOOP, orbits(SADDLE_LOOP, {"x": 1, "y": 0}, "nu", "HB1", ("nu",))),

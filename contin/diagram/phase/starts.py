@@ -62,7 +62,7 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
         if was_stopped(branch):
             raise KeyboardInterrupt
         row = -1 if sense > 0 else 0
-        if abs(float(branch.z[row, -1]) - value) < 1e-9 * max(1.0, abs(value)):
+        if abs(float(branch.z[row, -1]) - value) < 1e-9 * width:
             return np.asarray(branch.z[row, :-1])
     return None
 

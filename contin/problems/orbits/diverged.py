@@ -162,7 +162,8 @@ def _connection(
     name, names = problem.parameters[0], problem.system.state_names
     data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
-    states = [{k: rounded(v, s.u) for k, v in zip(names, s.u, strict=True)} for s in saddles]
+    sizes = np.abs(profile.u).max(axis=0)
+    states = [dict(zip(names, rounded(s.u, sizes).tolist(), strict=True)) for s in saddles]
     described = ["(" + ", ".join(f"{k} = {v:.8g}" for k, v in state.items()) + ")" for state in states]
     if len(saddles) == 1:
         data |= {"saddle": states[0], "eigenvalues": saddles[0].eigenvalues, "saddle_quantity": saddles[0].quantity}

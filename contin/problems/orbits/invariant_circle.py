@@ -96,7 +96,7 @@ def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame)
         return None
     name = problem.parameters[0]
     values = np.linalg.eigvals(equilibria_of(problem).linear_part(found))
-    state = {k: rounded(v, found[:-1]) for k, v in zip(problem.system.state_names, found[:-1], strict=True)}
+    state = dict(zip(problem.system.state_names, rounded(found[:-1], sizes).tolist(), strict=True))
     where = ", ".join(f"{k} = {v:.8g}" for k, v in state.items())
     at, error = float(found[-1]), doubt
     text = (

@@ -121,9 +121,9 @@ def distance(problem: Any, u: Array, v: Array, sizes: Array) -> float:
     return float(np.max(np.abs(gap)))
 
 
-def rounded(value: float, state: Array) -> float:
-    """Zero for what is rounding beside the state's other entries (and 1)."""
-    return float(value) if abs(value) > 1e-13 * max(1.0, float(np.abs(state).max())) else 0.0
+def rounded(state: Array, sizes: Array) -> Array:
+    """The state, with zeros for what is rounding beside the states' sizes."""
+    return np.asarray(np.where(np.abs(state) > 1e-13 * np.maximum(sizes, np.abs(state)), state, 0.0))
 
 
 def extent_of(profile: Profile, sizes: Array) -> float:

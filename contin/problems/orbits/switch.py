@@ -16,6 +16,7 @@ from contin.machine import elementary
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.multiple import crossing_tangents
 from contin.problems.orbits.symmetry import halves_alike
+from contin.problems.scales import parameter_width
 
 
 def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
@@ -49,7 +50,7 @@ def in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any, 
     z, scale = point.z.copy(), point.scale.copy()
     z[-1] = other.base[other.active]
     bounds = other.default_range(parameter)
-    scale[-1] = max(1.0, abs(float(z[-1]))) if bounds is None else bounds[1] - bounds[0]
+    scale[-1] = parameter_width(other.system.model, parameter, float(z[-1]), bounds or (-np.inf, np.inf))
     return other, replace(point, z=z, scale=scale)
 
 

@@ -16,6 +16,7 @@ from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.start import solved_connection
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
+from contin.simulate.natural import natural_metric
 
 LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, relative to the distance of the saddles
 AWAY: Final = 0.3  # ... that a loop must reach before its return counts
@@ -23,6 +24,7 @@ ANGLES: Final = 64  # directions in a plane of unstable directions
 LONGEST: Final = 60.0  # times of the slowest unstable rate
 SAMPLES: Final = 4000
 INTERVALS: Final = 60
+ONE_SADDLE: Final = 1e-8  # of the states' sizes: saddles this near are one
 NEAR: Final = 0.3  # relative distance from the second saddle at which a connection is looked for
 
 
@@ -47,7 +49,9 @@ class ConnectingOrbit:
 
     @property
     def is_loop(self) -> bool:
-        return bool(np.allclose(self.saddles[0], self.saddles[1], rtol=1e-8, atol=1e-10))
+        sizes = natural_metric(self.system, self.saddles[0], self.p).states
+        sizes = np.maximum(sizes, np.abs(self.saddles).max(axis=0))
+        return bool(np.all(np.abs(self.saddles[0] - self.saddles[1]) <= ONE_SADDLE * sizes))
 
     def _matrix(self, u: Array) -> Array:
         return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])

@@ -16,18 +16,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from contin.continuation.branch import SpecialPoint
+from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.errors import ContinError, InputError
-from contin.kernels.clock import computing_time
 from contin.problems.orbits.problem import OrbitProblem
 
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions
 QUICK: Final = Settings(steps=60, max_step=0.1)
 BESIDE: Final = (0.03, 0.1, 0.01)  # of the range of the parameter that moves more: orbits beside a GPD
-SECONDS: Final = 10.0  # until the search is given up: families beside long orbits have many special points
+WORK: Final = 4_000_000  # accepted points times unknowns, until the search is given up: some seconds
+POINT: Final = 30  # a special point costs as much as so many others
 
 
 def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
@@ -52,7 +52,7 @@ def folds_of_doubled(problem: Any, point: SpecialPoint, parameters: Sequence[str
     """The curve of folds (LPC) of doubled orbits that ends at a GPD; raises InputError where none is found."""
     from contin.continuation.trace import trace
 
-    deadline = computing_time() + SECONDS
+    done = 0
     widths = np.abs(point.scale[[-1, -2]])
     rates = point.tangent[[-1, -2]] / widths
     axis = int(np.argmin(np.abs(rates)))  # of the families, which the curve of PD crosses
@@ -60,22 +60,29 @@ def folds_of_doubled(problem: Any, point: SpecialPoint, parameters: Sequence[str
     for part in BESIDE:
         for side in (part, -part):
             orbits, orbit = _doubling_beside(problem, point, side / rates[1 - axis], axis)
-            if orbit is None or computing_time() > deadline:
+            if orbit is None or done > WORK:
                 continue
             here, settings = float(orbit[-1]), _quick(orbits)
             bounds = here - AWAY[0] * width, here + AWAY[0] * width
             limits = here - REACH * width, here + REACH * width
             try:
-                family = trace(Seed(orbits, orbit), bounds, settings=settings, deadline=deadline)
+                family = trace(Seed(orbits, orbit), bounds, settings=settings)
+                done += work_of(family)
                 doubling = min((p for p in family.points if p.type == "PD"), key=lambda p: abs(p.z[-1] - here))
                 (seed,) = family.problem.switch(doubling, along)
                 until = replace(settings, stop_at=("LPC",))
-                doubled = trace(seed, limits, settings=until, deadline=deadline)
+                doubled = trace(seed, limits, settings=until)
+                done += work_of(doubled)
                 fold = next(p for p in doubled.points if p.type == "LPC")
                 return list(doubled.problem.loci(replace(fold, branch=point.branch, label=point.label), parameters))
             except (ContinError, ValueError, StopIteration):  # no doubling, or no fold on this side
                 continue
     raise InputError(f"{point.branch}.{point.label}: no fold of doubled orbits was found beside this point")
+
+
+def work_of(branch: Branch) -> int:
+    """What a branch cost, in accepted points times unknowns."""
+    return (branch.steps + POINT * len(branch.points)) * int(branch.z.shape[1])
 
 
 def _doubling_beside(problem: Any, point: SpecialPoint, length: float, axis: int) -> tuple[Any, Any]:
@@ -101,7 +108,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
     """Families along one parameter, through orbits that have the other one moved."""
     from contin.continuation.trace import trace
 
-    deadline = computing_time() + SECONDS
+    done = 0
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     settings = _quick(orbits)
     for axis in (0, 1):
@@ -112,17 +119,20 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
         for part in AWAY:
             bounds = value - part * widths[axis], value + part * widths[axis]
             try:
-                family = trace(Seed(moving, start), bounds, settings=settings, deadline=deadline)
+                family = trace(Seed(moving, start), bounds, settings=settings)
             except ContinError:
                 continue
+            done += work_of(family)
             for row in (0, -1):
-                if computing_time() > deadline:
+                if done > WORK:
                     return
                 z = family.z[row][~np.isnan(family.z[row])]
                 line = moving.with_active(across, z)
                 other = float(point.values[across])
                 limits = other - REACH * widths[1 - axis], other + REACH * widths[1 - axis]
                 try:
-                    yield trace(Seed(line, np.append(z[:-1], other)), limits, settings=settings, deadline=deadline)
+                    found = trace(Seed(line, np.append(z[:-1], other)), limits, settings=settings)
                 except ContinError:
                     continue
+                done += work_of(found)
+                yield found

@@ -1,0 +1,52 @@
+"""Every verb in other units of states, time and parameters: the same labels, stability, ends and numbers.
+
+Short: everything in extreme units at once. Long (`-m long`): each alone, and all pairs; the table is in the ledger.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import contin
+from tests.truth.ledger import Ledger
+from tests.truth.units import CHECKS, LONG, ORDINARY, ROUGH, SMOOTH, Units, Verbs, compare
+
+EXTREME = (Units(1e15, 1e12, 1e-9), Units(1e-9, 1e-9, 1e12), Units(1e6, 1e3, 1e-3, mixed=True))
+_ordinary = {}
+
+
+def differences(name: str, units: Units) -> list[str]:
+    model, check = CHECKS[name]
+    if name not in _ordinary:
+        _ordinary[name] = check(Verbs(model, ORDINARY))
+    rel = ROUGH if "sweep" in name or "scan" in name else SMOOTH
+    return compare(_ordinary[name], check(Verbs(model, units)), {}, rel)
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_extreme_units_change_nothing(name):
+    assert {str(units): found for units in EXTREME if (found := differences(name, units))} == {}
+
+
+@pytest.mark.long
+def test_units_change_nothing(tmp_path):
+    """Writes its table to the folder CONTIN_TRUTH_TABLES, where that is set."""
+    ledger = Ledger()
+    for name in CHECKS:
+        counts = ledger.counts.setdefault(name, Counter())
+        for units in LONG:
+            counts["systems"] += 1
+            try:
+                found = differences(name, units)
+            except (contin.ContinError, KeyError) as error:
+                found = [f"{type(error).__name__}: {error}"]
+            counts["expected"] += 1
+            counts["wrong" if found else "found"] += 1
+            ledger.complaints += [f"{name} {units}: wrong: {text}" for text in found]
+    folder = Path(os.environ.get("CONTIN_TRUTH_TABLES", tmp_path))
+    ledger.write(folder / "units.md", {"machine": "tests/truth/test_units.py", "version": contin.__version__})
+    ledger.assert_clean()
