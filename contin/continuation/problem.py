@@ -193,6 +193,17 @@ class Limited(Protocol):
 
 
 @runtime_checkable
+class Guessing(Protocol):
+    """A problem whose metric may rest on nothing for some unknowns."""
+
+    def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
+        """The columns of unknowns whose scale at the start z is a mere 1."""
+
+    def guess_note(self, columns: Sequence[str]) -> str:
+        """What to say of such columns, where they turn out not to stay 0."""
+
+
+@runtime_checkable
 class Terminating(Protocol):
     """A problem whose equations mean something else beyond some of its special points."""
 
@@ -331,6 +342,11 @@ def is_floored(problem: object) -> TypeGuard[Floored]:
 def is_limited(problem: object) -> TypeGuard[Limited]:
     """True for problems that know how far their equations hold."""
     return _offers(problem, Limited)
+
+
+def is_guessing(problem: object) -> TypeGuard[Guessing]:
+    """True for problems that know where their metric is a guess."""
+    return _offers(problem, Guessing)
 
 
 def is_phased(problem: object) -> TypeGuard[Phased]:

@@ -18,7 +18,7 @@ from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Frame, Problem, Sample, Verified, is_recording, is_remarking
+from contin.continuation.problem import Frame, Problem, Sample, Verified, is_guessing, is_recording, is_remarking
 from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
@@ -173,6 +173,9 @@ def _assemble(
         with contained(notes.append):
             notes.extend(problem.remarks(z))
     notes = [*notes, *unrecorded(columns, z, problem), *_remarks(rows.labelled, problem)]
+    if seed.scale is None and is_guessing(problem):
+        moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
+        notes += [problem.guess_note(moving)] if moving else []
     columns["unstable"] = unstable
     columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)

@@ -10,7 +10,7 @@ have a meaning.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -40,7 +40,8 @@ class Local(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A solution of a defining system: y, its residual (maximum norm) and the estimated error of y's last entry."""
+    """A solution of a defining system: y, its residual (maximum norm, relative to the entries of its Jacobian) and the
+    estimated error of y's last entry."""
 
     y: Array
     extra: Array  # further unknowns (the frequency)
@@ -101,7 +102,9 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
         estimates.append(shift[position] - float(row @ value))
         noise = max(noise, float(np.max(np.abs(value - g - matrix @ shift))))
     scatter = float(np.max(np.abs(estimates)))
-    return Solved(x[: position + 1], x[position + 1 :], float(np.max(np.abs(g))), 2.0 * scatter + lacking, noise)
+    size = float(np.max(np.abs(matrix))) or 1.0  # in units of time, of which residuals must not depend
+    residual = float(np.max(np.abs(g))) / size
+    return Solved(x[: position + 1], x[position + 1 :], residual, 2.0 * scatter + lacking, noise / size)
 
 
 def _least_squares(matrix: Array, right: Array) -> Array | None:
@@ -170,15 +173,16 @@ def critical_pair(
     """F = 0 and F_u - shift(w) I of corank k, w unknown: a Hopf point (shift = i w), a Neimark-Sacker point (e^(iw)
     - 1).
 
-    n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w.
+    n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w, and its unit.
     """
     n = local.n
     identity = np.eye(n)
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
+    unit = abs(angle) or 1.0
 
     def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
-        v, w, g = _bordered(jacobian[:, :n] - shift(x[-1]) * identity, b, c)
+        v, w, g = _bordered(jacobian[:, :n] - shift(unit * x[-1]) * identity, b, c)
         residual = np.concatenate([f, *(part for column in g.T for part in (column.real, column.imag))])
         if not slopes:
             return residual, NO_SLOPES
@@ -186,11 +190,12 @@ def critical_pair(
         blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
         for k in range(corank):
             gradient = -(adjoint @ local.hessian(x[: n + 1], np.append(v[:, k], 0.0)))
-            complete = np.hstack([gradient, rate(x[-1]) * (adjoint @ v[:, [k]])])
+            complete = np.hstack([gradient, unit * rate(unit * x[-1]) * (adjoint @ v[:, [k]])])
             blocks += [complete.real, complete.imag]
         return residual, np.vstack(blocks)
 
-    return newton(system, np.append(y, angle), n)
+    solved = newton(system, np.append(y, angle / unit), n)
+    return None if solved is None else replace(solved, extra=unit * solved.extra)
 
 
 def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:

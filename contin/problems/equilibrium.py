@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
 from contin.problems.surfaces import boundary
 from contin.problems.surfaces.switch import Sliding, switched
-from contin.simulate.natural import BENDS_UP_TO, growth_lengths, pure_derivatives, sizes_of
+from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
 
 _NO_TANGENT = np.empty(0)
@@ -190,6 +190,22 @@ class EquilibriumProblem:
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        states, _, width = self._scales(z, bounds)
+        return np.append(np.sqrt(self.n) * states, width)
+
+    def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
+        """The states whose scale at the start is a mere 1."""
+        if z[:-1].all() or not self.system.state_names:
+            return ()
+        _, unknown, _ = self._scales(z, bounds)
+        return [name for name, is_unknown in zip(self.system.state_names, unknown, strict=True) if is_unknown]
+
+    def guess_note(self, columns: Sequence[str]) -> str:
+        """What to say of them."""
+        return guessed_note(columns)
+
+    def _scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
+        """Sizes of the states (n,), which of them are a mere 1, and the scale of the parameter."""
         width = parameter_width(self.system.model, self.parameters[0], float(z[-1]), bounds)
         jacobian = self.linearise(z)[1]
         declared, usual = sizes_of(self.system.model, tuple(self.full_parameters(z).tolist()))
@@ -197,17 +213,17 @@ class EquilibriumProblem:
         lengths = None
         if self.n <= BENDS_UP_TO and np.any(z[:-1] != 0.0):
             lengths = bending_lengths(jacobian, self._second_derivatives(z), width)
-        growth = self._growth(z, jacobian, width) if self.n <= BENDS_UP_TO and not z[:-1].any() else None
-        states, _ = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
-        return np.append(np.sqrt(self.n) * states, width)
+        growth = partial(self._growth, z, jacobian, width) if self.n <= BENDS_UP_TO else None
+        states, unknown = state_scales(z[:-1], jacobian, width, declared, usual, lengths, growth)
+        return states, unknown, width
 
-    def _growth(self, z: Array, jacobian: Array, width: float) -> Array:
-        """`growth_lengths` at rest, (n,); slopes as large as they become over the parameter's range."""
+    def _growth(self, z: Array, jacobian: Array, width: float) -> tuple[Array, Array]:
+        """`growth_lengths` at rest, (n,), with slopes as large as they become; and second derivatives (n, n)."""
         p = self.full_parameters(z)
         by_parameter = self.hessian(z, np.eye(1, self.n + 1, self.n)[0])[:, : self.n]
         slopes = np.maximum(np.abs(jacobian[:, : self.n]), np.abs(by_parameter) * width)
         second, third = pure_derivatives(self.system, z[: self.n], p)
-        return growth_lengths(np.nan_to_num(slopes), second, third)
+        return growth_lengths(np.nan_to_num(slopes), second, third), second
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         if not np.all(np.isfinite(self.linearise(z)[1])):

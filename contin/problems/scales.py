@@ -9,6 +9,7 @@ length over which the equations bend (a pressure near 1e5 whose changes matter),
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -44,13 +45,14 @@ def state_scales(
     declared: Array,
     usual: Array,
     lengths: Array | None = None,
-    growth: Array | None = None,
+    growth: Callable[[], tuple[Array, Array]] | None = None,
 ) -> tuple[Array, Array]:
     """Typical sizes of the states, (n,), all positive; and which of them are a mere 1.
 
     u : (n,) start.  jacobian : (n, n + 1) = [F_u | F_p] there.  parameter_scale : length of the parameter's range.
     declared, usual : `contin.simulate.natural.sizes_of`.  lengths : `bending_lengths`, where they are known.
-    growth : `contin.simulate.natural.growth_lengths`, for states about which nothing else is known.
+    growth : gives `contin.simulate.natural.growth_lengths` and |d^2 F_k / d u_i^2| (n, n), for states about which
+    nothing else is known.
     """
     n = u.size
     size = beyond_rounding(u, usual)
@@ -62,13 +64,15 @@ def state_scales(
         scale = np.where((lengths > 0.0) & (size > near), near, scale)
     scale = np.where(declared > 0.0, declared, scale)
     coupling = np.abs(jacobian[:, :n]) if finite else np.zeros((n, n))
-    if growth is not None and not np.any(scale > 0.0):
-        scale = growth
     balanced, unknown = filled(scale, coupling)
-    balanced = np.where(np.logical_and(unknown, usual > 0.0), usual, balanced)
+    if unknown.any() and usual.any():
+        balanced, unknown = filled(np.where(unknown, usual, scale), coupling)
+    if unknown.any() and growth is not None:
+        lengths, second = growth()
+        balanced, unknown = filled(np.where(unknown, lengths, scale), coupling, second)
     small = (declared == 0.0) & (scale < NEGLIGIBLE * balanced)
     result = np.where(small | (scale <= 0.0), balanced, scale)
-    return result, np.logical_and(unknown, ~(usual > 0.0))
+    return result, unknown
 
 
 def _motion(jacobian: Array, parameter_scale: float) -> Array:

@@ -18,6 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import ContinError
+from contin.model.model import Model
 
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
 SMALLER: Final = 1e-2  # absolute tolerances, in natural sizes, beside relative ones
@@ -52,11 +53,12 @@ def natural_metric(system: Any, u: Array, p: Array) -> Metric:
     terms = np.abs(jacobian) @ np.abs(np.concatenate([u, full]))  # what cancels in f, to first order
     moved = np.where(np.abs(f) > ROUNDING * terms, np.abs(f), 0.0) / (rate if rate > 0.0 else np.inf)
     size = np.where(size > 0.0, size, moved)
-    second = np.zeros((n, n))
-    if not size.all() and n <= BENDS_UP_TO:
+    found, guessed = filled(size, np.abs(matrix))
+    if guessed.any() and n <= BENDS_UP_TO:
         second, third = pure_derivatives(system, u, full)
-        size = np.where(size > 0.0, size, growth_lengths(np.abs(matrix), second, third))
-    size, guessed = filled(size, np.abs(matrix), second)
+        lengths = growth_lengths(np.abs(matrix), second, third)
+        found, guessed = filled(np.where(guessed, lengths, size), np.abs(matrix), second)
+    size = found
     time = 1.0 / rate if rate > 0.0 else 0.0
     if system.kind == "map":
         time = 1.0
@@ -100,8 +102,8 @@ def sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
     declared : `scale`, or an angle's period / (2 pi).  usual : the largest moduli in the model's default and named
     starts, at these values of the parameters.
     """
-    if not hasattr(model, "starts") or not hasattr(model, "states"):  # a Python function
-        return np.zeros(model.n), np.abs(model.u0)
+    if not isinstance(model, Model):  # a Python function
+        return np.zeros(model.n), np.where(model.u0 != 0.0, np.abs(model.u0), model.typical)
     values = dict(zip(model.parameter_names, p, strict=True))
     periods = model.periods(values) / (2.0 * np.pi)
     declared = np.where(periods > 0.0, periods, model.scales(values))

@@ -43,7 +43,6 @@ SHORT = (
 LONG = (
     *SHORT,
     *(Units(s, t, p) for s in (1e15, 1e6, 1.0, 1e-3, 1e-9) for t in (1e12, 1e-9) for p in (1e12, 1e-9)),
-    Units(1e6, 1.0, 1.0, mixed=True), Units(1e9, 1e6, 1e-6, mixed=True),
 )  # fmt: skip
 
 

@@ -214,6 +214,7 @@ def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale:
         shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
         estimates.append(float(shift[-1] - row @ residual(y + shift)[0]))
     scatter = 2.0 * float(np.max(np.abs(estimates)))
+    g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     return _Solution(y, float(np.max(np.abs(g))), scatter + lacking)
 
 

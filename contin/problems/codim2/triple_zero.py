@@ -26,6 +26,7 @@ def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
         return None
     from contin.problems.codim2 import events
 
+    found = []
     for function in (lambda z: _others(problem, z).prod().real, lambda z: _others(problem, z).sum().real):
         solved = events.solve(problem, function, near, frame.scale)
         if solved is None or not solved.residual <= events.RESIDUAL_LIMIT:
@@ -36,8 +37,8 @@ def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
             values = events.eigenvalues(problem, z)
             unstable = int(np.sum(values[np.argsort(np.abs(values))[3:]].real > 0.0))
             error = solved.error + float(np.abs(_others(problem, z)).max())
-            return Verified("TZ", z, solved.residual, error * float(frame.scale[-1]), values, unstable)
-    return None
+            found.append(Verified("TZ", z, solved.residual, error * float(frame.scale[-1]), values, unstable))
+    return min(found, key=lambda point: point.error) if found else None
 
 
 def _others(problem: Any, z: Array) -> Any:

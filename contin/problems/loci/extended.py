@@ -231,7 +231,7 @@ class ExtendedCurve:
         """A typical size of kappa: its own, or that of the slowest other eigenvalue where it vanishes (at BT)."""
         values = np.sort(np.abs(np.linalg.eigvals(self.matrix(z) * self.sizes / self.sizes[:, None])))
         typical = elementary.square(float(values[2] if self.n > 2 else np.abs(self.matrix(z)).max()))
-        return max(abs(self.scalar(z)), 0.1 * typical, 1e-12)
+        return max(abs(self.scalar(z)), 0.1 * typical) or 1.0
 
     @cached_property
     def identifying(self) -> Array:
