@@ -15,6 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.march import Linearisation
 from contin.continuation.vectors import norm
+from contin.machine import elementary
 
 NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner
 NOISE: Final = 1e-9  # moves of the parameter that say nothing
@@ -44,7 +45,7 @@ def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: A
         return None
     if odd[0] > even[0] and odd[1] > even[1]:
         return "the parameter does not turn here: the derivatives are wrong, or the function is not smooth"
-    if even[1] < even[0] * (FAR / NEAR) ** SQUARE:
+    if even[1] < even[0] * elementary.pow(FAR / NEAR, SQUARE):
         return "the parameter turns at a corner, where the function is not smooth"
     return None
 
