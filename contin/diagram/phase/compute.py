@@ -12,6 +12,7 @@ from contin.abi import NO_FUNCTION
 from contin.continuation.branch import Branch
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
+from contin.diagram.phase.checks import Check
 from contin.diagram.phase.diagram import PhaseDiagram, Region
 from contin.diagram.phase.lines import Box
 from contin.diagram.phase.regions import regions_of
@@ -66,10 +67,11 @@ def phase(
     loci = tuple(_without_parent(b, search.loci) for b in search.loci)
     regions: tuple[Region, ...] = ()
     borders: dict[tuple[int, int], frozenset[str]] = {}
+    check = Check()
     with search.notes.surviving("the names of the regions"):
-        regions, borders = regions_of(survey)
+        regions, borders, check = regions_of(survey)
     notes = tuple(search.notes)
-    return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped)
+    return PhaseDiagram((first, second), bounds, loci, regions, borders, tuple(search.branches), notes, stopped, check)
 
 
 def _what_is_missing(survey: Survey) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
+from contin.diagram.phase.checks import Check
 from contin.diagram.phase.lines import Box
 from contin.diagram.phase.plane import inside
 from contin.diagram.phase.states import State
@@ -23,7 +24,8 @@ class Region:
     """A part of the box in which the same states exist with the same stability.
 
     `point` maps the two parameters to a representative point, where `states` are all states that were found.
-    Regions of one `name` have the same numbers of equilibria of every stability, and of stable periodic orbits.
+    Regions of one `name` have the same numbers of equilibria of every stability, and of stable periodic orbits, and
+    their stable equilibria are each other's continuation along the straight way between their points.
     """
 
     name: str
@@ -91,6 +93,7 @@ class PhaseDiagram:
     branches: tuple[Branch, ...] = ()
     notes: tuple[str, ...] = field(default_factory=tuple)
     stopped: bool = False  # by the user: curves and regions may be missing
+    check: Check = field(default_factory=Check)  # of the regions by a second method
 
     @property
     def graph(self) -> Graph:

@@ -32,6 +32,8 @@ def report(diagram: PhaseDiagram) -> str:
             lines.append(f"  {p.label}  {style_of(p.type).words} at {where}")
     lines.append("")
     lines += region_lines(as_data(diagram))
+    if diagram.check.followed:
+        lines += ["", f"checked: {diagram.check.words}"]
     if diagram.notes:
         lines += ["", "notes:", *(f"  {note}" for note in diagram.notes)]
     return "\n".join(lines)
@@ -108,6 +110,8 @@ def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
     borders = [{"regions": list(pair), "curves": sorted(curves)} for pair, curves in diagram.borders.items()]
     box = {name: list(bounds) for name, bounds in zip(diagram.parameters, diagram.box, strict=True)}
     curves = [branch.name for branch in diagram.loci]
+    check = {"followed": diagram.check.followed, "disagreed": len(diagram.check.disagreed)}
     return {
         "parameters": list(diagram.parameters), "range": box, "curves": curves, "regions": regions, "borders": borders,
+        "check": check,
     }  # fmt: skip

@@ -1,0 +1,163 @@
+"""Regions checked by a second method: stable equilibria continued across them, by Newton at fixed parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.diagram.identity import wrapped
+from contin.diagram.phase.plane import Face, clearance, inside
+from contin.diagram.phase.states import State, images_of
+
+OTHERS: Final = 3  # points of a region to which its states are continued
+TRIED: Final = 40  # points of a region among which they are chosen
+ALONG: Final = 40  # points of a path that must be inside
+CLEAR: Final = 2e-3  # distance of a path from the border, as part of the box
+FIRST, SHORTEST = 1.0 / 16.0, 1e-5  # steps along a path, as parts of it
+NEWTON: Final = 8
+SETTLED: Final = 1e-10  # Newton step, relative to the state's size
+FAR: Final = 0.1  # ... and the change of a state in one step
+MARGIN: Final = 1e-9  # of the largest eigenvalue: what is this near to the axis is not unstable beyond doubt
+ALIKE: Final = 1e-5  # relative distance of two states that are one
+
+
+@dataclass(frozen=True)
+class Check:
+    """How many paths of stable equilibria were followed, and what became of those that did not arrive stable."""
+
+    followed: int = 0
+    disagreed: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """For the report."""
+        return (
+            f"{self.followed} paths of stable equilibria across their regions, by Newton at fixed parameters: "
+            f"{len(self.disagreed)} disagreed"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The equilibria of a model at points of the unit square that stands for the box."""
+
+    problem: Any
+    names: tuple[str, str]
+    low: Array
+    width: Array
+
+    def parameters(self, point: Array) -> Array:
+        """All parameters at a point of the unit square."""
+        p: Array = np.array(self.problem.base)
+        own = list(self.problem.system.parameter_names)
+        p[[own.index(name) for name in self.names]] = self.low + self.width * point
+        return p
+
+    def followed(self, u: Array, a: Array, b: Array) -> Array | None:
+        """The stable equilibrium u at a, continued along the straight way to b; None where it ends or is unstable."""
+        done, step = 0.0, FIRST
+        typical = self._typical(u, a)
+        before, reached = u, 0.0
+        while done < 1.0:
+            ahead = min(done + step, 1.0)
+            slope = (u - before) / (done - reached) if done > reached else 0.0 * u
+            found = self._solved(u + (ahead - done) * slope, self.parameters(a + ahead * (b - a)), typical)
+            size = max(float(np.abs(u).max()), typical)
+            if found is None or float(np.abs(found - u).max()) > FAR * size:
+                step /= 2.0
+                if step < SHORTEST:
+                    return None
+                continue
+            if not self._is_stable(found, self.parameters(a + ahead * (b - a))):
+                return None
+            before, reached, u, done = u, done, found, ahead
+            step *= 1.5
+        return u
+
+    def _typical(self, u: Array, point: Array) -> float:
+        """Size of the states at u, where they may pass through zero: that of the metric of a branch from there."""
+        k = list(self.problem.system.parameter_names).index(self.names[0])
+        problem = replace(self.problem, base=self.parameters(point), active=k)
+        bounds = float(self.low[0]), float(self.low[0] + self.width[0])
+        scale = problem.initial_scale(np.append(u, problem.base[k]), bounds)
+        return max(float(np.abs(u).max()), float(np.max(scale[:-1]) / np.sqrt(self.problem.n)))
+
+    def _solved(self, u: Array, p: Array, typical: float) -> Array | None:
+        n, is_map = self.problem.n, self.problem.is_map
+        for _ in range(NEWTON):
+            f, matrix = self.problem.system.jacobian(u, p)
+            a, r = (matrix[:, :n] - np.eye(n), f - u) if is_map else (matrix[:, :n], f)
+            if not (np.all(np.isfinite(a)) and np.all(np.isfinite(r))):
+                return None
+            try:
+                step = np.linalg.solve(a, -r)
+            except np.linalg.LinAlgError:
+                return None
+            u = u + step
+            if float(np.abs(step).max()) <= SETTLED * max(float(np.abs(u).max()), typical):
+                return u
+        return None
+
+    def _is_stable(self, u: Array, p: Array) -> bool:
+        values = np.linalg.eigvals(self.problem.system.jacobian(u, p)[1][:, : self.problem.n])
+        slack = MARGIN * float(np.abs(values).max(initial=0.0))
+        outside = np.abs(values) - 1.0 if self.problem.is_map else values.real
+        return bool(np.all(outside <= slack))
+
+    def same(self, u: Array, v: Array) -> bool:
+        """True where v is u, or an image of it under a declared symmetry."""
+        size = max(float(np.abs(u).max()), float(np.abs(v).max()), 1e-300)
+        periods = np.asarray(self.problem.angle_periods)
+        images = images_of(self.problem, np.append(v, self.problem.base[self.problem.active]))
+        return any(float(np.abs(wrapped(u - w, periods)).max()) <= ALIKE * size for w in images)
+
+
+def stable_equilibria(states: Sequence[State], rests: Sequence[State]) -> list[Array]:
+    """Those that can be continued: not orbits, nor rest where the equations have no derivatives."""
+    return [s.vector for s in states if not s.is_orbit and s.unstable == 0 and s not in rests]
+
+
+def checked(plane: Plane, face: Face, point: Array, vectors: Sequence[Array], name: str) -> Check:
+    """The stable equilibria at the region's point, continued to others inside along straight ways."""
+    followed, disagreed = 0, []
+    for other in _others(face, point) if vectors else []:
+        for u in vectors:
+            followed += 1
+            if plane.followed(u, point, other) is None:
+                place = _place(plane, other)
+                disagreed.append(f"region {name}: a stable state at its point is not stable, or not there, at {place}")
+    return Check(followed, tuple(disagreed))
+
+
+def alike(plane: Plane, a: Array, b: Array, here: Sequence[Array], there: Sequence[Array]) -> bool:
+    """True where the stable equilibria at a, continued to b, are those at b."""
+    ends = [plane.followed(u, a, b) for u in here]
+    return all(end is not None and any(plane.same(end, v) for v in there) for end in ends)
+
+
+def _others(face: Face, point: Array) -> list[Array]:
+    """Points inside, far from the given one and from each other, that a straight way inside leads to."""
+    rings = [face.outline, *face.holes]
+    low, high = face.outline.min(axis=0), face.outline.max(axis=0)
+    candidates = np.random.default_rng(11).uniform(low, high, (TRIED * 4, 2))
+    candidates = candidates[inside(candidates, rings)][:TRIED]
+    t = np.linspace(0.0, 1.0, ALONG)[:, None]
+    reached = []
+    for other in candidates:
+        way = point + t * (other - point)
+        if inside(way, rings).all() and float(clearance(way, rings).min()) > CLEAR:
+            reached.append(other)
+    chosen: list[Array] = []
+    while reached and len(chosen) < OTHERS:
+        gaps = [min(float(np.abs(c - o).max()) for o in [point, *chosen]) for c in reached]
+        chosen.append(reached.pop(int(np.argmax(gaps))))
+    return chosen
+
+
+def _place(plane: Plane, point: Array) -> str:
+    values: Mapping[str, float] = dict(zip(plane.names, (plane.low + plane.width * point).tolist(), strict=True))
+    return ", ".join(f"{name} = {value:.6g}" for name, value in values.items())

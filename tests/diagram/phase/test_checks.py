@@ -1,0 +1,65 @@
+"""The second look at regions: what it finds where a curve is missing, and letters that stand for one set of states."""
+
+import numpy as np
+import pytest
+
+import contin
+from contin import api
+from contin.diagram.phase.checks import Plane, alike, checked
+from contin.diagram.phase.plane import Face
+
+BOX = {"p": (-1.0, 1.0), "q": (-1.0, 1.5)}
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+@pytest.fixture(scope="module")
+def cusp():
+    return contin.Model("cusp", states={"x": 0.5}, parameters={"p": 0.0, "q": 0.0}, equations={"x": "p + q*x - x^3"})
+
+
+def plane_of(model):
+    problem = api.equilibrium(model).problem("p")
+    return Plane(problem, ("p", "q"), np.array([-1.0, -1.0]), np.array([2.0, 2.5]))
+
+
+def test_a_box_without_its_folds_is_found_out(cusp):
+    """Everything as one region: the upper state of the wedge ends at a fold on some of the ways across."""
+    plane, point = plane_of(cusp), np.array([0.5, 0.9])
+    upper = np.array([np.sqrt(1.25)])
+    outcome = checked(plane, Face(SQUARE, (), 1.0, point), point, [upper, -upper], "A1")
+    assert outcome.followed == 6
+    ends = [plane.followed(upper, point, np.array([x, 0.9])) for x in (0.05, 0.95)]
+    assert ends[0] is None  # p = -0.9: beyond the fold
+    assert float(ends[1][0]) == pytest.approx(max(np.roots([-1.0, 0.0, 1.25, 0.9]).real), abs=1e-9)
+    assert 0 < len(outcome.disagreed) < 6
+
+
+def test_states_are_alike_where_one_continues_to_the_other(cusp):
+    plane = plane_of(cusp)
+    a, b = np.array([0.9, 0.4]), np.array([0.9, 0.2])
+    real = [np.roots([-1.0, 0.0, -1.0 + 2.5 * y, 0.8]) for _, y in (a, b)]
+    here, there = (np.array([r[np.abs(r.imag) < 1e-9].real[0]]) for r in real)
+    assert alike(plane, a, b, [here], [there])
+    assert not alike(plane, a, b, [here], [-there])
+
+
+def test_regions_of_the_cusp_are_checked_and_fill_the_box(cusp):
+    diagram = contin.phase(cusp, ("p", "q"), BOX, orbits=False)
+    assert diagram.check.followed >= 6
+    assert diagram.check.disagreed == ()
+    assert sum(r.area for r in diagram.regions) == pytest.approx(1.0, abs=1e-6)
+    assert "0 disagreed" in str(diagram)
+    assert diagram.as_data()["check"] == {"followed": diagram.check.followed, "disagreed": 0}
+    corners = [{"p": p, "q": q} for p in (-0.999, 0.999) for q in (-0.999, 1.499)]
+    assert all(diagram.region_at(corner) is not None for corner in corners)
+
+
+def test_one_letter_is_one_set_of_states():
+    """x' = p - x^2 twice, far apart: one stable state of two on either side, but not the same one."""
+    model = contin.Model(
+        "apart", states={"x": 0.5}, parameters={"p": 0.25, "q": 0.0},
+        equations={"x": "(p - 0.1)*(p + 0.1) - (x - 3*p)^2"},
+    )  # fmt: skip
+    diagram = contin.phase(model, ("p", "q"), {"p": (-1.0, 1.0), "q": (0.0, 1.0)}, start=[{"x": 1.0}], orbits=False)
+    sides = [r for r in diagram.regions if r.total == 2]
+    assert len({r.name for r in sides}) == len(sides)
