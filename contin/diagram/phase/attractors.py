@@ -14,6 +14,8 @@ from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.cycles import cycles_reached
+from contin.diagram.phase.rest import ZERO as ZERO_OF_REST
+from contin.diagram.phase.rest import is_rest
 from contin.diagram.phase.states import State, images_of
 from contin.errors import AtRestError, ContinError, NoSolutionError
 
@@ -101,6 +103,7 @@ class _Trajectories:
         self.p = self.problem.full_parameters(np.append(np.zeros(self.problem.n), self.value))[: len(self.problem.base)]
         self.periods = np.asarray(self.problem.angle_periods, dtype=float)
         self.equilibria = [state.vector for state in self.states if state.orbit is None and state.unstable == 0]
+        self.resting = any(is_rest(self.problem, v, self._size()) for v in self.equilibria)
         self.orbits = [state.orbit for state in self.states if state.orbit is not None]
 
     def follow(self, u: Array) -> None:
@@ -135,6 +138,8 @@ class _Trajectories:
 
     def _is_at_rest(self, u: Array) -> bool:
         """True near a stable equilibrium, or its image under a symmetry."""
+        if self.resting and is_rest(self.problem, u, ARRIVED / ZERO_OF_REST * self._size()):
+            return True
         size = max((float(np.abs(v).max()) for v in self.equilibria), default=0.0)
         near = ARRIVED * max(size, ARRIVED * self._size())
         return any(

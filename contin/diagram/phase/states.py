@@ -70,7 +70,8 @@ def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[S
                 continue
             images = images_of(problem, p.z)
             seen.extend(images)
-            states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], len(images)))
+            count = max(sum(_is_meant(problem, image) for image in images), 1)
+            states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], count))
     return tuple(states)
 
 
@@ -89,6 +90,11 @@ def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple
         values = {name: p.values[name] for name in names}
         found.append(State(values, int(p.values["unstable"]), p.z[:0], copies(problem, p.z), (problem, p.z)))
     return found
+
+
+def _is_meant(problem: Any, u: Array) -> bool:
+    """False below a state's lowest value: an amplitude r < 0 is the amplitude -r half a turn on, no second state."""
+    return all(u[floor.index] >= floor.lowest for floor in problem.floors)
 
 
 def images_of(problem: Any, z: Array) -> list[Array]:

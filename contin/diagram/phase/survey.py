@@ -16,6 +16,7 @@ from contin.diagram.phase.attractors import reached, within_basins
 from contin.diagram.phase.line import Line
 from contin.diagram.phase.lines import polylines
 from contin.diagram.phase.plane import SMALLEST, Arrangement, Face, arrangement, inside
+from contin.diagram.phase.rest import rest_state
 from contin.diagram.phase.rows import common_rows
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.starts import brought
@@ -105,7 +106,18 @@ class Survey:
         for (face, point), place in zip(row, places, strict=True):
             visit = self.visits[face] = Visit(point, (float(place[0]), height), line, float(width[0]))
             with self._surviving(visit):
+                self._rest(visit)
+            with self._surviving(visit):
                 self._look(visit)
+
+    def _rest(self, visit: Visit) -> None:
+        """Add total rest, where it is a state that no branch leads to."""
+        problem = replace(self.search.problem, base=self.search.held(0, visit.at[1]))
+        seed, state = rest_state(problem, visit.states, visit.at[0])
+        if seed is not None:
+            visit.add([seed])
+        if state is not None:
+            visit.rests += (state,)
 
     def _look(self, visit: Visit, starts: Sequence[Array] | None = None) -> None:
         """Add the stable states that trajectories from here, or from these `starts`, settle on."""

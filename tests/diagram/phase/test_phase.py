@@ -111,13 +111,26 @@ def test_the_diagram_of_the_averaged_pair():
         parameters={"mu": 8, "beta": 0.8}, orbits=False,
     )  # fmt: skip
     above = diagram.region_at({"mu": 4.0, "beta": 0.97})  # beta > 3 a^2/(16 pi b): total rest only
-    assert above.total == 0
+    assert (above.total, above.stable) == (1, 1)
     both = diagram.region_at({"mu": 7.0, "beta": 0.9})
-    assert (both.total, both.stable) == (4, 2)  # in-phase and anti-phase, beside their unstable small partners
+    assert (both.total, both.stable) == (5, 3)  # rest, in-phase and anti-phase, and unstable small partners of these
     below = diagram.region_at({"mu": 4.0, "beta": 0.5})  # mu < mu_c: in-phase has lost its stability
-    assert (below.total, below.stable) == (6, 1)
+    assert (below.total, below.stable) == (7, 2)
     for i, j in diagram.graph.edges:  # a fold or a pitchfork changes the number of states by two or four
         assert abs(diagram.regions[i].total - diagram.regions[j].total) in (0, 2, 4, 6)
     places = {p.type for b in diagram.loci for p in b.points}
     assert {"TZ", "DP", "BT", "CP", "ZH", "GH"} <= places
     assert sum("imaginary all along" in note for note in diagram.notes) == 2  # one for each of the two lines
+
+
+@pytest.mark.parametrize("form", ["stokes", "polar"])
+def test_the_pair_has_the_same_states_in_every_form(form):
+    """Rest is one state, stable everywhere; amplitudes are no states of their own with their signs turned."""
+    slow = contin.average(contin.load("metronomes/pair"), form=form)
+    box = {"mu": (2.0, 8.0), "beta": (0.8, 1.2)}
+    diagram = contin.phase(slow, ("mu", "beta"), box, start=["in-phase", "anti-phase"], orbits=False)
+    counts = {(r.total, r.stable): r.area for r in diagram.regions}
+    assert set(counts) == {(7, 2), (7, 4), (5, 3), (1, 1)}
+    assert sum(counts.values()) == pytest.approx(1.0, abs=1e-5)
+    assert diagram.check.followed > 5
+    assert diagram.check.disagreed == ()

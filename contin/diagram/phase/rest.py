@@ -1,0 +1,104 @@
+"""Total rest: the state in which everything but angles is zero, where the equations may have no derivatives.
+
+In averaged equations it is an equilibrium in every form of the amplitudes, but a smooth point in some only. It is one
+state, whatever the angles are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.diagram.phase.states import State
+from contin.errors import ContinError
+
+NEAR: Final = (1e-4, 1e-6)  # of the states' sizes: where the rates must fall in proportion
+PROPORTIONAL: Final = 3.0  # ... up to this factor
+DIRECTIONS: Final = 6  # in which trajectories set out from beside it
+TIME: Final = 300.0  # time scales
+STEPS: Final = 20_000
+CLEAR: Final = 3.0  # factor by which a trajectory must have grown, or shrunk
+ZERO: Final = 1e-9  # of the states' sizes
+
+
+def is_rest(problem: Any, u: Array, size: float) -> bool:
+    """True where all states but angles are zero."""
+    moving = np.asarray(problem.angle_periods) == 0.0
+    return bool(np.all(np.abs(u[moving]) <= ZERO * size))
+
+
+def rest_state(problem: Any, states: Sequence[State], value: float) -> tuple[Seed | None, State | None]:
+    """Total rest, where it is an equilibrium and no state yet: as a seed where the equations are smooth, else a state.
+
+    Whether it is stable is told, where there are no derivatives, by trajectories from beside it; (None, None) where
+    those do not agree.
+    """
+    size = max((float(np.abs(s.vector).max()) for s in states if not s.is_orbit and s.vector.size), default=0.0) or 1.0
+    if problem.system.kind == "map" or any(not s.is_orbit and is_rest(problem, s.vector, size) for s in states):
+        return None, None
+    p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
+    zero = np.zeros(problem.n)
+    moving = np.asarray(problem.angle_periods) == 0.0
+    f, matrix = problem.system.jacobian(zero, p)
+    if np.all(np.isfinite(f)) and np.all(np.isfinite(matrix[:, : problem.n])) and moving.all():
+        scale = size * float(np.abs(matrix[:, : problem.n]).max())
+        return (Seed(problem, np.append(zero, value)), None) if np.abs(f).max() <= ZERO * scale else (None, None)
+    starts = _beside(problem, moving)
+    if not all(_falls(problem.system, u, p, moving, size) for u in starts):
+        return None, None
+    unstable = [_grows(problem.system, NEAR[0] * size * u, p, moving) for u in starts]
+    if any(one is None for one in unstable) and not any(one for one in unstable):
+        return None, None
+    values = dict(zip(problem.system.state_names, zero.tolist(), strict=True))
+    return None, State(values, int(any(unstable)), zero)
+
+
+def _beside(problem: Any, moving: Any) -> list[Array]:
+    """Directions, angles anywhere; amplitudes with a lowest value of 0 are positive."""
+    generator = np.random.default_rng(5)
+    lowest = {floor.index for floor in problem.floors}
+    found = []
+    for _ in range(DIRECTIONS):
+        u = generator.normal(size=problem.n)
+        for k in range(problem.n):
+            if not moving[k]:
+                u[k] = generator.uniform(0.0, float(problem.angle_periods[k]))
+            elif k in lowest or not moving.all():
+                u[k] = abs(u[k])
+        found.append(u)
+    return found
+
+
+def _falls(system: Any, u: Array, p: Array, moving: Any, size: float) -> bool:
+    """True where the rates of all but angles fall in proportion to the distance from rest."""
+    rates = []
+    for near in NEAR:
+        at = np.where(moving, near * size * u, u)
+        f = system.value(at, p)[moving]
+        if not np.all(np.isfinite(f)):
+            return False
+        rates.append(float(np.abs(f).max()) / near)
+    return rates[1] <= PROPORTIONAL * rates[0]
+
+
+def _grows(system: Any, start: Array, p: Array, moving: Any) -> bool | None:
+    """Whether a trajectory from beside rest leaves it; None where it neither does nor comes nearer."""
+    from contin.problems.orbits.simulation import time_scale
+    from contin.simulate.trajectory import integrate
+
+    before = float(np.linalg.norm(start[moving]))
+    with suppress(ContinError, np.linalg.LinAlgError):
+        scale = time_scale(system, start, p)
+        options = {"rtol": 1e-8, "atol": 1e-10 * before, "budget": STEPS}
+        times = np.linspace(0.0, TIME * scale, 61)
+        path = integrate(system, start, p, TIME * scale, times=times, **options).u[:, moving]  # type: ignore[arg-type]
+        sizes = np.linalg.norm(path, axis=1)
+        if float(sizes.max()) > CLEAR**3 * before:
+            return True
+        return False if float(sizes[-1]) < before / CLEAR else None
+    return None
