@@ -13,6 +13,7 @@ from llvmlite import ir
 from numba.core import cgutils, compiler
 from numba.core.registry import cpu_target
 
+from contin.kernels.building import references
 from contin.kernels.building.functions import REGISTRY, KernelFunction, symbol
 from contin.kernels.building.targets import BuildTarget
 from contin.kernels.signature import Array, Scalar, Tuple, Type, words
@@ -60,7 +61,10 @@ def translate(kernel: KernelFunction) -> Translated:
         library.add_ir_module(_entry(kernel, library, descriptor))
     module = library._final_module
     for linked in _all(library._linking_libraries):
-        module.link_in(linked._final_module, preserve=True)
+        if linked.name == "nrt":
+            module.link_in(llvm.parse_assembly(references.TEXT))
+        else:
+            module.link_in(linked._final_module, preserve=True)
     for name in _inlined(module, declaration.name):
         module.link_in(_body(name), preserve=True)
     public = {descriptor.llvm_func_name, entry_symbol(declaration.name)}
