@@ -17,10 +17,10 @@ def kernels(action: str) -> int:
 
 
 def _status() -> None:
-    from contin.kernels import packed, sources
+    from contin.kernels import sources
     from contin.kernels.catalogue import every
     from contin.kernels.library import known, module_of
-    from contin.machine import target
+    from contin.machine import packed, target
 
     declared = every()
     shipped = [n for n, d in declared.items() if packed.piece(n, sources.text_key(module_of(d))) is not None]
@@ -52,8 +52,7 @@ def _clear() -> None:
 
 
 def _where() -> None:
-    from contin.kernels import packed
-    from contin.machine import target
+    from contin.machine import packed, target
     from contin.machine.folder import folder, place
 
     kept = folder()

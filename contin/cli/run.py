@@ -18,7 +18,7 @@ from contin.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contin.kernels.progress import Progress
+    from contin.machine.progress import Progress
     from contin.runs.plan import Plan
     from contin.store.journal import SqliteJournal
     from contin.store.partial import PartialJson
@@ -178,7 +178,7 @@ def compute(
 ) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
     from contin.kernels.clock import CLOCK
-    from contin.kernels.progress import telling
+    from contin.machine.progress import telling
     from contin.runs.engine import ContinEngine
     from contin.runs.execute import execute
     from contin.runs.results import OrbitSamples

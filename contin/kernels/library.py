@@ -12,12 +12,12 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from types import CodeType
 from typing import Any, Final
 
-from contin.kernels import packed, progress, sources
+from contin.kernels import sources
 from contin.kernels.clock import CLOCK
 from contin.kernels.compile import Kernel
 from contin.kernels.mode import Declaration
 from contin.kernels.signature import Array, Scalar, Tuple, Type, parse, words
-from contin.machine import bridge, memory, objects, target
+from contin.machine import bridge, kept, memory, target
 from contin.machine.elementary import FUNCTIONS, addresses, symbol
 from contin.machine.engine import ENGINE
 from contin.machine.folder import folder
@@ -119,20 +119,8 @@ def file_name(declaration: Declaration) -> str:
 
 
 def known(declaration: Declaration) -> Piece | None:
-    """Its machine code, if the wheel or the cache has it; a file that is not what it should be is removed."""
-    shipped = packed.piece(declaration.name, sources.text_key(module_of(declaration)))
-    if shipped is not None:
-        return shipped
-    kept, name = folder(), file_name(declaration)
-    data = kept.read(name) if kept else None
-    if kept is None or data is None:
-        return None
-    piece = objects.from_bytes(data)
-    if piece is None or (piece.name, piece.key) != (declaration.name, sources.text_key(module_of(declaration))):
-        progress.note(f"{kept.path / name} was damaged: it is made anew")
-        kept.remove(name)
-        return None
-    return piece
+    """Its machine code, if the wheel or the cache has it."""
+    return kept.find(declaration.name, sources.text_key(module_of(declaration)), file_name(declaration))
 
 
 def complete(wanted: dict[str, Declaration]) -> list[tuple[Piece, ...]]:
@@ -146,18 +134,18 @@ def provide(wanted: dict[str, Declaration]) -> Sequence[Piece]:
     """Machine code of these kernels, those that another process finishes meanwhile included."""
     from contin.kernels.pool import make  # not before: it starts processes
 
-    kept = folder()
-    if kept is None:
+    place = folder()
+    if place is None:
         return [piece for (piece,) in make(list(wanted.values()))]
     others = []
-    with kept.building(lambda: all(known(d) is not None for d in wanted.values())):
+    with place.building(lambda: all(known(d) is not None for d in wanted.values())):
         for name, declaration in list(wanted.items()):
             piece = known(declaration)
             if piece is not None:
                 others.append(piece)
                 del wanted[name]
         names = {d.name: file_name(d) for d in wanted.values()}
-        made = make(list(wanted.values()), lambda ps: kept.write(names[ps[0].name], objects.to_bytes(ps[0])))
+        made = make(list(wanted.values()), lambda pieces: kept.keep(pieces[0], names[pieces[0].name]))
     return [*others, *(piece for (piece,) in made)]
 
 

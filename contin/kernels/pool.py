@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Final, NoReturn
 
 from contin.errors import ContinError
-from contin.kernels import progress
 from contin.kernels.mode import Declaration
-from contin.machine import objects, target
+from contin.machine import objects, progress, target
 from contin.machine.objects import Piece
 
 ENVIRONMENT: Final = {

@@ -59,6 +59,21 @@ def processor() -> str:
     return name() if name() in LEVELS else "generic"
 
 
+def object_machine(triple: str = "", cpu: str = "") -> Any:
+    """LLVM's target machine for object files that are loaded anywhere in memory; for this process, or as said."""
+    import llvmlite.binding as llvm
+
+    if triple:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+    else:
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+    return llvm.Target.from_triple(triple or llvm.get_process_triple()).create_target_machine(
+        cpu=cpu or processor(), features="", opt=3, reloc="static", codemodel="large", jit=True
+    )
+
+
 def machine(level: int) -> Any:
     """LLVM's target machine for this process at the fixed level, optimising at 0 to 3."""
     import llvmlite.binding as llvm

@@ -98,7 +98,7 @@ sys.modules["numba"] = None  # not installed
 import contin
 line = contin.continuation(contin.equilibrium(contin.load("brusselator")), "B", (0, 4))
 orbit = contin.continuation(line["HB1"].switch(), "B", (0, 4), settings={"steps": 5})
-from contin.kernels import packed
+from contin.machine import packed
 from contin.machine.folder import folder
 print(folder(), len(packed._archive().namelist()) > 100, line["HB1"].values["B"], len(orbit))
 """

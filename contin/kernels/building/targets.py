@@ -26,13 +26,7 @@ class BuildTarget:
 
     def machine(self) -> Any:
         """LLVM's target machine, for object files that are loaded anywhere in memory."""
-        import llvmlite.binding as llvm
-
-        llvm.initialize_all_targets()
-        llvm.initialize_all_asmprinters()
-        return llvm.Target.from_triple(self.triple).create_target_machine(
-            cpu=self.processor, features="", opt=3, reloc="static", codemodel="large", jit=True
-        )
+        return target.object_machine(self.triple, self.processor)
 
 
 def _x86(level: str, system: str) -> BuildTarget:

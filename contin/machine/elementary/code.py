@@ -1,4 +1,4 @@
-"""Machine code of the elementary functions: made when first asked for, kept in the user's folder as that of kernels."""
+"""Machine code of the elementary functions: compiled when first asked for, each one once per process."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from contin.machine import objects, target
-from contin.machine.elementary.names import FUNCTIONS, symbol
-from contin.machine.folder import folder
+from contin.machine import kept, target
+from contin.machine.elementary.names import FUNCTIONS, PREFIX, symbol
+from contin.machine.engine import ENGINE
 from contin.machine.objects import Piece
 
 _lock = threading.Lock()
 _addresses: dict[str, int] = {}
-_engines: list[Any] = []  # own the code, for as long as this process lives
 
 
 def llvm_text(names: Iterable[str] = tuple(FUNCTIONS)) -> str:
@@ -49,50 +48,42 @@ def _address(name: str, wanted: str) -> int:
 
 
 def _compile(name: str, wanted: str) -> None:
-    """Load a function's code from the user's folder, or make it and put it there."""
+    """Load the code of one function, or of its loop over arrays: from the wheel, or the user's folder, or made here."""
+    import llvmlite
     import llvmlite.binding as llvm
 
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    machine = target.machine(2)
-    kept, file = folder(), f"{wanted}-{_key()}"
-    data = kept.read(file) if kept else None
-    piece = objects.from_bytes(data) if data is not None else None
-    if piece is None or (piece.name, piece.key) != (wanted, _key()):
-        piece = Piece(wanted, _key(), (), _object_code(name, wanted, machine))
-        if kept:
-            kept.write(file, objects.to_bytes(piece))
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(piece.code))
-    engine.finalize_object()
-    _engines.append(engine)
-    _addresses[wanted] = int(engine.get_function_address(wanted))
+    piece_name = f"elementary.{wanted.removeprefix(PREFIX)}"
+    made_with = f"{text_key()}\n{llvmlite.__version__}\n{target.label()}"
+    file = f"{piece_name}-{hashlib.sha256(made_with.encode()).hexdigest()[:24]}"
+    found = kept.find(piece_name, text_key(), file)
+    if found is None:
+        found = piece(name, target.object_machine(), looped=wanted != symbol(name))
+        kept.keep(found, file)
+    ENGINE.add_objects([found.code])
+    _addresses[wanted] = ENGINE.address(wanted)
     if wanted == symbol(name):
         llvm.add_symbol(wanted, _addresses[wanted])
 
 
-def _object_code(name: str, wanted: str, machine: Any) -> bytes:
+def piece(name: str, machine: Any, *, looped: bool) -> Piece:
+    """Machine code of a function for one of LLVM's target machines; `looped`: of the function over arrays."""
     import llvmlite.binding as llvm
 
-    from contin.machine.elementary.translate import module_text  # not before: most processes need no translation
+    from contin.machine.elementary.translate import module_text
 
     function = source(name)
-    looped = wanted != symbol(name)
     module = llvm.parse_assembly(module_text([] if looped else [function], [function] if looped else []))
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
-    builder.getModulePassManager().run(module, builder)
-    return bytes(machine.emit_object(module))
+    module.triple = machine.triple
+    passes = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    passes.getModulePassManager().run(module, passes)
+    return Piece(f"elementary.{name}{'_many' if looped else ''}", text_key(), (), machine.emit_object(module))
 
 
 @cache
-def _key() -> str:
-    """Hash of all that machine code is made from: these sources, LLVM, the processor level and the system."""
-    import llvmlite
-
-    found = hashlib.sha256(f"{llvmlite.__version__} {target.label()}".encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        found.update(path.name.encode() + path.read_bytes())
-    return found.hexdigest()[:32]
+def text_key() -> str:
+    """Hash of the text that all elementary functions are made from."""
+    files = sorted(Path(__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(file.name.encode() + file.read_bytes() for file in files)).hexdigest()
 
 
 def source(name: str) -> Callable[..., Any]:

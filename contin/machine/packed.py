@@ -8,8 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from contin.kernels import progress
-from contin.machine import objects, target
+from contin.machine import objects, progress, target
 from contin.machine.objects import Piece
 
 FOLDER: Final = Path(__file__).parents[1] / "_kernels"
