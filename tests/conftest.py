@@ -1,11 +1,18 @@
 """Property tests: the same examples in every run; the first call of a kernel may compile for seconds.
 
-Linear algebra keeps to one thread: the tests run side by side, and their matrices are small.
+numpy and BLAS compute as the command has them do, with the level of machine code and one thread, so that the same digits
+are tested on every processor. `CONTIN_TARGET=x86-64-v2` tests those of another level, `CONTIN_TEST_LIBRARIES=processor`
+what numpy and BLAS choose by themselves: the tests must pass with each.
 """
 
 import os
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when numpy is imported, here and in processes that tests start
+if os.environ.get("CONTIN_TEST_LIBRARIES") == "processor":
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when numpy is imported, here and in processes that tests start
+else:
+    from contin.machine import environment
+
+    environment.fix()
 
 from hypothesis import settings
 
