@@ -1,8 +1,8 @@
 """Property tests: the same examples in every run; the first call of a kernel may compile for seconds.
 
-numpy and BLAS compute as the command has them do, with the level of machine code and one thread, so that the same digits
-are tested on every processor. `CONTIN_TARGET=x86-64-v2` tests those of another level, `CONTIN_TEST_LIBRARIES=processor`
-what numpy and BLAS choose by themselves: the tests must pass with each.
+numpy and BLAS compute as the command has them do, with the level of machine code and one thread, so that the same
+digits are tested on every processor. `CONTIN_TARGET=x86-64-v2` tests those of another level, and
+`CONTIN_TEST_LIBRARIES=processor` what numpy and BLAS choose by themselves: the tests must pass with each.
 """
 
 import os

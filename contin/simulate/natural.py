@@ -18,6 +18,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import ContinError
+from contin.machine import elementary
 from contin.model.model import Model
 
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
@@ -161,7 +162,7 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
             incoming = float(coupling[i, others] @ result[others])
             outgoing = float(coupling[others, i] @ (1.0 / result[others]))
             if incoming == 0.0 and second is not None:
-                incoming = float(0.5 * second[i, others] @ result[others] ** 2)
+                incoming = float(0.5 * second[i, others] @ elementary.square(result[others]))
             if incoming > 0.0 and outgoing > 0.0:
                 result[i] = np.sqrt(incoming / outgoing)
             elif incoming > 0.0 and coupling[i, i] > 0.0:  # only driven: as large as the others make it
