@@ -115,7 +115,9 @@ def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibriu
     if not np.all(np.isfinite(f)):
         raise NotFiniteError(system.explain(u, problem.base) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
-    scale = natural_metric(system, u, problem.base).states
+    # a state that is zero with rounding errors beside others tells nothing
+    natural, largest = natural_metric(system, u, problem.base).states, float(np.abs(u).max(initial=0.0))
+    scale = np.maximum(np.abs(u), np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
     best_u, best = u, history[0]
     before = np.inf
     for _ in range(BUDGET):
