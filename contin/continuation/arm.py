@@ -6,15 +6,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
 from contin.continuation.last_step import Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, is_adaptive, is_foretelling, is_planar
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_adaptive, is_foretelling, is_planar, is_touching
 
 JUMP: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
 
@@ -49,6 +52,7 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         settings, problem = self.course.settings, self.problem
         origin, before, length, step = self.origin, None, 0.0, settings.first_step
+        event: Verified | None = None  # in the step before the chunk
         while not self.is_over():
             limit = min(settings.steps - self.accepted, problem.maximum_chunk)
             if limit <= 0:
@@ -58,17 +62,27 @@ class Arm:
             chunk = (self.march or problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, settings, self.loop
             )
+            if is_touching(problem):
+                chunk = _until_lowest(chunk)
             if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
                 chunk = _without_last(chunk)
             else:
                 corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
-            resolved = self._resolved(chunk, before, corner is not None)
+            resolved = self._resolved(chunk, before, corner is not None, event)
             if resolved is None:  # the last step jumped to another branch: again, shorter
                 self._forget(corner)
                 chunk, corner = _without_last(chunk), None
-                resolved = resolve(self.course, chunk, before, self.scale, self.loop)
+                resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
                 assert resolved is not None
             piece, self.end = resolved
+            past = None if self.is_over() else self._past_touching(piece)
+            if past is not None:
+                self.accepted += len(past[0].z)
+                yield past[0]
+                origin, before, length, step, event = past[1], None, 0.0, settings.first_step, None
+                continue
+            if len(chunk) > 1:
+                event = next((m.point for m in reversed(piece.found) if m.before >= len(chunk) - 1), None)
             self.accepted += len(piece.z)
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
@@ -103,12 +117,34 @@ class Arm:
                 if longer is not None:
                     origin, before = self._measure_in(longer, origin, before)
 
-    def _resolved(self, chunk: Chunk, before: Sample | None, corner: bool) -> tuple[Piece, End | None] | None:
+    def _past_touching(self, piece: Piece) -> tuple[Piece, Sample] | None:
+        """Where another branch touches this one: the rows up to there, and where it goes on for certain."""
+        mark = next((m for m in piece.found if m.point.touches), None)
+        if mark is None or not is_touching(self.problem):
+            return None
+        sample = self.problem.beyond(mark.point, Frame(self.scale), self.course.settings)
+        if sample is None:
+            return None
+        kept = [m for m in piece.found if (m.before, m.length) <= (mark.before, mark.length)]
+        for lost in piece.found:
+            if lost not in kept:
+                self.course.known.remove(lost.point)
+        rows = piece.cut(mark.before - 1, kept)
+        single = Piece.single(sample, self.scale)
+        return replace(
+            rows, z=np.concatenate([rows.z, single.z]), tangents=np.concatenate([rows.tangents, single.tangents]),
+            unstable=np.concatenate([rows.unstable, single.unstable]),
+            eigenvalues=np.concatenate([rows.eigenvalues, single.eigenvalues]),
+        ), sample  # fmt: skip
+
+    def _resolved(
+        self, chunk: Chunk, before: Sample | None, corner: bool, event: Verified | None
+    ) -> tuple[Piece, End | None] | None:
         """See `resolve`; where an error comes up in the last step, the arm ends before that step."""
         errors: list[str] = []
         resolved = None
         with contained(errors.append):
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner)
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event)
         if not errors:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)
@@ -157,6 +193,23 @@ class Arm:
         """Forget a corner that the arm has not come to."""
         for mark in () if corner is None else corner[1].found:
             self.course.known.remove(mark.point)
+
+
+def _until_lowest(chunk: Chunk) -> Chunk:
+    """The chunk up to the row after the first at which a test is next to nothing beside its size elsewhere in it.
+
+    Newton's method does not tell apart two branches that touch with contact of high order: no parabola falls to zero.
+    """
+    sizes = np.abs(chunk.tests[:-1])
+    if len(sizes) < 3:
+        return chunk
+    inner = sizes[1:-1]
+    low = (inner <= LOWEST * sizes.max(axis=0)) & (inner < sizes[:-2]) & (inner <= sizes[2:])
+    rows, tests = np.nonzero(low)
+    if not rows.size:
+        return chunk
+    cut = chunk.cut(int(rows[0]) + 3, Stop.DIP, float(chunk.lengths[int(rows[0]) + 2]))
+    return replace(cut, dipped=int(tests[0]))
 
 
 def _without_last(chunk: Chunk) -> Chunk:

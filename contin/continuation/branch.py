@@ -113,6 +113,7 @@ class Branch:
     image_of: ImageOf | None = None
     notes: tuple[str, ...] = ()
     symmetries: tuple[str, ...] = ()  # declared symmetries that map this branch to another, not computed, one
+    unexplained: int = 0  # changes of `unstable` between rows that no label explains; each has its note
 
     def __len__(self) -> int:
         return len(self.z)

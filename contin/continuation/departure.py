@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -42,6 +42,7 @@ class Seed:
     parent: Parent | None = None
     symmetries: tuple[str, ...] = ()  # declared symmetries that map one half of the new branch onto the other
     reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
+    beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
     measured: tuple[int, Any] | None = None  # unstable count and eigenvalues at z, where the seed knows them
 
     @property
@@ -199,6 +200,10 @@ def _origin(
     if not seed.born and not here:
         return oriented
     bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
+
+    if sense in seed.beside:
+        length = float(oriented.tangent @ ((seed.beside[sense] - start.z) / scale))
+        return problem.probe(oriented, length, seed.beside[sense], frame, settings)
 
     def beside(size: float) -> Sample | None:
         guess = start.z + scale * (size * oriented.tangent + 0.5 * elementary.square(size) * bend)

@@ -9,19 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
+from contin.continuation.looking_again import is_linear, points_between, rounding, told_apart
 from contin.continuation.march import is_dip
-from contin.continuation.problem import Sample, Verified
+from contin.continuation.problem import Sample, Verified, is_adaptive, is_planar
+from contin.continuation.vectors import dot
 from contin.errors import InputError, NotFiniteError
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
+CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
+CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
 DIP_BUDGET = 45
+LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curve cannot be followed may be zero
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 CHORD = 1e-7  # shorter chords have no direction
@@ -55,12 +62,20 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found):
-            yield from _with_companions(stretch, a, b, verified)
-        elif verified != "" and depth < DEPTH:  # "" is a change that is no event, such as a neutral saddle
+            companions = list(_with_companions(stretch, a, b, verified))
+            yield from companions
+            if len(companions) == 1 and not verified.point.touches and not is_planar(stretch.problem):
+                yield from _beside(stretch, a, b, verified, depth)
+        elif verified == "":  # a change that is no event, such as a neutral saddle
+            middle = 0.5 * (stretch.length_of(low) + stretch.length_of(high))
+            for near, far in ((low, a), (high, b)):
+                rest = _rest(stretch, near, far, middle, a.tests * b.tests < 0.0, depth)
+                yield from (item for item in rest if isinstance(item, Found))
+        elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
             yield from _compound(stretch, low, high, verified)
             yield from isolate(stretch, high, b, DEPTH)
-        elif verified != "":
+        else:
             yield Note(_where(stretch, low, verified))
         return
     if width <= COINCIDENT or depth >= DEPTH:
@@ -76,6 +91,60 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         return
     yield from isolate(stretch, a, middle, depth + 1)
     yield from isolate(stretch, middle, b, depth + 1)
+
+
+def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) -> Iterator[Found | Note]:
+    """The rest of the step, on both sides of a located point: what it hid, or a note where it is not a simple zero."""
+    point = replace(found.sample, z=found.point.z)
+    crossing = a.tests * b.tests < 0.0
+    close = CLOSE_ADAPTIVE if is_adaptive(stretch.problem) else CLOSE
+    simple = True
+    for far in (a, b):
+        width = stretch.distance(point, far)
+        if width < 4.0 * close:
+            continue
+        near = stretch.between(point, far, close / width)
+        nearer = stretch.between(point, far, 0.25 * close / width)
+        if near is None:
+            continue
+        simple &= nearer is None or is_linear(stretch, point, near, nearer, crossing)
+        yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
+    if not simple:
+        yield Note(_where(stretch, point, f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"))
+
+
+def next_to_event(stretch: Stretch, near: Sample, far: Sample, event: Verified) -> Iterator[Found | Note]:
+    """Events in the step beside the one with `event`, where nothing was seen: `near` lies between the event and `far`.
+
+    Of three crossings, two may lie in that step; signs and minima at its ends do not show them.
+    """
+    problem = stretch.problem
+    if event.touches or is_adaptive(problem) or is_planar(problem) or problem.explain(near, far) != ():
+        return
+    test = problem.watch(event.type)
+    crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
+    centre = dot(stretch.base.tangent, (event.z - stretch.base.z) / stretch.frame.scale)
+    yield from _rest(stretch, near, far, centre, crossing, 0)
+
+
+def _rest(
+    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int
+) -> Iterator[Found | Note]:
+    """Events between `near`, next to a located zero at `centre`, and `far`."""
+    if depth >= DEPTH:
+        return
+    noise = rounding(stretch, near, far)
+    points = points_between(stretch, near, far, centre, crossing, noise)
+    unclear = None
+    for a, b in pairwise(points):
+        if stretch.problem.explain(a, b) == ():
+            continue
+        if told_apart(a, b, noise):
+            yield from isolate(stretch, *((a, b) if stretch.length_of(a) <= stretch.length_of(b) else (b, a)), depth + 1)
+        else:
+            unclear = a
+    if unclear is not None:
+        yield Note(_where(stretch, unclear, "test functions are lost in their rounding errors: events may not be told apart"))
 
 
 def _verified(stretch: Stretch, type_: str, near: Sample) -> Verified | str:
@@ -128,13 +197,18 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             other = width if verified.type != type_ else 0.0  # what was looked for belongs to another event beside it
             slack += other
             if moved <= 0.2 * width + other + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
-                return low, high, Found(length, verified, _at_point(stretch, near, verified))
+                return low, high, Found(length, _anchored(verified, a), _at_point(stretch, near, verified))
             outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
         else:
             outcome = verified
             if verified == "":
                 break
     return low, high, outcome
+
+
+def _anchored(point: Verified, beside: Sample) -> Verified:
+    """The point with a place on its own branch, which tells that from others with the same tangent."""
+    return replace(point, vectors={**point.vectors, "beside": beside.z}) if point.touches else point
 
 
 def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> Iterator[Found]:
@@ -145,7 +219,7 @@ def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> It
         together = [item for item in items if isinstance(item, Verified)]
         if any(item.type == found.point.type for item in together):
             for item in together:
-                yield Found(found.length, item, found.sample)
+                yield Found(found.length, _anchored(item, stretch.base), found.sample)
             return
     yield found
 
@@ -179,7 +253,7 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
     for item in items:
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
-            yield Found(length, item, _at_point(stretch, a, item))
+            yield Found(length, _anchored(item, stretch.base), _at_point(stretch, a, item))
         elif item:
             yield Note(_where(stretch, a, item), "not verified" in item)
 
@@ -193,6 +267,23 @@ def dips(stretch: Stretch, a: Sample, here: Sample, b: Sample) -> list[int]:
 
 
 def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
+    """A test function came close to zero at `here` without changing sign: what is there.
+
+    Where two branches touch, Newton's method does not tell them apart, and the minimum cannot be followed to zero.
+    """
+    items = list(_minimum(stretch, a, here, b, test))
+    yield from items
+    if items or is_adaptive(stretch.problem) or is_planar(stretch.problem) or test != stretch.problem.watch("BP"):
+        return
+    low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
+    for item in _together(stretch, a, b):
+        if isinstance(item, Verified) and item.touches:
+            length = dot(stretch.base.tangent, (item.z - stretch.base.z) / stretch.frame.scale)
+            if low <= length <= high:
+                yield Found(length, _anchored(item, a), _at_point(stretch, a, item))
+
+
+def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
     """A test function came close to zero at `here` without changing sign: find its minimum; two zeros hide where it
     crosses.
 
@@ -209,7 +300,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         f = [size(x) for x in (low, middle, high)]
         if s[2] - s[0] <= 1e-9:
             if f[1] <= 1e-6 * size(here):
-                yield from _touching(stretch, low, high, test)
+                yield from _touching(stretch, low, high, test, a)
             return
         target = _parabola_minimum(s, f)
         left_wider = s[1] - s[0] > s[2] - s[1]
@@ -224,13 +315,15 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
             target = span[0] + fraction * (span[1] - span[0])
             trial = stretch.between(*pair, fraction)
         if trial is None:
+            if f[1] <= LOST * size(here):
+                yield Note(_where(stretch, middle, TOUCHES))
             return
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
             yield from _pair(stretch, [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])])
             return
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
-            yield from _touching(stretch, low, high, test)
+            yield from _touching(stretch, low, high, test, a)
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
             return  # an ordinary minimum, resolved
@@ -239,7 +332,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
         else:
             low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
     if size(middle) <= 1e-5 * size(here):
-        yield from _touching(stretch, low, high, test)
+        yield from _touching(stretch, low, high, test, a)
 
 
 def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]:
@@ -250,17 +343,22 @@ def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]
         if errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors:
             yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
             items = [item for item in items if isinstance(item, Note)]
+    if len(points) == 1 and not points[0].touches and len(items) > 1:  # the second zero was not told from the first
+        yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
+        return
     yield from items
 
 
-def _touching(stretch: Stretch, low: Sample, high: Sample, test: int) -> Iterator[Found | Note]:
+def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sample) -> Iterator[Found | Note]:
     """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
     items = _together(stretch, low, high)
     scale = stretch.frame.scale[-1]
-    points = [item for item in items if isinstance(item, Verified) and item.error < ACCURATE * scale]
+    points = [
+        item for item in items if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
+    ]
     for point in points:
         length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
-        yield Found(length, point, _at_point(stretch, low, point))
+        yield Found(length, _anchored(point, anchor), _at_point(stretch, low, point))
     if not points and (items or test == 0):
         yield Note(_where(stretch, low, TOUCHES))
 

@@ -11,7 +11,7 @@ from contin.continuation.back_at_start import back_at_start
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.halting import Halt, halt, halves, mirror
-from contin.continuation.isolate import Found, Note, dips, isolate, resolve_dip
+from contin.continuation.isolate import Found, Note, dips, isolate, next_to_event, resolve_dip
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.sameness import same_point
@@ -19,7 +19,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target, hits
 from contin.continuation.walls import at_wall, walls_passed
 
-SHORTEST_RETRY: Final = 1e-6  # steps longer than this are repeated where a change between their ends does not verify
+SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
 SAME_FOLD: Final = 1e-6  # distance of a fold from the orbit at which a family turns back, relative to the range
 
 
@@ -45,12 +45,13 @@ class Course:
 
 
 def resolve(
-    course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False
-) -> tuple[Piece, End | None] | None:
+    course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
+    event: Verified | None = None,
+) -> tuple[Piece, End | None] | None:  # fmt: skip
     """Labels and end of a chunk; None where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
-    corrector failed, the arm goes on.
+    corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference)
     piece = Piece(
@@ -58,9 +59,13 @@ def resolve(
         evaluations=chunk.evaluations,
     )  # fmt: skip
     marked: list[Row] = []
+    notes: list[str] = []
     end: End | None = None
+    if rows > 1 and event is not None:
+        marked, notes = _after_event(course, chunk, frame, event)
     if rows:
-        step = _LastStep(course, Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings), chunk, loop)
+        stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
+        step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
         if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before):
             return None
         step.finish()
@@ -69,8 +74,8 @@ def resolve(
             piece = piece.ending_in(step.last)
         if step.halt is not None:  # the labelled point itself is the last row
             piece = piece.cut(rows - 1)
-        piece = replace(piece, notes=tuple(step.notes))
-        marked = [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in step.found]
+        piece = replace(piece, notes=(*notes, *step.notes))
+        marked += [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in step.found]
     if end is None and not corner:
         end = _failure(course, chunk)
     marked += _user_values(course, chunk, piece, frame, marked)
@@ -86,6 +91,7 @@ class _LastStep:
     stretch: Stretch
     chunk: Chunk
     loop: Sample | None
+    event: Verified | None  # in the step before
     end: End | None = None
     found: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -121,7 +127,13 @@ class _LastStep:
     def _events(self, earlier: Sample | None) -> Iterator[Found | Note]:
         stretch, stop = self.stretch, self.chunk.stop
         if stop is not Stop.LIMIT:
-            yield from isolate(stretch, stretch.base, self.last)
+            events = list(isolate(stretch, stretch.base, self.last))
+            yield from events
+            first = next((e for e in events if isinstance(e, Found)), None)
+            if first is not None and earlier is not None:
+                yield from next_to_event(stretch, stretch.base, earlier, first.point)
+        if self.event is not None:
+            yield from next_to_event(stretch, stretch.base, self.last, self.event)
         if stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
             low = set(dips(stretch, earlier, stretch.base, self.marched))
             for test in sorted(low | ({self.chunk.dipped} if stop is Stop.DIP else set())):
@@ -171,6 +183,19 @@ class _LastStep:
         if self.course.foundling and not halves(self.problem, image, self.scale):
             self.found.append(image)
             self.halt = image
+
+
+def _after_event(course: Course, chunk: Chunk, frame: Frame, event: Verified) -> tuple[list[Row], list[str]]:
+    """What the first step of a chunk hides beside an event just before it."""
+    stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
+    rows, notes = [], []
+    for item in next_to_event(stretch, chunk.sample(0), chunk.sample(1), event):
+        if isinstance(item, Note):
+            notes.append(item.text)
+        elif not course.is_known(item.point, frame.scale):
+            course.known.append(item.point)
+            rows.append(Row(1, item.length, item.point, item.sample.tangent))
+    return rows, notes
 
 
 def _user_values(course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]) -> list[Row]:

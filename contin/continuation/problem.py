@@ -105,6 +105,7 @@ class Verified:
     vectors: Mapping[str, Any] = field(default_factory=dict)
     also: tuple[str, ...] = ()
     remark: str = ""  # what could not be told about it, such as why its normal form is empty: a note of the branch
+    touches: bool = False  # verified although its test need not change sign there: two branches with one tangent
     crowded: bool = False  # other eigenvalues are critical here too: more than this type may happen
 
 
@@ -201,6 +202,14 @@ class Guessing(Protocol):
 
     def guess_note(self, columns: Sequence[str]) -> str:
         """What to say of such columns, where they turn out not to stay 0."""
+
+
+@runtime_checkable
+class Touching(Protocol):
+    """A problem whose branches may touch: beyond such a point Newton's method does not tell them apart."""
+
+    def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+        """The branch's own continuation beyond a point with `touches`, where it can be told from the other one."""
 
 
 @runtime_checkable
@@ -347,6 +356,11 @@ def is_limited(problem: object) -> TypeGuard[Limited]:
 def is_guessing(problem: object) -> TypeGuard[Guessing]:
     """True for problems that know where their metric is a guess."""
     return _offers(problem, Guessing)
+
+
+def is_touching(problem: object) -> TypeGuard[Touching]:
+    """True for problems that tell branches apart that touch."""
+    return _offers(problem, Touching)
 
 
 def is_phased(problem: object) -> TypeGuard[Phased]:

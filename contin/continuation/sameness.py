@@ -11,6 +11,8 @@ from contin.continuation.problem import Problem, Verified, is_adaptive, is_plana
 
 SAME_POINT: Final = 1e-8  # two verified points of one type closer than this (scaled) are one
 SAME_FREQUENCY: Final = 1e-6  # relative
+SURE: Final = 10.0  # times the estimated errors of two parameters: they are different
+ROUNDING: Final = 1e-13  # ... beyond this, scaled
 
 
 def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool:
@@ -20,7 +22,12 @@ def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool
     if is_adaptive(problem):
         return problem.same_point(a, b, scale)
     u, v = a.vectors.get("omega", 0.0), b.vectors.get("omega", 0.0)
-    near = float(np.linalg.norm(offset(problem, a.z, b.z, scale))) < SAME_POINT
+    distance = float(np.linalg.norm(offset(problem, a.z, b.z, scale)))
+    if a.touches and b.touches:  # located by degenerate equations: no better than their errors
+        return distance <= SAME_POINT + SURE * (a.error + b.error) / float(scale[-1])
+    near = distance < max(SAME_POINT, 2.0 * (a.error + b.error) / float(scale[-1]))
+    if not is_planar(problem):  # two events may be nearer than that, where both are known better
+        near &= abs(float(a.z[-1] - b.z[-1])) <= SURE * (a.error + b.error) + ROUNDING * float(scale[-1])
     return near and abs(u - v) <= SAME_FREQUENCY * (abs(u) + abs(v))
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.arm import Arm
+from contin.continuation.accounting import MET, unexplained
+from contin.continuation.arm import JUMP, Arm
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
 from contin.continuation.defects import DEFECT, contained
@@ -18,7 +19,16 @@ from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Frame, Problem, Sample, Verified, is_guessing, is_recording, is_remarking
+from contin.continuation.problem import (
+    Frame,
+    Problem,
+    Sample,
+    Verified,
+    is_guessing,
+    is_planar,
+    is_recording,
+    is_remarking,
+)
 from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
@@ -172,7 +182,14 @@ def _assemble(
     if is_remarking(problem):
         with contained(notes.append):
             notes.extend(problem.remarks(z))
-    notes = [*notes, *unrecorded(columns, z, problem), *_remarks(rows.labelled, problem)]
+    reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
+    born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
+    born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
+    told = is_planar(problem) and bool(notes)  # a curve along which eigenvalues stay critical: their signs are rounding
+    changes = [] if told else unexplained(unstable, [(row, point) for row, point, _ in rows.labelled], born)
+    jumps = any(note.startswith(JUMP) for note in notes)  # said already
+    notes += [*([] if jumps else _changes(changes, unstable, z, problem)), *unrecorded(columns, z, problem)]
+    notes += _remarks(rows.labelled, problem)
     if seed.scale is None and is_guessing(problem):
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
@@ -198,6 +215,7 @@ def _assemble(
         z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
+        unexplained=len(changes),
     )  # fmt: skip
 
 
@@ -205,6 +223,16 @@ def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> l
     """What could not be told about labelled points, with their places."""
     name = problem.parameters[0]
     return [f"{v.remark} near {name} = {v.z[-1]:.10g}" for _, v, _ in labelled if v.remark]
+
+
+def _changes(rows: list[int], unstable: Any, z: Array, problem: Problem) -> list[str]:
+    """A note for every change of `unstable` that no label explains."""
+    name = problem.parameters[0]
+    return [
+        f"unstable changes from {unstable[row - 1]} to {unstable[row]} without a label that explains it near "
+        f"{name} = {z[row, -1]:.10g} (row {row})"
+        for row in rows
+    ]
 
 
 def unrecorded(columns: Mapping[str, Any], z: Array, problem: Problem) -> list[str]:

@@ -16,6 +16,7 @@ import numpy as np
 from contin.kernels.compile import allocating, call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
+from contin.kernels.grading import grade, uniform_rates
 from contin.kernels.steering import (
     BOUND,
     CORNER,
@@ -147,11 +148,13 @@ def correct(
     return 0
 
 
-@kernel("b, f2, i, f, i1, f2, f1, f1, f1, f1, f1, f1 -> i")
-def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, near_re, near_im):
+@kernel("b, f2, i, f, i1, f2, f1, f1, f1, f1, f1, f1, f1, f2 -> i")
+def measure(
+    is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, near_re, near_im, rates, work
+):  # fmt: skip
     """Unit tangent, test functions and eigenvalues from the factors in `matrix`.
 
-    Returns the number of unstable ones.
+    rates (n,), work (n, n) : scratch. Returns the number of unstable ones.
     """
     n = block.shape[0]
     for j in range(n):
@@ -168,8 +171,13 @@ def measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, 
     # det [F_z; t_old] = det [F_z; t_new] / norm, so the determinant refers to the point's own tangent
     exponent = log_determinant(matrix) + math.log(norm) - reference
     tests[1] = sign * diagonal_sign(matrix) * math.exp(min(max(exponent, -700.0), 700.0))
+    graded = grade(block, rates, work)
     eigenvalues(block, re, im, near_re, near_im)
-    return map_tests(re, im, tests) if is_map else flow_tests(re, im, tests)
+    if is_map:
+        return map_tests(re, im, tests)
+    if not graded:
+        uniform_rates(re, im, rates)
+    return flow_tests(re, im, rates, tests)
 
 
 @allocating("i, b, f1, f1, f, f1, f1, i, f1, f, f, f, f1, f1, f1, f1, f1, f1 -> i")
@@ -201,7 +209,11 @@ def probe(
     if sign == 2:
         return -2
     re[:] = math.nan
-    return measure(is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im)
+    rates = np.empty(n)
+    work = np.empty((n, n))
+    return measure(
+        is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im, rates, work
+    )  # fmt: skip
 
 
 @allocating("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1 -> i")
@@ -235,6 +247,8 @@ def march(
     sizes = np.zeros(2)
     tests = np.empty(TESTS)
     every = np.ones(n + 1)
+    rates = np.empty(n)
+    work = np.empty((n, n))
     info[:] = 0.0
     info[1] = h
     for j in range(n + 1):
@@ -248,8 +262,9 @@ def march(
     reference = log_determinant(matrix)
     out_re[0] = math.nan
     unstable = measure(
-        is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0], out_re[0], out_im[0]
-    )
+        is_map, matrix, sign, reference, pivots, block, tangent, tests, out_re[0], out_im[0], out_re[0], out_im[0],
+        rates, work,
+    )  # fmt: skip
     scale_of_det = abs(tests[1])  # |t| correction of row 0: make its determinant exactly +-1
     if scale_of_det > 0.0:
         reference += math.log(scale_of_det)
@@ -290,7 +305,7 @@ def march(
                 continue
             unstable = measure(
                 is_map, matrix, sign, reference, pivots, block, out_t[row], tests, out_re[row], out_im[row], out_re[k],
-                out_im[k],
+                out_im[k], rates, work,
             )  # fmt: skip
             cosine = 0.0
             for j in range(n + 1):

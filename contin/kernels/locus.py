@@ -37,6 +37,7 @@ from contin.kernels.steering import (
     set_out,
     strays,
 )
+from contin.kernels.grading import uniform_rates
 from contin.kernels.tests_of_stability import flow_tests
 
 FOLD, HOPF, BRANCH = range(3)
@@ -167,6 +168,14 @@ def leading_block(matrix, out):
             out[i, j] = matrix[i, j]
 
 
+@allocating("f1, f1, i, f1 -> i")
+def rest_tests(re, im, count, tests):
+    """`flow_tests` of the first `count` eigenvalues."""
+    rates = np.empty(count)
+    uniform_rates(re[:count], im[:count], rates)
+    return flow_tests(re[:count], im[:count], rates, tests)
+
+
 @allocating("i, i, i, f1, i, f1, f2, f1, i1, f1, f1, f1, f1, f1 -> i")
 def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re, im, near_re, near_im):
     """Test functions, eigenvalues of f_u = `matrix` (n, n, scaled); returns the number of unstable ones, the critical
@@ -185,7 +194,7 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
         kappa = z[size - 3]
         first, second = critical_pair(re, im, kappa)
         count = without(re, im, first, second, rest_re, rest_im)
-        unstable = flow_tests(rest_re[:count], rest_im[:count], pairs)
+        unstable = rest_tests(rest_re, rest_im, count, pairs)
         tests[2] = kappa / scale[size - 3]
         tests[3] = rest_product(rest_re, rest_im, count)
         if count > 1:
@@ -213,7 +222,7 @@ def observe(kind, form2, form3, z, n, scale, matrix, original, slots, tests, re,
             smallest = math.hypot(re[i], im[i])
             critical = i
     count = without(re, im, critical, -1, rest_re, rest_im)
-    unstable = flow_tests(rest_re[:count], rest_im[:count], pairs)
+    unstable = rest_tests(rest_re, rest_im, count, pairs)
     if count > 1:
         tests[4] = pairs[2]
     along = 0.0

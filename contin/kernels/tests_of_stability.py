@@ -12,21 +12,22 @@ The size is the smallest factor, not the product: the product of n(n-1)/2 factor
 import math
 
 from contin.kernels.compile import kernel
+from contin.kernels.grading import rate_of
 
-STABILITY_NOISE = 1e-13  # an eigenvalue this small beside the largest has no sign
+STABILITY_NOISE = 1e-13  # an eigenvalue this small beside the rate it is computed from has no sign
 PAIR_NOISE = 1e-14  # ... nor a sum this small: in a conservative system l and -l are eigenvalues all along a branch
 
 
-@kernel("f1, f1, f1 -> i")
-def flow_tests(re, im, tests):
-    """Fill tests[2] (pairs) and tests[3] (1: no flips in a flow); returns the number of eigenvalues with Re > 0."""
+@kernel("f1, f1, f1, f1 -> i")
+def flow_tests(re, im, rates, tests):
+    """Fill tests[2] (pairs) and tests[3] (1: no flips in a flow); returns the number of eigenvalues with Re > 0.
+
+    rates (n,) : falling, what the errors of the eigenvalues are in proportion to (see `grading`).
+    """
     n = re.size
-    largest = 0.0
-    for i in range(n):
-        largest = max(largest, abs(re[i]) + abs(im[i]))
     unstable = 0
     for i in range(n):
-        if re[i] > STABILITY_NOISE * largest:
+        if re[i] > 0.0 and (re[i] > STABILITY_NOISE * rates[0] or re[i] > STABILITY_NOISE * rate_of(re, im, rates, i)):
             unstable += 1
     sign = 1.0
     size = 1.0
@@ -36,7 +37,10 @@ def flow_tests(re, im, tests):
             y = im[i] + im[j]
             scale = math.hypot(re[i], im[i]) + math.hypot(re[j], im[j])
             distance = math.hypot(x, y)
-            value = distance / scale if distance > PAIR_NOISE * largest else 0.0
+            value = distance / scale if scale > 0.0 else 0.0
+            if distance <= PAIR_NOISE * rates[0]:
+                noise = PAIR_NOISE * max(rate_of(re, im, rates, i), rate_of(re, im, rates, j))
+                value = value if distance > noise else 0.0
             size = min(size, value)
             if y == 0.0 and x < 0.0:  # other complex factors come in conjugate pairs
                 sign = -sign
@@ -67,7 +71,8 @@ def map_tests(re, im, tests):
             x = re[i] * re[j] - im[i] * im[j] - 1.0
             y = re[i] * im[j] + im[i] * re[j]
             scale = 1.0 + modulus * math.hypot(re[j], im[j])
-            size = min(size, math.hypot(x, y) / scale)
+            distance = math.hypot(x, y)
+            size = min(size, distance / scale if distance > PAIR_NOISE * scale else 0.0)
             if x > 0.0 and (y == 0.0 or (im[i] != 0.0 and re[i] == re[j] and im[i] == -im[j])):
                 sign = -sign
     tests[2] = sign * size

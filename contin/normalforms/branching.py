@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contin.normalforms.jet import Jet, Real
+from contin.normalforms.jet import Jet, Real, lift
 from contin.normalforms.reduction import Reduction, reduce
 from contin.normalforms.result import TRUST, NormalForm
-from contin.normalforms.static import StateError, quadratic_error, state
+from contin.normalforms.static import StateError, quadratic_error, second_order_error, state, state_lengths
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,7 @@ def branch_point(
     jet: Jet,
     *,
     state_error: StateError = None,
+    parameter_error: float = 0.0,
     reduction: Reduction | None = None,
 ) -> NormalForm:
     """BP with a one-dimensional kernel: a01 dp + a02/2 dp^2 + b11 x dp + b20/2 x^2 + b30/6 x^3 = 0 (FORMATS).
@@ -45,30 +46,63 @@ def branch_point(
     Supercritical where b30 < 0: since <p, q> = 1, the reduced equation is the motion on the centre manifold,
     x' = b11 dp x + b30/6 x^3, so x^2 = -6 b11 dp/b30 lies where b11 dp > 0, the side on which the primary branch has
     the extra unstable eigenvalue, and the new branch has x' = -2 b11 dp x there: it takes over the stability.
-    `discriminant` = b11^2 - a02 b20 > 0 where two branches cross; negative: an isolated point.
+    `discriminant` = b11^2 - a02 b20 > 0 where two branches cross; negative: an isolated point; zero to its error: the
+    two have one tangent (a tangency), or, where b20 and b11 are both zero, higher orders decide what happens.
     """
     r = reduction or reduce(jet, 1)
     q, p = r.right[:, 0], r.left[:, 0]
     (b20, b11), (_, a02) = r.T2[0].tolist()
     a01, b30 = float(r.a01[0]), float(r.T3[0, 0, 0, 0])
-    errors = {
-        "b20": quadratic_error(jet, p, q, q, state_error),
-        "b30": TRUST * _b30_size(jet, r),
-    }
+    errors = _errors(jet, r, state_error, parameter_error)
     discriminant = b11 * b11 - a02 * b20
     coefficients: dict[str, object] = {"kind": "", "a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
-    if abs(b20) <= errors["b20"]:
+    if abs(b20) <= errors["b20"] and abs(b11) > errors["b11"]:
         criticality = "degenerate" if abs(b30) <= errors["b30"] else "supercritical" if b30 < 0 else "subcritical"
         coefficients |= {"kind": "pitchfork", "criticality": criticality}
         words = f"{criticality} pitchfork"
-    elif discriminant > 0:
+    elif abs(b20) <= errors["b20"]:
+        coefficients["kind"] = "degenerate"
+        words = "degenerate branch point: the quadratic terms are zero to their errors"
+    elif discriminant > errors["discriminant"]:
         coefficients["kind"] = "transcritical"
         words = "transcritical branch point: two branches cross and exchange stability"
+    elif discriminant >= -errors["discriminant"]:
+        coefficients["kind"] = "tangency"
+        words = "branch point where two branches have one tangent"
     else:
         coefficients["kind"] = "isolated"
         words = "isolated solution: the quadratic form is definite, no second branch passes"
     coefficients["discriminant"] = discriminant
     return NormalForm("BP", coefficients, words, {"q": q, "p": p, "h": r.h}, errors)
+
+
+def _errors(jet: Jet, r: Reduction, state_error: StateError, parameter_error: float) -> dict[str, float]:
+    """Estimated errors of the coefficients of the reduced equation."""
+    q, p = r.right[:, 0], r.left[:, 0]
+    drift = np.append(state_lengths(jet, state_error), parameter_error)
+    kernel, response = r.lifted[0], r.lifted[1]
+    along, parameter = state(jet, r.h), lift(np.zeros(jet.n), 1, 0)
+    (b20, b11), (_, a02) = r.T2[0].tolist()
+    slope = jet.form(parameter)
+    errors = {
+        "a01": second_order_error(jet, p, (slope,), (parameter,), drift),
+        "a02": second_order_error(
+            jet, p, (jet.form(parameter, parameter), 2.0 * jet.form(parameter, along), jet.form(along, along)),
+            (response, response), drift,
+        ),
+        "b11": second_order_error(
+            jet, p, (jet.form(kernel, parameter), jet.form(kernel, along)), (kernel, response), drift
+        ),
+        "b20": quadratic_error(jet, p, q, q, state_error)
+        + parameter_error * abs(float(p @ jet.form(kernel, kernel, parameter))),
+        "b30": TRUST * _b30_size(jet, r),
+    }  # fmt: skip
+    errors["discriminant"] = (
+        (2.0 * abs(b11) + errors["b11"]) * errors["b11"]
+        + abs(a02) * errors["b20"]
+        + (abs(b20) + errors["b20"]) * errors["a02"]
+    )
+    return errors
 
 
 def simple_directions(r: Reduction, *, known: Real | None = None, b20_error: float = 0.0) -> list[Direction]:

@@ -50,6 +50,19 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
     return float(TRUST * whole + ROUNDING * form_size(jet, p, v, w) + drift)
 
 
+def second_order_error(
+    jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tuple[Vector, ...], drift: Real
+) -> float:
+    """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>) that is a sum of `parts` (n,): cancellation, and the error of the point.
+
+    drift (n + parameters,) : estimated errors of the states and the active parameters, which enter through D^3F[v, w, .].
+    """
+    size = sum(float(np.abs(p) @ np.abs(part)) for part in parts)
+    eye = np.eye(jet.n + jet.parameters)
+    moved = sum(drift[i] * abs(float(np.vdot(p, jet.form(*whole, eye[i])))) for i in np.flatnonzero(drift))
+    return float(TRUST * size + moved)
+
+
 def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
     """sum |p_i| |v_j| |w_k| |B_i(e_j, e_k)|: the scale of the rounding error of <p, B(v, w)>.
 

@@ -63,6 +63,13 @@ def describe(type_: str, normal_form: Mapping[str, Any] | None = None) -> str:
         return f"branch point with a {kernel}-dimensional kernel"
     if form.get("breaks"):
         return f"symmetry-breaking {noun}"
+    if kind == "tangency" and type_ == "BP":
+        order = form.get("contact")
+        return "branch point where two branches have one tangent" + (
+            "" if order is None
+            else f" (contact of order {order}): they touch, without exchange of stability" if order % 2 == 0
+            else f" (contact of order {order}): they cross and exchange stability"
+        )  # fmt: skip
     if kind == "pitchfork":
         noun = "pitchfork" if type_ == "BP" else "pitchfork of cycles"
     elif kind == "nonsmooth":

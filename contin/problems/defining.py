@@ -18,11 +18,16 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 
-NEWTON_BUDGET = 15
+NEWTON_BUDGET = 30
 SETTLED = 1e-13  # a correction below this is rounding
 STALLED = 1e-7  # a correction that no longer falls must at least be below this
 PERTURBATION = 1e-12  # of the solution, to sample the rounding errors of the defining system
 SAMPLES = 6
+LINEAR = 0.4  # ratio of corrections from which Newton converges linearly
+STEADY = 0.02  # ... where the ratio is the same twice
+BESIDE = 1e-2  # of the unknowns, where the size of the Jacobian is measured too
+FLAT = 1e-8  # singular values this small beside its size: a direction in which the system hardly changes
+CLEAR = 20.0  # times the rounding errors: a change that is none of them
 
 
 class Local(Protocol):
@@ -30,6 +35,10 @@ class Local(Protocol):
 
     @property
     def n(self) -> int: ...
+
+    @property
+    def identity(self) -> Array:
+        """The matrix I of F_u - lambda I, (n, n); diagonal, not 1 where equations are divided by their rates."""
 
     def linearise(self, y: Array) -> tuple[Array, Array]:
         """F(y) (n,) and J(y) (n, n + 1)."""
@@ -65,10 +74,10 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
 
     The error of x[position] is estimated from the scatter of single Newton steps from solutions perturbed by 1e-12:
     that measures how the rounding errors of G, whatever they are, reach the answer. Where Newton converges linearly (a
-    degenerate solution), what its geometric series still lacks is added.
+    degenerate solution) its geometric series is summed, and what it still lacks is added; in directions in which the
+    Jacobian nearly vanishes the error is how far G stays below its rounding errors.
     """
-    before, lacking = np.inf, 0.0
-    matrix = np.empty((0, 0))
+    before, ratio_before, lacking = np.inf, 0.0, 0.0
     for _ in range(NEWTON_BUDGET):
         g, matrix = system(x)
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
@@ -77,41 +86,75 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
         if step is None:
             return None
         size = float(np.linalg.norm(step))
-        if size >= 0.5 * before and size < STALLED:
-            ratio = min(size / before, 0.9)
-            lacking = 2.0 * abs(float(step[position])) * ratio / (1.0 - ratio) if size > 1e3 * SETTLED else 0.0
+        ratio = size / before if before > 0.0 else 0.0
+        if ratio >= 0.95 and size < STALLED:
+            lacking = abs(float(step[position]))
             break
-        if size > 1e3 or (size >= before and before < STALLED):
+        if size > 1e3 or (ratio >= 1.0 and before < STALLED):
             return None
+        if LINEAR < ratio < 0.95 and abs(ratio - ratio_before) < STEADY:  # a solution of multiplicity 1/(1 - ratio)
+            step, ratio = step / (1.0 - ratio), 0.0
         x = x + step
         if size < SETTLED:
             break
-        before = size
+        before, ratio_before = size, ratio
     else:
-        return None
+        if not size < STALLED:
+            return None
+        lacking = 10.0 * abs(float(step[position]))
+    return _estimated(system, x, position, lacking)
+
+
+def _estimated(system: System, x: Array, position: int, lacking: float) -> Solved | None:
+    """The solution with its residual, and the errors of both."""
     g, matrix = system(x)
+    if not np.all(np.isfinite(matrix)):
+        return None
     generator = np.random.default_rng(12345)
-    inverse = np.linalg.pinv(matrix) if matrix.shape[0] != matrix.shape[1] else _inverse(matrix)
+    inverse = np.linalg.pinv(matrix, rcond=1e-15) if matrix.shape[0] != matrix.shape[1] else _inverse(matrix)
     if inverse is None:
         return None
     row = inverse[position]
-    estimates, noise = [], 1e-14 * float(np.max(np.abs(matrix)))
+    epsilon = float(np.finfo(float).eps)
+    estimates, noise = [], epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
+    noises = np.zeros(len(g))
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
         value, _ = system(x + shift, slopes=False)
         estimates.append(shift[position] - float(row @ value))
-        noise = max(noise, float(np.max(np.abs(value - g - matrix @ shift))))
-    scatter = float(np.max(np.abs(estimates)))
+        noises = np.maximum(noises, np.abs(value - g - matrix @ shift))
+    noise = max(noise, float(np.max(noises)))
+    error = 2.0 * float(np.max(np.abs(estimates))) + lacking
+    beside = system(x + BESIDE * np.cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
+    beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
+    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    sizes = np.maximum(np.abs(matrix), beside).max(axis=1)
+    limits = np.maximum(CLEAR * np.maximum(noises, epsilon * sizes), np.abs(g))  # whatever x is: it might be 1 as well
+    for direction in right[singular <= FLAT * singular[0]]:
+        along = abs(float(direction[position]))
+        if along > 0.0:
+            error += along * _reach(system, x, g, direction, limits)
     size = float(np.max(np.abs(matrix))) or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.max(np.abs(g))) / size
-    return Solved(x[: position + 1], x[position + 1 :], residual, 2.0 * scatter + lacking, noise / size)
+    return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size)
+
+
+def _reach(system: System, x: Array, g: Array, direction: Array, limits: Array) -> float:
+    """How far G stays within its rounding errors along a direction in which it hardly changes."""
+    distance = PERTURBATION
+    while distance < 0.1:
+        values = [system(x + sign * distance * direction, slopes=False)[0] for sign in (1.0, -1.0)]
+        if all(bool(np.any(np.abs(v - g) > limits)) for v in values):
+            break
+        distance *= 3.0
+    return distance
 
 
 def _least_squares(matrix: Array, right: Array) -> Array | None:
     try:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-15)[0])
     except np.linalg.LinAlgError:
         return None
 
@@ -176,7 +219,7 @@ def critical_pair(
     n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w, and its unit.
     """
     n = local.n
-    identity = np.eye(n)
+    identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
     unit = abs(angle) or 1.0
 
@@ -190,7 +233,7 @@ def critical_pair(
         blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
         for k in range(corank):
             gradient = -(adjoint @ local.hessian(x[: n + 1], np.append(v[:, k], 0.0)))
-            complete = np.hstack([gradient, unit * rate(unit * x[-1]) * (adjoint @ v[:, [k]])])
+            complete = np.hstack([gradient, unit * rate(unit * x[-1]) * (adjoint @ identity @ v[:, [k]])])
             blocks += [complete.real, complete.imag]
         return residual, np.vstack(blocks)
 
@@ -201,7 +244,7 @@ def critical_pair(
 def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
     """F = 0 and F_u - value I singular (value = -2 where F_u = G_u - I: a period doubling of the map G)."""
     n = local.n
-    identity = np.eye(n)
+    identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, 1)
 
     def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
-
-if TYPE_CHECKING:
-    from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.branching import branch_point
+from contin.normalforms.directions import any_branch_point
+from contin.normalforms.fold import fold
+from contin.normalforms.hopf import hopf
+from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.maps import neimark_sacker, period_doubling
+from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.problems.sheets import Sheets
 
 
 def jet_at(problem: Any, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
-    from contin.normalforms.jet import DerivativeJet
-
     def derivative(directions: tuple[Array, ...]) -> NDArray[Any]:
         return np.asarray(problem.form(z, *directions))
 
@@ -26,40 +29,51 @@ def jet_at(problem: Any, z: Array, scale: Array | None = None) -> DerivativeJet:
 
 
 def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    """The point with FORMATS' coefficients and its vectors.
-
-    Unchanged where the type has none or they are not defined.
-    """
+    """The point with FORMATS' coefficients, their errors and its vectors; what cannot be computed is a remark."""
     try:
-        form = _normal_form(problem, point, scale[:-1])
-    except (ZeroDivisionError, np.linalg.LinAlgError):
-        return point
+        form = _normal_form(problem, point, scale)
+    except (ZeroDivisionError, np.linalg.LinAlgError) as reason:
+        return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
     if form is None:
         return point
+    numbers = [v for v in form.coefficients.values() if isinstance(v, float)]
+    if not np.all(np.isfinite(numbers)):
+        return replace(point, remark=f"{point.type}: its normal form is not finite")
     vectors = {**point.vectors, **form.vectors}
-    return replace(point, normal_form={**form.coefficients, **point.normal_form}, vectors=vectors)
+    errors = {"errors": dict(form.errors)} if form.errors else {}
+    described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
+    return _with_contact(problem, described, scale) if form.coefficients.get("kind") == "tangency" else described
 
 
-def _normal_form(problem: Any, point: Verified, scale: Array) -> Any:
-    from contin.normalforms import branching, fold, hopf
-    from contin.normalforms.result import NormalForm
+def _with_contact(problem: Any, point: Verified, scale: Array) -> Verified:
+    """A tangency with the order of contact of its two branches."""
+    contact = sheets_at(problem, point.z, scale).contact()
+    if contact is None:
+        remark = "BP: two branches have one tangent here; the order of their contact could not be told"
+        return replace(point, remark=remark)
+    remark = f"BP: two branches touch with contact of order {contact}, or cross several times within the stated error"
+    return replace(point, normal_form={**point.normal_form, "contact": contact}, touches=True, remark=remark)
 
-    kernel = int(point.vectors.get("kernel", 1))
+
+def sheets_at(problem: Any, z: Array, scale: Array) -> Sheets:
+    """The two branches with one tangent through z."""
+    return Sheets.at(problem.scaled(scale).rated(z / scale), z / scale)
+
+
+def _normal_form(problem: Any, point: Verified, metric: Array) -> NormalForm | None:
+    kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
     if point.type == "BP" and kernel > 1:
-        from contin.normalforms.directions import any_branch_point
-
         return any_branch_point(jet_at(problem, point.z, scale), kernel=kernel)
     if kernel > 1:
         return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")
     if point.type not in ("LP", "BP", "HB", "PD", "NS") or point.normal_form.get("kind") == "nonsmooth":
         return None
     jet = jet_at(problem, point.z, scale)
+    location = max(STATE_ERROR, point.error / float(metric[-1]))  # of the states, relative: as well as the parameter
     if point.type == "LP":
-        return fold.fold(jet)
+        return fold(jet, state_error=location * scale)
     if point.type == "BP":
-        return branching.branch_point(jet)
+        return branch_point(jet, state_error=location * scale, parameter_error=point.error)
     if point.type == "HB":
-        return hopf.hopf(jet, float(point.vectors["omega"]))
-    from contin.normalforms import maps
-
-    return maps.period_doubling(jet) if point.type == "PD" else maps.neimark_sacker(jet, float(point.vectors["omega"]))
+        return hopf(jet, float(point.vectors["omega"]))
+    return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))

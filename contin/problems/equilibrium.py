@@ -351,6 +351,11 @@ class EquilibriumProblem:
 
         return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent))
 
+    def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+        from contin.problems.touching import beyond
+
+        return beyond(self, point, frame, settings)
+
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
         """Everything that is born at a labelled point, for the explorer."""
         cycles = orbits and not self.is_map and self.sliding is None

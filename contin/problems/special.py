@@ -15,10 +15,11 @@ from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.defining import Solved
 from contin.problems.scaled import ScaledSystem
+from contin.problems.spectrum import noises, spectrum
 
 TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
-CONSISTENT = 100.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
+CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
 COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
@@ -58,8 +59,8 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
 def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     frame, tangent = _balanced_frame(problem, near, frame)
-    local = problem.scaled(frame.scale)
     y = near.z / frame.scale
+    local = problem.scaled(frame.scale).rated(y)
     if type_ == "LP":
         return _accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0))
     if type_ == "BP":
@@ -203,10 +204,10 @@ def _critical_throughout(
     """True where `count` pairs stay on the stability boundary along the branch: centres of a conservative system."""
     beside = _beside(local, y, tangent)
     for at in beside:
-        values = eigenvalues_of(problem, at * local.scale)
-        nearest = values[np.argsort(np.abs(values - pair))[:count]]
-        distance = np.abs(np.abs(nearest) - 1.0) if problem.is_map else np.abs(nearest.real)
-        if float(distance.max()) > CENTRE * float(np.max(np.abs(values))):
+        values, rates = spectrum(problem.linear_part(at * local.scale))
+        chosen = np.argsort(np.abs(values - pair))[:count]
+        distance = np.abs(np.abs(values) - 1.0) if problem.is_map else np.abs(values.real)
+        if np.any(distance[chosen] > CENTRE * noises(values, rates)[chosen]):
             return False
     return bool(beside)
 
@@ -215,6 +216,8 @@ def _branch_point(
     problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
 ) -> Verified | str:
     solved = defining.branch_point(local, y, corank)
+    if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # borders of the point itself are better
+        solved = defining.branch_point(local, solved.y, corank) or solved
 
     def critical(values: Any) -> list[int]:
         target = 1.0 if problem.is_map else 0.0
@@ -251,12 +254,12 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
     if not solved.residual <= min(RESIDUAL_LIMIT, CONSISTENT * solved.noise):
         return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
     z = solved.y * frame.scale
-    values = eigenvalues_of(problem, z)
+    values, rates = spectrum(problem.linear_part(z))
     chosen = critical(values)
     others = np.delete(values, chosen)
     beyond = np.abs(others) - 1.0 if problem.is_map else others.real
-    size = 1.0 if problem.is_map else float(np.max(np.abs(values)))
-    crowded = bool(np.any(np.abs(beyond) < COINCIDENT * size))
+    sizes = 1.0 if problem.is_map else np.delete(noises(values, rates), chosen)
+    crowded = bool(np.any(np.abs(beyond) < COINCIDENT * sizes))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     error = solved.error * float(frame.scale[-1]) + rounding
     if abs(z[-1]) <= min(error, np.finfo(float).eps * float(frame.scale[-1])):
@@ -266,15 +269,14 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
 
 def eigenvalues_of(problem: Any, z: Array) -> Any:
     """Eigenvalues of f_u at z, by falling real part."""
-    values = np.linalg.eigvals(problem.linear_part(z))  # LAPACK balances
-    return values[np.lexsort((-values.imag, -values.real))].astype(complex)
+    return spectrum(problem.linear_part(z))[0]
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Everything that happens at one place: folds, branch points of any corank, several pairs."""
     frame, tangent = _balanced_frame(problem, a, frame)
-    local = problem.scaled(frame.scale)
     y = 0.5 * (a.z + b.z) / frame.scale
+    local = problem.scaled(frame.scale).rated(y)
     found: list[Verified | str] = []
     _, jacobian = local.linearise(y)
     _, beside = local.linearise(y + BESIDE * tangent)
@@ -292,15 +294,16 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     if a.tests[3] * b.tests[3] < 0.0:
         flip = defining.eigenvalue_at(local, y, -2.0)
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))
-    for pair, count in _pairs_on_boundary(eigenvalues_of(problem, y * frame.scale), problem.is_map, size):
+    for pair, count in _pairs_on_boundary(*spectrum(problem.linear_part(y * frame.scale)), problem.is_map):
         found.append(_oscillatory(problem, local, y, frame, pair, tangent, count))
     return _merge(found, frame)
 
 
-def _pairs_on_boundary(values: Any, is_map: bool, size: float) -> list[tuple[complex, int]]:
+def _pairs_on_boundary(values: Any, rates: Array, is_map: bool) -> list[tuple[complex, int]]:
     """Complex pairs on the stability boundary (one of each, Im > 0), with how many share the same value."""
     groups: list[tuple[complex, int]] = []
-    for value in values:
+    for value, rate in zip(values, noises(values, rates), strict=True):
+        size = 1.0 if is_map else float(rate)
         distance = abs(abs(value) - 1.0) if is_map else abs(value.real)
         if value.imag <= CRITICAL * size or distance >= CRITICAL * size:
             continue
@@ -336,7 +339,9 @@ def branch_tangents(local: ScaledSystem, y: Array) -> list[Array]:
     Or at a branch point those of the reduced equation.
     """
     units = _balancing_units(local.linearise(y)[1])
-    tangents = [units * t for t in _tangents(replace(local, scale=local.scale * units), y / units)]
+    balanced = replace(local, scale=local.scale * units)
+    balanced = balanced.rated(y / units)
+    tangents = [units * t for t in _tangents(balanced, y / units)]
     return [t / np.linalg.norm(t) for t in tangents]
 
 

@@ -15,6 +15,7 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems import defining, special
+from contin.problems.describe import sheets_at
 from contin.problems.fine_directions import DISTANCE
 from contin.problems.maps.switch import doubled
 from contin.problems.scaled import ScaledSystem
@@ -38,6 +39,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
             f"equilibria; this is {point.type}"
         )
     parent = Parent(point.branch, point.label)
+    if "beside" in point.vectors and parameter == problem.parameters[0]:
+        return [_touching(problem, point, parent)]
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
     local = problem.scaled(point.scale)
@@ -46,7 +49,8 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         problem = problem.with_active(parameter, point.z)
         local, own = problem.scaled(point.scale), np.zeros_like(own)
     seeds = []
-    for direction, curvature in crossing_branches(local, y, own, int(point.vectors.get("kernel", 1))):
+    kernel = int(point.vectors.get("kernel", 1))
+    for direction, curvature in crossing_branches(local.rated(y), y, own, kernel):
         scale, d, k = renewed_metric(local, point.z, direction, curvature)
         symmetries = reversing_symmetries(problem, point.z, d * scale)
         arms = (1,) if symmetries else (-1, 1)
@@ -55,6 +59,19 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     if not seeds:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     return seeds
+
+
+def _touching(problem: Any, point: SpecialPoint, parent: Parent) -> Seed:
+    """The branch that has one tangent with the point's own: points on it on both sides, where the two are apart."""
+    sheets = sheets_at(problem, point.z, point.scale)
+    direction = _oriented(sheets.tangent)
+    others = sheets.beside(point.vectors["beside"] / point.scale)
+    turned = 1 if float(direction @ sheets.tangent) > 0.0 else -1
+    beside = {turned * side: other * point.scale for side, (_, other) in others.items()}
+    if not beside:
+        raise InputError(f"{point.branch}.{point.label}: the branch that touches here could not be told from its own")
+    arms = tuple(sorted(beside))
+    return Seed(problem, point.z, direction, None, point.scale, arms, parent, beside=beside)
 
 
 def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:

@@ -23,7 +23,9 @@ def spectrum(rng, n, spread=1.0):
 
 def measured(tests_of, values):
     tests = np.full(4, np.nan)
-    count = tests_of(values.real.copy(), values.imag.copy(), tests)
+    re, im = values.real.copy(), values.imag.copy()
+    rates = [np.full(len(values), np.abs(values).max())] if tests_of is flow_tests else []
+    count = tests_of(re, im, *rates, tests)
     return count, tests[2], tests[3]
 
 

@@ -50,7 +50,12 @@ class Ledger:
         counts["expected"] += len(expected)
         left = list(branch.points)
         for wanted in expected:
-            same = [p for p in left if p.type == wanted.type and abs(p.values[name] - wanted.at) < NEAR * width]
+            places = [other.at for other in expected if other.type == wanted.type]
+            same = [
+                p for p in left
+                if p.type == wanted.type and abs(p.values[name] - wanted.at) < NEAR * width
+                and abs(p.values[name] - wanted.at) <= min(abs(p.values[name] - at) for at in places) + p.error
+            ]  # fmt: skip
             if not same:
                 kind = "noted" if branch.notes else "missed"
                 self._complain(counts, kind, machine, system, f"{wanted.type} at {wanted.at:.12g}: {branch.notes}")

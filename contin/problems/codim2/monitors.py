@@ -78,10 +78,9 @@ def real_test(values: Any, target: float) -> float:
 
 def pair_test(values: Any, is_map: bool) -> float:
     """The test of pairs of `kernels.tests_of_stability`, zero where it is only rounding."""
-    from contin.kernels.tests_of_stability import flow_tests, map_tests
+    from contin.problems.spectrum import count_and_tests
 
-    tests = np.zeros(4)
-    (map_tests if is_map else flow_tests)(np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests)
+    _, tests = count_and_tests(values, is_map)
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
 

@@ -62,12 +62,8 @@ class DenseMarch:
         return dense_linearisation(f, jacobian, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        from contin.kernels.tests_of_stability import flow_tests, map_tests
-        from contin.problems.special import eigenvalues_of
+        from contin.problems.spectrum import count_and_tests, spectrum
 
-        values = eigenvalues_of(self.problem, z)
-        tests = np.zeros(4)
-        count = (map_tests if self.problem.is_map else flow_tests)(
-            np.ascontiguousarray(values.real), np.ascontiguousarray(values.imag), tests
-        )
-        return tests[2:], int(count), values
+        values, rates = spectrum(self.problem.linear_part(z))
+        count, tests = count_and_tests(values, self.problem.is_map, rates)
+        return tests[2:], count, values

@@ -128,7 +128,8 @@ def test_a_fold_curve_passes_a_second_zero_eigenvalue_with_an_eigenvector_of_its
     (fold,) = (s for s in plane.line(seed).points if s.type == "LP")
     curve = follow(fold, ("p", "q"), BOX)
     assert [end.reason for end in curve.ends] == ["bound", "bound"]
-    assert (curve.points, curve.notes) == ((), ())
+    assert curve.points == ()
+    assert all("without a label" in note for note in curve.notes)  # no type has two zeros with two eigenvectors
     np.testing.assert_allclose(curve.columns["p"], 0.0, atol=1e-10)
     np.testing.assert_allclose([curve.columns["q"].min(), curve.columns["q"].max()], [-1.0, 1.0], atol=1e-9)
     assert set(np.abs(np.diff(curve.columns["unstable"]))) == {0, 1}

@@ -1,0 +1,46 @@
+"""The account of a branch: every change of the number of unstable eigenvalues is explained by the labels between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.continuation.problem import Verified
+
+MOVED: Final[Mapping[str, int]] = {  # most critical values a point of this type has; types not named here: any number
+    "LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2, "LPC": 1, "UZ": 0, "EX": 0,
+}  # fmt: skip
+ANY: Final = 1_000_000
+MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
+
+
+def moved(point: Verified) -> int:
+    """How many eigenvalues (multipliers) may change sides at a labelled point."""
+    if point.normal_form.get("kind") == "nonsmooth":
+        return ANY
+    return MOVED.get(point.type, ANY) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
+
+
+def unexplained(
+    unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = ()
+) -> list[int]:
+    """Rows before which `unstable` changes by more than the labels since the last unlabelled row explain.
+
+    unstable (rows,) : critical values not counted at labelled rows.  labels : (row, point).  born : rows at special
+    points of other branches, whose critical values are not counted either.
+    """
+    allowed: dict[int, int] = dict.fromkeys(born, ANY)
+    for row, point in labels:
+        allowed[row] = allowed.get(row, 0) + moved(point)
+    found, last, slack = [], None, 0
+    for row, count in enumerate(unstable.tolist()):
+        if row in allowed:
+            slack += allowed[row]
+            continue
+        if last is not None and abs(count - last) > slack:
+            found.append(row)
+        last, slack = count, 0
+    return found

@@ -1,0 +1,106 @@
+"""The rest of a step in which one event has been located: points of it between which nothing more can hide.
+
+Three zeros of a test function within one step look like one. With the zero that was found divided out, what is left of
+the test function must be of one sign and nearly linear from point to point; where it is not, the points are too far
+apart. Close to the zero the distances shrink geometrically, so that spacings of any order of magnitude are seen.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.curve import Stretch
+from contin.continuation.problem import Sample
+
+STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
+FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
+CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose tests should hardly differ
+CLEAR: Final = 30.0  # times the differences seen: values that are no rounding errors
+BUDGET: Final = 64  # points looked at
+LINEAR: Final = (0.5, 1.5)  # exponents of a test next to its zero that a simple zero has
+
+
+def points_between(
+    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], noise: Array
+) -> list[Sample]:
+    """Points from `near`, next to the located zero at arclength `centre`, to `far`, both included.
+
+    crossing (k,) : the tests that change sign at the centre.  noise (k,) : what their rounding errors are like there.
+    """
+
+    def rest(sample: Sample) -> Array:
+        distance = abs(stretch.length_of(sample) - centre)
+        known = np.where(np.abs(sample.tests) > noise, sample.tests, 0.0)
+        return np.where(crossing, known / max(distance, 1e-300), known)
+
+    kept, waiting, budget = [near], [far], BUDGET
+    while waiting:
+        left, right = kept[-1], waiting[-1]
+        middle = None
+        if budget > 0 and stretch.problem.explain(left, right) == ():
+            middle = _middle(stretch, left, right, centre)
+            budget -= 1
+        if middle is None:
+            kept.append(waiting.pop())
+        elif _is_straight(rest(left), rest(middle), rest(right), _fraction(stretch, left, middle, right)):
+            kept += [middle, waiting.pop()]
+        else:
+            waiting.append(middle)
+    return kept
+
+
+def rounding(stretch: Stretch, near: Sample, far: Sample) -> Array:
+    """Rounding errors of the tests (k,) at `near`, from second differences of points next to it towards `far`."""
+    values = [near.tests]
+    for fraction in (CLOSE_BY, 2.0 * CLOSE_BY):
+        beside = stretch.between(near, far, fraction)
+        if beside is None:
+            return np.zeros(len(near.tests))
+        values.append(beside.tests)
+    return np.asarray(CLEAR * np.abs(values[0] - 2.0 * values[1] + values[2]))
+
+
+def told_apart(a: Sample, b: Sample, noise: Array) -> bool:
+    """False where what changes between a and b is no more than rounding errors of the tests."""
+    changed = a.tests * b.tests < 0.0
+    lost = (np.abs(a.tests) <= noise) | (np.abs(b.tests) <= noise)
+    return not bool(np.any(changed & lost)) and not (a.unstable != b.unstable and bool(np.any(lost & (noise > 0.0))))
+
+
+def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, crossing: NDArray[np.bool_]) -> bool:
+    """True where every crossing test vanishes with its distance from the point, as at a simple zero alone."""
+    centre = stretch.length_of(point)
+    d_near, d_nearer = (abs(stretch.length_of(s) - centre) for s in (near, nearer))
+    if not 0.0 < d_nearer < d_near:
+        return True
+    with np.errstate(divide="ignore", invalid="ignore"):
+        exponents = np.log(np.abs(near.tests / nearer.tests)) / np.log(d_near / d_nearer)
+    simple = (exponents > LINEAR[0]) & (exponents < LINEAR[1])  # false for NaN: the test is lost in its rounding
+    return bool(np.all(simple[crossing]))
+
+
+def _middle(stretch: Stretch, left: Sample, right: Sample, centre: float) -> Sample | None:
+    """The point at the geometric mean of the distances from the centre."""
+    a, b = (abs(stretch.length_of(s) - centre) for s in (left, right))
+    if not 0.0 < a < b or b < 1.01 * a:
+        return None
+    return stretch.between(left, right, float((np.sqrt(a * b) - a) / (b - a)))
+
+
+def _fraction(stretch: Stretch, left: Sample, middle: Sample, right: Sample) -> float:
+    a, m, b = (stretch.length_of(s) for s in (left, middle, right))
+    return (m - a) / (b - a)
+
+
+def _is_straight(left: Array, middle: Array, right: Array, fraction: float) -> bool:
+    """True where no test has room for two zeros between these values."""
+    if np.any(left * middle < 0.0) or np.any(middle * right < 0.0):
+        return False
+    sizes = np.abs([left, middle, right])
+    smallest, largest = sizes.min(axis=0), sizes.max(axis=0)
+    bent = np.abs(middle - left - fraction * (right - left)) > STRAIGHT * smallest
+    return not bool(np.any((bent | (largest > FALLING * smallest)) & (largest > 0.0)))

@@ -1,0 +1,54 @@
+"""The labels of planted branches of equilibria: each is found within its error, or a note says that it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from tests.truth.ledger import Ledger
+from tests.truth.planted_equilibria import Planted, crossings, folds, hopf_points, imperfect, tangency
+
+SPACINGS = [10.0**-k for k in range(1, 13)]
+
+
+def planted(seed: int, rounds: int, spacings: list[float], worst: float) -> Iterator[tuple[str, Planted]]:
+    """(machine, system) of every kind; sizes and conditions up to 10^worst are drawn."""
+    generator = np.random.default_rng(seed)
+    for _ in range(rounds):
+        for spacing in spacings:
+            size, condition = int(generator.integers(1, 5)), 10.0 ** generator.uniform(0, worst)
+            for count in (2, 3):
+                yield f"{count} crossings", crossings(generator, spacing, count, size, condition)
+                yield f"{count} Hopf points", hopf_points(generator, spacing, count)
+            yield "three folds", folds(generator, spacing, size, condition)
+            if spacing > 1e-7:  # beneath, the gap squared is lost in the rounding of the equations
+                yield "imperfect crossings", imperfect(generator, spacing, int(generator.integers(1, 4)))
+        for order in (2, 3, 4):
+            size, condition = int(generator.integers(1, 5)), 10.0 ** generator.uniform(0, 3)
+            yield "tangencies", tangency(generator, order, size, condition)
+
+
+def judged(seed: int, rounds: int, spacings: list[float], worst: float) -> Ledger:
+    ledger = Ledger()
+    for machine, system in planted(seed, rounds, spacings, worst):
+        try:
+            branch = system.follow()
+        except Exception as error:  # noqa: BLE001 - every failure is a row of the table
+            ledger.failed(machine, f"{system.name}, seed {seed}", error)
+            continue
+        ledger.judge(machine, f"{system.name}, seed {seed}", branch, system.expected, "p", 1.14)
+    return ledger
+
+
+def test_planted_points_are_found_or_noted():
+    judged(seed=1, rounds=1, spacings=SPACINGS[::4], worst=2.0).assert_clean()
+
+
+@pytest.mark.long
+def test_planted_points_are_found_or_noted_in_many_systems(tmp_path):
+    ledger = judged(seed=2026, rounds=12, spacings=SPACINGS, worst=5.0)
+    ledger.write(tmp_path / "planted_equilibria.md", {"seed": "2026"})
+    print(ledger.table())
+    ledger.assert_clean()
