@@ -14,7 +14,18 @@ from contin.continuation.defects import contained
 from contin.continuation.last_step import Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_adaptive, is_foretelling, is_planar, is_touching
+from contin.continuation.problem import (
+    Chunk,
+    Frame,
+    Problem,
+    Sample,
+    Stop,
+    Verified,
+    is_adaptive,
+    is_foretelling,
+    is_planar,
+    is_touching,
+)
 
 JUMP: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there

@@ -33,6 +33,7 @@ TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero th
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 CHORD = 1e-7  # shorter chords have no direction
 DEPTH = 60  # halvings of one step
+LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
 
 
@@ -67,9 +68,9 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
             if len(companions) == 1 and not verified.point.touches and not is_planar(stretch.problem):
                 yield from _beside(stretch, a, b, verified, depth)
         elif verified == "":  # a change that is no event, such as a neutral saddle
-            middle = 0.5 * (stretch.length_of(low) + stretch.length_of(high))
+            centre = 0.5 * (stretch.length_of(low) + stretch.length_of(high))
             for near, far in ((low, a), (high, b)):
-                rest = _rest(stretch, near, far, middle, a.tests * b.tests < 0.0, depth)
+                rest = _rest(stretch, near, far, centre, a.tests * b.tests < 0.0, depth)
                 yield from (item for item in rest if isinstance(item, Found))
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
@@ -110,7 +111,8 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         simple &= nearer is None or is_linear(stretch, point, near, nearer, crossing)
         yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
     if not simple:
-        yield Note(_where(stretch, point, f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"))
+        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"
+        yield Note(_where(stretch, point, text))
 
 
 def next_to_event(stretch: Stretch, near: Sample, far: Sample, event: Verified) -> Iterator[Found | Note]:
@@ -140,11 +142,12 @@ def _rest(
         if stretch.problem.explain(a, b) == ():
             continue
         if told_apart(a, b, noise):
-            yield from isolate(stretch, *((a, b) if stretch.length_of(a) <= stretch.length_of(b) else (b, a)), depth + 1)
+            first, second = (a, b) if stretch.length_of(a) <= stretch.length_of(b) else (b, a)
+            yield from isolate(stretch, first, second, depth + 1)
         else:
             unclear = a
     if unclear is not None:
-        yield Note(_where(stretch, unclear, "test functions are lost in their rounding errors: events may not be told apart"))
+        yield Note(_where(stretch, unclear, LOST_IN_ROUNDING))
 
 
 def _verified(stretch: Stretch, type_: str, near: Sample) -> Verified | str:

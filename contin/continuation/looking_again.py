@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.problem import Sample
+from contin.machine.elementary import log
 
 STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
 FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
@@ -78,7 +79,7 @@ def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, cro
     if not 0.0 < d_nearer < d_near:
         return True
     with np.errstate(divide="ignore", invalid="ignore"):
-        exponents = np.log(np.abs(near.tests / nearer.tests)) / np.log(d_near / d_nearer)
+        exponents = log(np.abs(near.tests / nearer.tests)) / log(d_near / d_nearer)
     simple = (exponents > LINEAR[0]) & (exponents < LINEAR[1])  # false for NaN: the test is lost in its rounding
     return bool(np.all(simple[crossing]))
 

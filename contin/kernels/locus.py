@@ -18,6 +18,7 @@ from contin.kernels.algebraic import correct, linearise
 from contin.kernels.compile import allocating, call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
+from contin.kernels.grading import uniform_rates
 from contin.kernels.lyapunov import lyapunov_terms
 from contin.kernels.steering import (
     BOUND,
@@ -37,7 +38,6 @@ from contin.kernels.steering import (
     set_out,
     strays,
 )
-from contin.kernels.grading import uniform_rates
 from contin.kernels.tests_of_stability import flow_tests
 
 FOLD, HOPF, BRANCH = range(3)

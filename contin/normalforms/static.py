@@ -53,9 +53,9 @@ def quadratic_error(jet: Jet, p: Vector, v: Vector, w: Vector, state_error: Stat
 def second_order_error(
     jet: Jet, p: Vector, parts: tuple[Vector, ...], whole: tuple[Vector, ...], drift: Real
 ) -> float:
-    """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>) that is a sum of `parts` (n,): cancellation, and the error of the point.
+    """Estimated error of <p, D^2F[v, w]> (or <p, DF[v]>), a sum of `parts` (n,): cancellation, and that of the point.
 
-    drift (n + parameters,) : estimated errors of the states and the active parameters, which enter through D^3F[v, w, .].
+    drift (n + parameters,) : estimated errors of the states and active parameters; they enter through D^3F[v, w, .].
     """
     size = sum(float(np.abs(p) @ np.abs(part)) for part in parts)
     eye = np.eye(jet.n + jet.parameters)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine.elementary import cos
 
 NEWTON_BUDGET = 30
 SETTLED = 1e-13  # a correction below this is rounding
@@ -77,14 +78,15 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     degenerate solution) its geometric series is summed, and what it still lacks is added; in directions in which the
     Jacobian nearly vanishes the error is how far G stays below its rounding errors.
     """
-    before, ratio_before, lacking = np.inf, 0.0, 0.0
+    before, ratio_before, lacking, step = np.inf, 0.0, 0.0, np.zeros_like(x)
     for _ in range(NEWTON_BUDGET):
         g, matrix = system(x)
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
             return None
-        step = _least_squares(matrix, -g)
-        if step is None:
+        solution = _least_squares(matrix, -g)
+        if solution is None:
             return None
+        step = solution
         size = float(np.linalg.norm(step))
         ratio = size / before if before > 0.0 else 0.0
         if ratio >= 0.95 and size < STALLED:
@@ -125,7 +127,7 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
         noises = np.maximum(noises, np.abs(value - g - matrix @ shift))
     noise = max(noise, float(np.max(noises)))
     error = 2.0 * float(np.max(np.abs(estimates))) + lacking
-    beside = system(x + BESIDE * np.cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
+    beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
     beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
     _, singular, right = np.linalg.svd(matrix, full_matrices=False)
     sizes = np.maximum(np.abs(matrix), beside).max(axis=1)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.machine.elementary import cos, log
 
 BESIDE: Final = 1e-2  # scaled
 ALIKE: Final = 0.9  # correlation of the rates' logarithms at a point and around it
@@ -40,16 +41,16 @@ class ScaledSystem:
     def rated(self, y: Array) -> ScaledSystem:
         """The same with fast equations divided by their rates, as they are around y.
 
-        At y itself an equation may have no derivatives at all (a branch point); beside it, in no special direction, none.
+        At y itself an equation may have no derivatives at all (a branch point), beside it only in special directions.
         """
-        beside = BESIDE * np.cos(1.0 + np.arange(len(y)))
+        beside = BESIDE * cos(1.0 + np.arange(len(y)))
         jacobians = [np.abs(self.linearise(at)[1]).max(axis=1) for at in (y, y + beside, y - beside)]
         here, around = jacobians[0], np.maximum(jacobians[1], jacobians[2])
         if not (np.all(np.isfinite(around)) and np.all(np.isfinite(here)) and min(here.min(), around.min()) > 0.0):
             return self
         if min(here.max() / here.min(), around.max() / around.min()) <= FAR_APART:
             return self
-        logs = [np.log(sizes) - np.log(sizes).mean() for sizes in (here, around)]
+        logs = [log(sizes) - log(sizes).mean() for sizes in (here, around)]
         if logs[0] @ logs[1] <= ALIKE * np.linalg.norm(logs[0]) * np.linalg.norm(logs[1]):  # not rates, but bad scales
             return self
         return replace(self, rates=around if self.rates is None else around * self.rates)

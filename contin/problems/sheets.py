@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine.elementary import log2
 from contin.problems.defining import singular_basis
 from contin.problems.scaled import ScaledSystem
 
@@ -110,7 +111,7 @@ class Sheets:
         return None if value is None else self.y + s * self.tangent + w * self.across + value[2]
 
     def contact(self) -> int | None:
-        """The order m of |w2 - w1| ~ s^m on both sides; None where there are no two branches on both, or it is unclear."""
+        """The order m of |w2 - w1| ~ s^m on both sides; None where there are no two branches, or it is unclear."""
         orders = [self._order(side) for side in (-1.0, 1.0)]
         return orders[0] if orders[0] == orders[1] else None
 
@@ -121,7 +122,7 @@ class Sheets:
             if pair is None or pair[1] - pair[0] < RESOLVED:
                 break
             gaps.append(pair[1] - pair[0])
-        exponents = -np.diff(np.log2(gaps)) if len(gaps) >= 2 else np.empty(0)
+        exponents = -np.diff(log2(np.array(gaps))) if len(gaps) >= 2 else np.empty(0)
         if not exponents.size:
             return None
         last = float(exponents[-1])

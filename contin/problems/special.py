@@ -216,7 +216,7 @@ def _branch_point(
     problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
 ) -> Verified | str:
     solved = defining.branch_point(local, y, corank)
-    if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # borders of the point itself are better
+    if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # with borders of its own
         solved = defining.branch_point(local, solved.y, corank) or solved
 
     def critical(values: Any) -> list[int]:

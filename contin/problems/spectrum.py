@@ -28,7 +28,7 @@ def spectrum(matrix: Array) -> tuple[NDArray[np.complex128], Array]:
             re, im, unknown = np.empty(n), np.empty(n), np.full(n, np.nan)
             if eigenvalues(ordered, re, im, unknown, unknown) == 0:
                 return _sorted(re + 1j * im), rates
-    values = np.linalg.eigvals(matrix)  # LAPACK balances
+    values = np.linalg.eigvals(matrix).astype(complex)  # LAPACK balances
     rates[:] = np.abs(values).max(initial=0.0)
     return _sorted(values), rates
 
@@ -54,4 +54,4 @@ def count_and_tests(
 
 
 def _sorted(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    return np.asarray(values[np.lexsort((-values.imag, -values.real))].astype(complex))
+    return np.asarray(values[np.lexsort((-values.imag, -values.real))])

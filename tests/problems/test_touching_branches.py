@@ -1,4 +1,4 @@
-"""Branches that touch: kind, order of contact, exchange of stability, and both branches followed on their own sheets."""
+"""Branches that touch: kind, order of contact, exchange of stability, and both branches followed."""
 
 import numpy as np
 import pytest

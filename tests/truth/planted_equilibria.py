@@ -1,7 +1,7 @@
 """Planted equilibria: products of known curves in random coordinates, so that every special point is known exactly.
 
-One equation g(x, p) = 0 is a product of graphs x = c(p); the branch followed is one factor. The other states are slaved,
-y_k' = -r_k (y_k - x^2 / 2 - ...), and all are mixed by a random matrix of given condition, so that nothing is sparse.
+One equation g(x, p) = 0 is a product of graphs x = c(p); the branch followed is one factor. The other states are
+slaved, y_k' = -r_k (y_k - a_k x), and all are mixed by a random matrix of given condition, so that nothing is sparse.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class Planted:
             equations=self.equations,
         )  # fmt: skip
         at = {"p": self.at, **self.constants}
-        return contin.continuation(contin.equilibrium(model, self.start, at), "p", self.range, settings=settings or None)
+        start = contin.equilibrium(model, self.start, at)
+        return contin.continuation(start, "p", self.range, settings=settings or None)
 
 
 def mixed(
@@ -84,10 +85,10 @@ def hopf_points(generator: np.random.Generator, spacing: float, count: int) -> P
 
 
 def tangency(generator: np.random.Generator, order: int, size: int, condition: float) -> Planted:
-    """(x - b q) (x - b q - a q^m), q = p - r: two branches with contact of order m at q = 0."""
-    r, a, b = float(generator.uniform(-0.2, 0.2)), float(generator.choice([-1.0, 1.0]) * generator.uniform(0.5, 2.0)), 0.0
+    """x (x - a q^m), q = p - r: two branches with contact of order m at q = 0."""
+    r, a = float(generator.uniform(-0.2, 0.2)), float(generator.choice([-1.0, 1.0]) * generator.uniform(0.5, 2.0))
     q = f"(p - ({r!r}))"
-    equations, start = mixed(generator, f"(-(X - ({b!r})*{q})*(X - ({a!r})*{q}^{order}))", 0.0, condition, size)
+    equations, start = mixed(generator, f"(-X*(X - ({a!r})*{q}^{order}))", 0.0, condition, size)
 
     def further(point) -> str:
         kind, contact = point.normal_form.get("kind"), point.normal_form.get("contact")
