@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.defects import contained
-from contin.continuation.last_step import Course, resolve
+from contin.continuation.last_step import Behind, Course, resolve
 from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import (
@@ -20,12 +20,12 @@ from contin.continuation.problem import (
     Problem,
     Sample,
     Stop,
-    Verified,
     is_adaptive,
     is_foretelling,
     is_planar,
     is_touching,
 )
+from contin.continuation.vectors import dot
 
 JUMP: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
@@ -63,7 +63,7 @@ class Arm:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         settings, problem = self.course.settings, self.problem
         origin, before, length, step = self.origin, None, 0.0, settings.first_step
-        event: Verified | None = None  # in the step before the chunk
+        event: Behind | None = None  # in the step before the chunk
         while not self.is_over():
             limit = min(settings.steps - self.accepted, problem.maximum_chunk)
             if limit <= 0:
@@ -93,7 +93,7 @@ class Arm:
                 origin, before, length, step, event = past[1], None, 0.0, settings.first_step, None
                 continue
             if len(chunk) > 1:
-                event = next((m.point for m in reversed(piece.found) if m.before >= len(chunk) - 1), None)
+                event = _behind(chunk, piece, self.scale)
             self.accepted += len(piece.z)
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
@@ -149,7 +149,7 @@ class Arm:
         ), sample  # fmt: skip
 
     def _resolved(
-        self, chunk: Chunk, before: Sample | None, corner: bool, event: Verified | None
+        self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None
     ) -> tuple[Piece, End | None] | None:
         """See `resolve`; where an error comes up in the last step, the arm ends before that step."""
         errors: list[str] = []
@@ -226,6 +226,15 @@ def _until_lowest(chunk: Chunk) -> Chunk:
 def _without_last(chunk: Chunk) -> Chunk:
     """The chunk before its last step, which is to be repeated with a quarter of its length."""
     return chunk.cut(len(chunk) - 1, Stop.LIMIT, float(chunk.lengths[-1]) / 4)
+
+
+def _behind(chunk: Chunk, piece: Piece, scale: Array) -> Behind | None:
+    """The last point found in the chunk's last step, seen from where the next one begins."""
+    point = next((m.point for m in reversed(piece.found) if m.before >= len(chunk) - 1), None)
+    if point is None:
+        return None
+    last = chunk.sample(-1)
+    return Behind(point, dot(last.tangent, (point.z - last.z) / scale))
 
 
 def _renormalised(before: Sample, origin: Sample) -> Sample:

@@ -74,8 +74,11 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
                 yield from (item for item in rest if isinstance(item, Found))
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
-            yield from _compound(stretch, low, high, verified)
+            together = list(_compound(stretch, low, high, verified))
+            yield from together
             yield from isolate(stretch, high, b, DEPTH)
+            if len(together) == 1 and isinstance(together[0], Found) and is_adaptive(stretch.problem):
+                yield from _beside(stretch, a, b, together[0], depth)
         else:
             yield Note(_where(stretch, low, verified))
         return
@@ -115,17 +118,19 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         yield Note(_where(stretch, point, text))
 
 
-def next_to_event(stretch: Stretch, near: Sample, far: Sample, event: Verified) -> Iterator[Found | Note]:
+def next_to_event(
+    stretch: Stretch, near: Sample, far: Sample, event: Verified, centre: float
+) -> Iterator[Found | Note]:
     """Events in the step beside the one with `event`, where nothing was seen: `near` lies between the event and `far`.
 
-    Of three crossings, two may lie in that step; signs and minima at its ends do not show them.
+    Of three crossings, two may lie in that step; signs and minima at its ends do not show them.  centre : arclength of
+    the event along the stretch, which may have another mesh.
     """
     problem = stretch.problem
-    if event.touches or is_adaptive(problem) or is_planar(problem) or problem.explain(near, far) != ():
+    if event.touches or is_planar(problem) or problem.explain(near, far) != ():
         return
     test = problem.watch(event.type)
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
-    centre = dot(stretch.base.tangent, (event.z - stretch.base.z) / stretch.frame.scale)
     yield from _rest(stretch, near, far, centre, crossing, 0)
 
 
@@ -138,6 +143,9 @@ def _rest(
     noise = rounding(stretch, near, far)
     points = points_between(stretch, near, far, centre, crossing, noise)
     unclear = None
+    for sample in points if is_adaptive(stretch.problem) else ():
+        if np.any((np.abs(sample.tests) <= noise)[crossing]):
+            unclear = sample
     for a, b in pairwise(points):
         if stretch.problem.explain(a, b) == ():
             continue

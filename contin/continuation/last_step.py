@@ -24,6 +24,14 @@ SAME_FOLD: Final = 1e-6  # distance of a fold from the orbit at which a family t
 
 
 @dataclass(frozen=True, eq=False)
+class Behind:
+    """A labelled point in the step that led to a chunk's first row, and its arclength along the tangent there (< 0)."""
+
+    point: Verified
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
 class Course:
     """What an arm heeds wherever it is."""
 
@@ -46,7 +54,7 @@ class Course:
 
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
-    event: Verified | None = None,
+    event: Behind | None = None,
 ) -> tuple[Piece, End | None] | None:  # fmt: skip
     """Labels and end of a chunk; None where its last step jumped and must be repeated with a shorter one.
 
@@ -91,7 +99,7 @@ class _LastStep:
     stretch: Stretch
     chunk: Chunk
     loop: Sample | None
-    event: Verified | None  # in the step before
+    event: Behind | None  # in the step before
     end: End | None = None
     found: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -131,9 +139,9 @@ class _LastStep:
             yield from events
             first = next((e for e in events if isinstance(e, Found)), None)
             if first is not None and earlier is not None:
-                yield from next_to_event(stretch, stretch.base, earlier, first.point)
+                yield from next_to_event(stretch, stretch.base, earlier, first.point, first.length)
         if self.event is not None:
-            yield from next_to_event(stretch, stretch.base, self.last, self.event)
+            yield from next_to_event(stretch, stretch.base, self.last, self.event.point, self.event.length)
         if stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
             low = set(dips(stretch, earlier, stretch.base, self.marched))
             for test in sorted(low | ({self.chunk.dipped} if stop is Stop.DIP else set())):
@@ -185,11 +193,11 @@ class _LastStep:
             self.halt = image
 
 
-def _after_event(course: Course, chunk: Chunk, frame: Frame, event: Verified) -> tuple[list[Row], list[str]]:
+def _after_event(course: Course, chunk: Chunk, frame: Frame, event: Behind) -> tuple[list[Row], list[str]]:
     """What the first step of a chunk hides beside an event just before it."""
     stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
     rows, notes = [], []
-    for item in next_to_event(stretch, chunk.sample(0), chunk.sample(1), event):
+    for item in next_to_event(stretch, chunk.sample(0), chunk.sample(1), event.point, event.length):
         if isinstance(item, Note):
             notes.append(item.text)
         elif not course.is_known(item.point, frame.scale):
