@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from contin.cli.printable import printable
+from contin.cli.ticker import Ticker
 from contin.errors import InputError
 
 if TYPE_CHECKING:
@@ -36,15 +37,27 @@ def check_file(file: Path, execute: bool) -> int:
 
 @contextmanager
 def reading(file: Path) -> Iterator[Callable[[str], None]]:
-    """A line on the terminal that says what is being read of a long file; the caller names the next part."""
-    shown = sys.stderr.isatty() and file.is_file() and file.stat().st_size > LONG
-    if not shown:
+    """What is being read of a long file: a line on a terminal, a line every few seconds elsewhere.
+
+    The caller names the next part.
+    """
+    if not (file.is_file() and file.stat().st_size > LONG):
         yield lambda what: None
         return
     from contin.cli.terminal import console
 
-    with console(sys.stderr, False).status(f"reading {printable(file.name)}") as status:
-        yield lambda what: status.update(f"reading {printable(file.name)}: {what}")
+    shown, text = console(sys.stderr, False), f"reading {printable(file.name)}"
+    if shown.is_terminal:
+        with shown.status(text) as status:
+            yield lambda what: status.update(f"{text}: {what}")
+        return
+    ticker = Ticker(shown)
+    ticker.update(text)
+    ticker.start()
+    try:
+        yield lambda what: ticker.update(f"{text}: {what}")
+    finally:
+        ticker.stop()
 
 
 def check_document(file: Path, place: Path, document: Document, execute: bool) -> int:

@@ -8,11 +8,13 @@ STARTED = time.perf_counter()  # before any import of ours: reports count import
 
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperGroup
 
 from contin._version import __version__
 from contin.cli.interrupt import exit_code, listen
@@ -22,10 +24,34 @@ from contin.errors import ContinError
 from contin.machine import environment
 from contin.store.digest import DamageWarning, LeftOutWarning
 
+CLICK_ERROR: Final[Any] = typer.BadParameter.__mro__[2]  # typer's own copy of click in new versions: ClickException
 CUT_SHORT, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+class _Commands(TyperGroup):
+    """The commands; what they say of an argument has no control characters of it."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        with _printable_errors():
+            return list(super().parse_args(ctx, args))
+
+    def invoke(self, ctx: Any) -> Any:
+        with _printable_errors():
+            return super().invoke(ctx)
+
+
+@contextmanager
+def _printable_errors() -> Iterator[None]:
+    try:
+        yield
+    except CLICK_ERROR as error:
+        error.message = printable(error.message)
+        raise
+
 
 app = typer.Typer(
     name="contin",
+    cls=_Commands,
     help="Numerical continuation and bifurcation analysis.",
     no_args_is_help=True,
     add_completion=False,

@@ -16,6 +16,7 @@ from contin.continuation.metric import measured_in, outgrown, travelled
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import (
     Chunk,
+    Corner,
     Frame,
     Problem,
     Sample,
@@ -28,6 +29,8 @@ from contin.continuation.problem import (
 from contin.continuation.vectors import dot
 
 JUMP: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+TURNS: Final = "the parameter turns at a corner, where the function is not smooth; the branch goes on"
+BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
@@ -192,11 +195,15 @@ class Arm:
             return None
         beyond, point = crossed
         marks: tuple[Row, ...] = ()
-        if point is not None and not course.is_known(point, self.scale):
-            course.known.append(point)
-            marks = (Row(1, 0.0, point, beyond.tangent),)
         notes: tuple[str, ...] = ()
-        if point is None and chunk.unstable[-1] != beyond.unstable:
+        if isinstance(point, Verified):
+            if not course.is_known(point, self.scale):
+                course.known.append(point)
+                marks = (Row(1, 0.0, point, beyond.tangent),)
+        elif isinstance(point, Corner):
+            turns = beyond.tangent[-1] * chunk.tangents[-1][-1] < 0.0
+            notes = (f"{TURNS if turns else BENDS} near {course.position(point.z)}",)
+        elif chunk.unstable[-1] != beyond.unstable:
             notes = (f"{JUMP} near {course.position(beyond.z)}",)
         return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes)
 

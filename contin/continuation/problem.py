@@ -110,6 +110,13 @@ class Verified:
 
 
 @dataclass(frozen=True, eq=False)
+class Corner:
+    """Where a branch turns sharply because the equations are not smooth, without a surface that anybody has named."""
+
+    z: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Renewal:
     """A new metric (and mesh) and the samples of an arm in it; or why the arm ends here, and its last row."""
 
@@ -287,7 +294,9 @@ class Problem(Protocol):
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
 
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+    def cross_corner(
+        self, last: Sample, frame: Frame, settings: Settings
+    ) -> tuple[Sample, Verified | Corner | None] | None:
         """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any."""
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:

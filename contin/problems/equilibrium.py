@@ -15,13 +15,14 @@ from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.metric import far_from_zero
-from contin.continuation.problem import STOPS, Chunk, Floor, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
+from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.turning import no_fold
 from contin.problems.polish import at_parameter
@@ -309,8 +310,10 @@ class EquilibriumProblem:
 
     def _turning(self, found: Verified | str, near: Sample, frame: Frame) -> Verified | str:
         """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
-        if isinstance(found, str) or found.type != "LP" or self.system.jacobian_address != NO_FUNCTION:
+        if self.system.jacobian_address != NO_FUNCTION or (not isinstance(found, str) and found.type != "LP"):
             return found
+        if isinstance(found, str):
+            return self._corner_beside(near, frame) or found
         here = DenseMarch(self).linearisation(found.z, near.tangent, frame.scale)
         why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
         return found if why is None else f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
@@ -320,8 +323,20 @@ class EquilibriumProblem:
 
         return with_normal_form(self, found, frame.scale) if isinstance(found, Verified) else found
 
+    def _corner_beside(self, near: Sample, frame: Frame) -> str | None:
+        """What a corner of a user's function does at a sample; None where there is none."""
+        if self.system.jacobian_address != NO_FUNCTION or self.system.n_switches:
+            return None
+        corner = unnamed_corner(self, near, frame)
+        if corner is None:
+            return None
+        place = f"near {self.parameters[0]} = {corner.z[-1]:.10g}, where the function is not smooth"
+        turns = corner.before[-1] * corner.beyond[-1] < 0.0
+        return f"the parameter turns at a corner {place}" if turns else f"the branch bends at a corner {place}"
+
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        return corners.verify_corner(self, a, b, frame)
+        words = self._corner_beside(a, frame)
+        return words if words is not None else corners.verify_corner(self, a, b, frame)
 
     def columns(self, z: Array) -> dict[str, Array]:
         n, names = self.n, self.system.parameter_names
@@ -342,7 +357,11 @@ class EquilibriumProblem:
         p[:, self.active] = z[:, -1]
         return left_reach(self.system, z[:, : self.n], p)
 
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+    def cross_corner(
+        self, last: Sample, frame: Frame, settings: Settings
+    ) -> tuple[Sample, Verified | Corner | None] | None:
+        if self.system.jacobian_address == NO_FUNCTION and not self.system.n_switches:
+            return cross_unnamed_corner(self, last, frame, settings)
         crossed = corners.cross_corner(self, last, frame, settings)
         return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed
 

@@ -163,3 +163,15 @@ def test_a_default_outside_its_own_range_is_a_warning_with_its_place():
 def test_names_given_to_a_function_are_checked(names):
     with pytest.raises(InputError, match=r"name|must be another"):
         contin.FunctionProblem(lambda u, p: u - p["a"], np.zeros(2), {"a": 1.0}, **names)
+
+
+STEERING = "\x1b[31m\x9b\u202e\x07\r"
+
+
+@pytest.mark.parametrize(
+    "words", [["@"], ["run", "f", "--q@"], ["simulate", "x", "--time", "@"], ["diagram", "m", "a", "@", "1"], ["--v@"]]
+)
+def test_what_is_said_of_an_argument_has_none_of_its_control_characters(words):
+    answer = contin_command(*(word.replace("@", STEERING) for word in words))
+    assert answer.code == 2
+    assert not set(STEERING) - set("[31m") & set(answer.out + answer.err)

@@ -27,6 +27,8 @@ CIRCLE = 0.1  # radius of the circle, relative to the size of the unknowns
 CIRCLE_POINTS = 16
 STEPS = {1: 2e-3, 2: 1e-2, 3: 2e-2, 4: 4e-2, 5: 6e-2}  # of stencils, relative: rounding and truncation balance
 HALF_WIDTHS = {1: 3, 2: 4, 3: 5, 4: 5, 5: 6}
+NARROWER = (1.0, 0.1, 1e-2, 1e-3, 1e-4)  # stencils of the first derivative, where wider ones cross a corner
+ROUGH = 1e-4  # relative difference of a stencil and its inner pair, beyond which the function is not smooth across it
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
 
 Function = Callable[[NDArray[Any], NDArray[Any]], NDArray[Any]]
@@ -82,6 +84,8 @@ class Lines:
                 value = np.asarray(self.function(u + r * w * v[:n], p + r * w * v[n:]), dtype=complex)
                 total += (1.0 if j in (0, half) else 2.0) * (value * w**-order).real
             return total * (math.factorial(order) / (CIRCLE_POINTS * elementary.pow(r, order)))
+        if order == 1:
+            return self._slope_between_corners(u, p, v, reach)
         lower = 1 if self.slope is not None and order > 1 else 0
         k = order - lower
         h = STEPS[k] * reach
@@ -92,6 +96,26 @@ class Lines:
             value = self.slope(*at, v) if lower and self.slope is not None else self.function(*at)
             total += weight * np.asarray(value, dtype=float)
         return total / elementary.pow(h, k)
+
+    def _slope_between_corners(self, u: Array, p: Array, v: Array, reach: float) -> Array:
+        """D F[v] by the widest stencil that crosses no corner: its inner pair alone gives nearly the same there."""
+        n, widest, gap_before = len(u), np.empty(0), np.inf
+        for narrower in NARROWER:
+            h = STEPS[1] * reach * narrower
+            values = {k: np.asarray(self.function(u + k * h * v[:n], p + k * h * v[n:]), dtype=float)
+                      for k, _ in stencil(1)}  # fmt: skip
+            slope = np.zeros(n)
+            for k, weight in stencil(1):
+                slope += weight * values[k]
+            slope /= h
+            inner = (values[1] - values[-1]) / (2.0 * h)
+            rounding = 1e-14 * float(np.max(np.abs(values[1]), initial=0.0)) / h
+            gap = float(np.max(np.abs(slope - inner), initial=0.0))
+            if not gap > ROUGH * float(np.max(np.abs(slope), initial=0.0)) + rounding:  # so that NaN ends it too
+                return slope
+            widest = widest if gap >= gap_before else slope
+            gap_before = min(gap, gap_before)
+        return widest
 
     def form(self, u: Array, p: Array, directions: Sequence[Array]) -> Array:
         """D^k F[d1, ..., dk], real directions (n + m,), by polarisation: 2^(k-1) pure ones, or one if all are equal."""

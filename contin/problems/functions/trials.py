@@ -127,6 +127,48 @@ def _wrong_entries(system: FunctionSystem, u: Array, p: Array, row: int) -> Iter
             )
 
 
+def try_sparsity(system: FunctionSystem, matrix: Callable[[Array, Array], Any]) -> None:
+    """UserFunctionError where differences by the colours of a given pattern are not those in a random direction.
+
+    matrix : (u, p) -> dF/du in the pattern. What the pattern leaves out is missing there, or counted elsewhere.
+    """
+    u0, p0 = system.model.start_point()
+    sizes = np.where(u0 != 0.0, np.abs(u0), system.model.typical)
+    generator = np.random.default_rng(23)
+    for _ in range(DIRECTIONS):
+        u = u0 + BESIDE * sizes * generator.uniform(-1.0, 1.0, sizes.size)
+        v = np.append(sizes * generator.uniform(-1.0, 1.0, sizes.size), np.zeros(system.m))
+        if _value(system, u, p0) is None:
+            continue
+        jacobian = matrix(u, p0)
+        given = np.asarray(jacobian @ v[: system.n], dtype=float)
+        found, error = _difference(system, u, p0, v)
+        bad = differs(given, found, error)
+        if not np.any(bad) or not np.all(np.isfinite(found)):
+            continue
+        row = int(np.flatnonzero(bad)[np.argmax(np.abs(given - found)[bad])])
+        where = next(_left_out(system, jacobian, u, p0), None) or f"F[{row}] depends on states that its row leaves out"
+        raise UserFunctionError(
+            f"`sparsity` is not the pattern of dF/du: {where}. Add what is missing (entries that are zero do no harm), "
+            "or give `jacobian`"
+        )
+
+
+def _left_out(system: FunctionSystem, jacobian: Any, u: Array, p: Array) -> Iterator[str]:
+    """Entries that are not zero and not in the pattern, in words."""
+    if system.n > SEARCHED:
+        return
+    pattern = jacobian.copy()
+    pattern.data[:] = 1.0
+    for column in range(system.n):
+        v = np.zeros(system.n + system.m)
+        v[column] = max(abs(u[column]), 1e-3)
+        found, error = _difference(system, u, p, v)
+        inside = pattern[:, [column]].toarray().ravel() != 0.0
+        for row in np.flatnonzero(~inside & differs(np.zeros(system.n), found, error)):
+            yield f"F[{row}] depends on u[{column}], and entry ({row}, {column}) is not in it"
+
+
 def _try_parameters(system: FunctionSystem, u: Array, p: Array, direction: Array) -> None:
     if system.model.parameter_jacobian is None:
         return

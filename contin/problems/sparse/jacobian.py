@@ -14,6 +14,7 @@ from contin.errors import InputError, UserFunctionError
 from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
 from contin.problems.functions.guarded import called, vector
 from contin.problems.functions.system import FunctionSystem
+from contin.problems.functions.trials import try_sparsity
 from contin.problems.sparse.factor import Factoriser
 from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
 
@@ -28,6 +29,9 @@ class JacobianSource:
         self.system = system
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
+        model = system.model
+        if model.jacobian is None and model.sparsity is not None and model.written is None:
+            try_sparsity(system, self._coloured)
 
     def at(self, u: Array, p: Array) -> Linear | None:
         """F_u(u, p); None where it is not finite."""

@@ -41,6 +41,46 @@ def test_a_wrong_sparse_jacobian_is_told(kind):
         )  # fmt: skip
 
 
+def test_a_wrong_linear_operator_is_told():
+    from scipy.sparse.linalg import LinearOperator
+
+    n = 30
+
+    def operator(factor):
+        def jacobian(u, p):
+            return LinearOperator((n, n), matvec=lambda v: factor * u**2 * np.ravel(v), dtype=float)
+
+        return jacobian
+
+    def made(factor):
+        return contin.FunctionProblem(lambda u, p: p["a"] - u**3, np.ones(n), {"a": 1.0}, jacobian=operator(factor))
+
+    assert made(-3.0).method == "matrix-free"
+    contin.equilibrium(made(-3.0))
+    with pytest.raises(UserFunctionError, match=r"jacobian is not the derivative.*dF\[\d+\]/du\[\d+\] is -6"):
+        contin.equilibrium(made(-6.0))
+
+
+@pytest.mark.parametrize("analytic", [True, False])
+def test_a_pattern_that_leaves_entries_out_is_told(analytic):
+    import scipy.sparse
+
+    n = 40
+    band = scipy.sparse.diags([np.ones(n - 1), np.ones(n), np.ones(n - 1)], [-1, 0, 1]).tocsr()
+
+    def f(u, p):
+        u = u if analytic else np.real(u)
+        return p["a"] * np.ones(n) - u**3 + 0.1 * (np.roll(u, 1) + np.roll(u, -1) - 2 * u)
+
+    ring = band.tolil()
+    ring[0, n - 1] = ring[n - 1, 0] = 1.0
+    full = scipy.sparse.csr_array(np.ones((n, n)))
+    for right in (ring, full):
+        contin.equilibrium(contin.FunctionProblem(f, np.ones(n), {"a": 1.0}, sparsity=right))
+    with pytest.raises(UserFunctionError, match=r"`sparsity` is not the pattern.*\((39, 0|0, 39)\) is not in it"):
+        contin.equilibrium(contin.FunctionProblem(f, np.ones(n), {"a": 1.0}, sparsity=band))
+
+
 def test_a_wrong_parameter_jacobian_is_told():
     with pytest.raises(UserFunctionError, match=r"dF\[0\]/da is -1, and differences give 1"):
         followed(
@@ -138,3 +178,39 @@ def test_corners_and_passages_are_told_from_folds():
     assert turning(lambda u, a: a - u**2 - 3 * u**3, [0.0, 0.0], [1.0, 0.0]) is None
     assert "corner" in turning(lambda u, a: a - abs(u), [0.0, 0.0], [1.0, 0.0])
     assert "does not turn" in turning(lambda u, a: a - u**3 - 0.3 * u, [0.0, 0.0], [1.0, 0.3])
+
+
+CORNERS = {  # F(u, a), where the corner is (u, a), and a start
+    "at zero": (lambda u, a: a - abs(u), (0.0, 0.0), (1.0, 1.0)),
+    "beside zero": (lambda u, a: a - abs(u - 0.3) - u**2, (0.3, 0.09), (1.0, 1.7)),
+    "steep": (lambda u, a: a - 10 * abs(u - 0.4), (0.4, 0.0), (0.5, 1.0)),
+}
+
+
+@pytest.mark.parametrize("what", CORNERS)
+@pytest.mark.parametrize("given", [False, True])
+def test_a_branch_turns_at_a_corner_in_few_steps_with_its_place_and_no_fold(what, given):
+    f, (u_c, a_c), (u_0, a_0) = CORNERS[what]
+    calls = [0]
+
+    def residual(u, p):
+        calls[0] += 1
+        return np.array([f(u[0], p["a"]), 0.5 * u[0] - u[1]])
+
+    def jacobian(u, p):
+        h = np.copysign(1e-9, u[0] - u_c)  # away from the corner
+        slope = (f(u[0] + h, p["a"]) - f(u[0], p["a"])) / h
+        return np.array([[slope, 0.0], [0.5, -1.0]])
+
+    branch = followed(residual, [u_0, u_0 / 2], a_0, -1, 2, **({"jacobian": jacobian} if given else {}))
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    np.testing.assert_allclose(
+        [f(*row) for row in zip(branch.columns["u0"], branch.columns["a"], strict=True)], 0, atol=1e-5
+    )
+    assert min(branch.columns["u0"]) < u_c < max(branch.columns["u0"])
+    assert not branch.points
+    assert len(branch.columns["a"]) < 300
+    assert calls[0] < 60_000
+    note = next(text for text in branch.notes if "corner" in text)
+    place = float(note.split("near a = ")[1].split(",")[0].split(" ")[0])
+    assert abs(place - a_c) < 1e-5
