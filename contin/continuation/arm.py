@@ -21,6 +21,7 @@ from contin.continuation.problem import (
     Problem,
     Sample,
     Stop,
+    Verified,
     is_adaptive,
     is_foretelling,
     is_planar,
