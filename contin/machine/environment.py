@@ -63,8 +63,11 @@ def fixed() -> bool:
 
 def _level() -> str:
     """The level of `target.name()`, found without loading LLVM where that is possible."""
-    if os.environ.get("CONTIN_TARGET") or platform.machine().lower() not in ("x86_64", "amd64"):
+    wanted = os.environ.get("CONTIN_TARGET", "")
+    if platform.machine().lower() not in ("x86_64", "amd64"):
         return target.name()
+    if wanted in ("x86-64-v2", "x86-64"):  # which every machine has that numpy's wheels run on
+        return wanted
     try:
         leaf = ctypes.CDLL(None).__x86_get_cpuid_feature_leaf  # glibc, since 2.33
     except (AttributeError, OSError, TypeError):
@@ -73,4 +76,4 @@ def _level() -> str:
     # eax, ebx, ecx, edx of leaves 1 and 7: what the processor has, not what glibc's tunables leave of it
     first, seventh = leaf(0).contents, leaf(1).contents
     modern = first[2] & FMA and first[2] & OSXSAVE and seventh[1] & AVX2
-    return "x86-64-v3" if modern else target.name()
+    return "x86-64-v3" if modern and wanted in ("", "x86-64-v3") else target.name()

@@ -52,7 +52,20 @@ def orbit_from_samples(
         )
     if problem.autonomous and problem.is_constant(solved, 1e3 * scale):
         raise NoSolutionError("the samples lead to an equilibrium, not to an orbit: its amplitude there is too small")
-    return PeriodicOrbit(system, problem.profile(solved), p.copy(), winding, multiple)
+    orbit = problem.profile(_on_own_mesh(problem, solved, float(p[0])))
+    return PeriodicOrbit(system, orbit, p.copy(), winding, multiple)
+
+
+def _on_own_mesh(problem: OrbitProblem, z: Array, parameter: float) -> Array:
+    """The orbit z on a mesh laid out for it: that of the samples shows how rough they are (of a straight line, rounding).
+
+    It stays on its mesh where Newton does not converge on the other.
+    """
+    profile = problem.profile(z)
+    h = choose_mesh(profile, problem.state_sizes(profile), problem.tolerance, problem.intervals).h
+    moved = profile.on_mesh(h).vector()
+    found = problem.at_parameter(moved, parameter, problem.initial_scale(moved, (z[-1] - 0.5, z[-1] + 0.5)))
+    return z if found is None else found
 
 
 def _in_step(system: Any, p: Array, t: Array) -> tuple[int, float, float]:

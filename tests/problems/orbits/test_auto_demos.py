@@ -31,7 +31,9 @@ def test_a_curve_of_period_doublings_ends_at_the_homoclinic_orbits_that_it_follo
     model = pendula()
     family = contin.continuation(contin.periodic_orbit(model, {}), "I", (0.0, 1.0))
     curve = contin.continuation(family["PD1"].locus(("I", "eps")), ("I", "eps"), {"I": (0, 3), "eps": (0, 3)})
-    assert {point.type for point in curve.points} <= {"GPD"}
+    # without friction and drive another multiplier is 1: at that end of the range rounding says whether it passes 1
+    inside = [point for point in curve.points if point.values["eps"] > point.error]
+    assert {point.type for point in inside} <= {"GPD"}
     assert all(point.residual < 1e-5 for point in curve.points)
     (end,) = [end for end in curve.ends if end.reason == "homoclinic"]
     at, saddle = end.data["at"], end.data["saddle"]

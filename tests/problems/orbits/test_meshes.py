@@ -70,7 +70,7 @@ def test_an_even_mesh_of_fixed_size_is_kept_where_the_orbit_turns_at_constant_sp
         return marches[-1]
 
     monkeypatch.setattr(OrbitProblem, "march", counted)
-    settings = {"intervals": 12, "step": 0.01, "max_step": 0.01, "steps": 150}
+    settings = {"intervals": 12, "step": 0.006, "max_step": 0.006, "steps": 300}
     family = api.continuation(born.switch(), "r", BOUNDS, settings=settings)
     lengths = np.array([family.problem.profile(z).h for z in family.z])
     np.testing.assert_allclose(lengths, 1.0 / 12.0, rtol=1e-12)

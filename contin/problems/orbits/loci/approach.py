@@ -43,7 +43,7 @@ def approached(problem: Any, z: Array, before: Array, scale: Array, failed: bool
         return None
     beside = _beside(orbits, profile, saddles, sizes)
     limit = CLOSE if failed else orbits.tolerance
-    return _end(problem, z, profile.period, saddles, beside, scale) if beside < limit else None
+    return _end(problem, z, profile.period, saddles, beside, scale, sizes) if beside < limit else None
 
 
 def _beside(orbits: Any, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
@@ -73,13 +73,15 @@ def _beside(orbits: Any, profile: Profile, saddles: list[Saddle], sizes: Array) 
     return largest or 1.0
 
 
-def _end(problem: Any, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array) -> End:
+def _end(
+    problem: Any, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array, sizes: Array
+) -> End:
     first, second = problem.parameters
     names = problem.system.state_names
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
     found: list[dict[str, Any]] = [
         {
-            "state": {k: rounded(v, s.u) for k, v in zip(names, s.u, strict=True)},
+            "state": dict(zip(names, rounded(s.u, sizes).tolist(), strict=True)),
             "eigenvalues": s.eigenvalues,
             "saddle_quantity": s.quantity,
         }
