@@ -57,7 +57,7 @@ def orbit_from_samples(
 
 
 def _on_own_mesh(problem: OrbitProblem, z: Array, parameter: float) -> Array:
-    """The orbit z on a mesh laid out for it: that of the samples shows how rough they are (of a straight line, rounding).
+    """The orbit z on a mesh laid out for it: that of the samples shows how rough they are, of a straight line rounding.
 
     It stays on its mesh where Newton does not converge on the other.
     """
