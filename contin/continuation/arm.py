@@ -237,11 +237,11 @@ def _without_last(chunk: Chunk) -> Chunk:
 
 
 def _behind(chunk: Chunk, piece: Piece, scale: Array) -> Behind | None:
-    """The last point found in the chunk's last step, seen from where the next one begins."""
-    point = next((m.point for m in reversed(piece.found) if m.before >= len(chunk) - 1), None)
-    if point is None:
+    """The last event in the chunk's last step, seen from where the next one begins; user values are no events."""
+    events = [m for m in piece.found if m.before >= len(chunk) - 1 and m.point.type != "UZ"]
+    if not events:
         return None
-    last = chunk.sample(-1)
+    point, last = max(events, key=lambda m: (m.before, m.length)).point, chunk.sample(-1)
     return Behind(point, dot(last.tangent, (point.z - last.z) / scale))
 
 

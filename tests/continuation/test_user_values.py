@@ -12,3 +12,21 @@ def test_a_user_value_in_the_same_step_as_a_branch_point_is_hit(value):
     assert [p.type for p in branch.points] == (["BP", "UZ"] if value > 0 else ["UZ", "BP"])
     uz = next(p for p in branch.points if p.type == "UZ")
     assert uz.values["p"] == value
+
+
+def test_user_values_in_every_step_leave_the_bifurcations_as_they_are():
+    # x' = p - x^2 has a fold at p = 0; y' = (p - 1/2) y + .. a branch point, z, w a Hopf point, at p = 0.7
+    rhs = {
+        "x": "p - x^2", "y": "(p - 0.5)*y - y^3",
+        "z": "(p - 0.7)*z - 2*w - z*(z^2 + w^2)", "w": "2*z + (p - 0.7)*w - w*(z^2 + w^2)",
+    }  # fmt: skip
+    values = [(k + 0.5) / 200 for k in range(200)]
+    start = {"x": 1.0, "y": 0.0, "z": 0.0, "w": 0.0}
+    alone = follow(rhs, start, {"p": 1.0}, (-1.0, 1.0))
+    branch = follow(rhs, start, {"p": 1.0}, (-1.0, 1.0), values={"p": values})
+    events = [p for p in branch.points if p.type != "UZ"]
+    assert [p.type for p in events] == [p.type for p in alone.points] == ["HB", "BP", "LP", "BP", "HB"]
+    assert [p.values["p"] for p in events] == pytest.approx([0.7, 0.5, 0.0, 0.5, 0.7], abs=1e-10)
+    assert sum(p.type == "UZ" for p in branch.points) == 2 * len(values)
+    assert [end.reason for end in branch.ends] == [end.reason for end in alone.ends]
+    assert branch.notes == alone.notes

@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
+from contin.continuation.defects import DEFECT
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
@@ -74,6 +75,7 @@ class LociSearch:
                 with self.notes.surviving(f"the line at {self.parameters[1 - axis]} = {value:.6g}"):
                     line = self._settled(axis, value)
                     self.branches.extend(line.branches)
+                    self.tell_defects(line.branches)
                     self.agenda.absorb(line.branches)
         self.agenda.finish()
         self._unconnected()
@@ -90,6 +92,11 @@ class LociSearch:
         self.agenda.absorb(branches)
         self.agenda.finish()
         return len(self.loci) > before
+
+    def tell_defects(self, branches: Sequence[Branch]) -> None:
+        """Branches that an error cut short lack states: regions may have more than are counted."""
+        for branch in branches:
+            self.notes.extend(f"a branch of states is cut short, {note}" for note in branch.notes if DEFECT in note)
 
     def _settled(self, axis: int, value: float) -> Line:
         """A line with the families of the orbits on which trajectories settle at some of its points."""

@@ -69,6 +69,12 @@ class Survey:
 
     def run(self) -> None:
         """Cut the box, visit every region, and cut again while that shows curves that were missed."""
+        self._run()
+        for visit in self.visits:
+            if visit is not None:
+                self.search.tell_defects(visit.line.branches)
+
+    def _run(self) -> None:
         for _ in range(ROUNDS):
             self.cut()
             self._visit_all()
