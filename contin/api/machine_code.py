@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import Any
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, ref
 
+from contin.model.kept import kept_with
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import is_large
 
-_compiled: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
+_compiled: WeakKeyDictionary[Any, ref[Any]] = WeakKeyDictionary()  # of equal models one serves all
 
 
 def compiled(model: Any) -> Any:
-    """The machine code of a model (of a user function: its derivatives), made once per model object."""
+    """The machine code of a model (of a user function: its derivatives), made once, freed with its last user."""
+    return kept_with(model, "machine_code", lambda: _made_for(model))
+
+
+def _made_for(model: Any) -> Any:
     from contin.lowering import compile_system
 
     try:
-        return _compiled[model]
-    except (KeyError, TypeError):
+        known = _compiled.get(model)
+    except TypeError:  # an object that cannot be a weak key
+        return model.system() if isinstance(model, FunctionProblem) else compile_system(model)
+    system = None if known is None else known()
+    if system is None:
         system = model.system() if isinstance(model, FunctionProblem) else compile_system(model)
-        with suppress(TypeError):  # an object that cannot be a weak key is compiled anew
-            _compiled[model] = system
-        return system
+        _compiled[model] = ref(system)
+    return system
 
 
 def prepare(model: Any) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -19,8 +18,10 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import ContinError
 from contin.machine import elementary
+from contin.model.kept import kept_with
 from contin.model.model import Model
 
+REMEMBERED: Final = 256  # values of the parameters
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
 SMALLER: Final = 1e-2  # absolute tolerances, in natural sizes, beside relative ones
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
@@ -96,13 +97,21 @@ def with_variations(
     return np.concatenate(parts)
 
 
-@lru_cache(maxsize=256)
 def sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
     """(declared, usual) sizes (n,) of a model's states, 0 where there are none.
 
     declared : `scale`, or an angle's period / (2 pi).  usual : the largest moduli in the model's default and named
     starts, at these values of the parameters.
     """
+    known: dict[tuple[float, ...], tuple[Array, Array]] = kept_with(model, "natural sizes", dict)
+    if p not in known:
+        if len(known) >= REMEMBERED:
+            known.clear()
+        known[p] = _sizes_of(model, p)
+    return known[p]
+
+
+def _sizes_of(model: Any, p: tuple[float, ...]) -> tuple[Array, Array]:
     if not isinstance(model, Model):  # a Python function
         return np.zeros(model.n), np.where(model.u0 != 0.0, np.abs(model.u0), model.typical)
     values = dict(zip(model.parameter_names, p, strict=True))

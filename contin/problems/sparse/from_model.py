@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from contin.lowering.alike import Alike
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
 from contin.model.expression import depends_on, symbol, symbols_in
+from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.problems.functions.problem import FunctionProblem
 
@@ -52,9 +52,6 @@ class _Formulas:
         pattern = csc_matrix((np.arange(1.0, len(rows) + 1.0), (rows, columns)), shape=(n, n))
         pattern.sort_indices()
         return pattern, pattern.data.astype(np.intp) - 1
-
-
-_known: WeakKeyDictionary[Model, _Formulas | None] = WeakKeyDictionary()
 
 
 def sparse_function(model: Any, u: Array, p: Array) -> FunctionProblem | None:
@@ -117,9 +114,7 @@ def is_large(model: Any) -> bool:
 def _formulas_of(model: Any) -> _Formulas | None:
     if not isinstance(model, Model) or len(model.states) < LARGE:
         return None
-    if model not in _known:
-        _known[model] = _Formulas(model) if _is_sparse_flow(model) else None
-    return _known[model]
+    return kept_with(model, "formulas", lambda: _Formulas(model) if _is_sparse_flow(model) else None)
 
 
 def _is_sparse_flow(model: Model) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -14,13 +13,13 @@ from contin.lowering import compile_system
 from contin.lowering.sliding import Surface, side_model, surfaces_of
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO
+from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.symbolic.derivatives import sparse_jacobian
 
 ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
 LANDINGS: Final = 6  # Newton steps onto a surface
 
-_known: WeakKeyDictionary[Any, tuple[Jump, ...]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +78,4 @@ def jumps_of(system: Any) -> tuple[Jump, ...]:
     iterated = getattr(system, "times", 1) > 1
     if not system.n_switches or not isinstance(model, Model) or model.forcing is not None or iterated:
         return ()
-    if system not in _known:
-        _known[system] = tuple(Jump(k, s, model) for k, s in enumerate(surfaces_of(model)))
-    return _known[system]
+    return kept_with(system, "jumps", lambda: tuple(Jump(k, s, model) for k, s in enumerate(surfaces_of(model))))
