@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import normalise, singular_vectors, solve
-from contin.normalforms.result import NormalForm
+from contin.normalforms.result import NormalForm, NotThisTypeError
 from contin.normalforms.static import StateError, quadratic_error, state, static_matrix
 
 
@@ -49,7 +49,7 @@ def bogdanov_takens(jet: Jet, *, state_error: StateError = None) -> NormalForm:
     d0, d1 = state(jet, chain.q0), state(jet, chain.q1)
     B00, B01 = jet.form(d0, d0), jet.form(d0, d1)
     if jet.kind == "map":
-        raise ValueError("a double multiplier 1 of a map is a 1:1 resonance (R1), not BT")
+        raise NotThisTypeError("a double multiplier 1 of a map is a 1:1 resonance (R1), not BT")
     a, b = 0.5 * float(chain.p1 @ B00), float(chain.p0 @ B00 + chain.p1 @ B01)
     error_a = 0.5 * quadratic_error(jet, chain.p1, chain.q0, chain.q0, state_error)
     error_b = quadratic_error(jet, chain.p0, chain.q0, chain.q0, state_error)

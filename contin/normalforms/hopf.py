@@ -10,7 +10,7 @@ from contin.machine import elementary
 from contin.normalforms.homological import CentreManifold
 from contin.normalforms.jet import Complex, Jet, Real
 from contin.normalforms.linear import EigenPair, eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import TRUST, NormalForm, parts, sense
+from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ def critical_pair(A: Real, omega: float | None = None, scale: Real | None = None
     if omega is None:
         upper = [value for value in eigenvalues(A) if value.imag > 0.0]
         if not upper:
-            raise ValueError("no complex eigenvalues: this is not a Hopf point (a neutral saddle has none)")
+            raise NotThisTypeError("no complex eigenvalues: this is not a Hopf point (a neutral saddle has none)")
         omega = eigen_pair(A, min(upper, key=lambda value: abs(value.real) / abs(value))).value.imag
     return null_pair(A - 1j * omega * np.eye(len(A)), 1j * omega, scale)
 

@@ -8,7 +8,7 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import CyclePredictor, conjugate
 from contin.normalforms.jet import Jet
 from contin.normalforms.linear import eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import TRUST, NormalForm, parts
+from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts
 
 RESONANT = 1e-4  # relative distance at which omega1 : omega2 counts as a ratio of small integers
 
@@ -18,7 +18,7 @@ def hopf_hopf_manifold(jet: Jet, omegas: tuple[float, float] | None = None) -> C
     if omegas is None:
         upper = sorted((v for v in eigenvalues(jet.A) if v.imag > 0.0), key=lambda v: abs(v.real) / abs(v))
         if len(upper) < 2:
-            raise ValueError("fewer than two pairs of complex eigenvalues: this is not a Hopf-Hopf point")
+            raise NotThisTypeError("fewer than two pairs of complex eigenvalues: this is not a Hopf-Hopf point")
         omegas = (eigen_pair(jet.A, upper[0]).value.imag, eigen_pair(jet.A, upper[1]).value.imag)
     pairs = []
     for omega in sorted(omegas, reverse=True):

@@ -14,7 +14,7 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.hopf import conjugate
 from contin.normalforms.jet import Jet, Real
 from contin.normalforms.linear import eigen_pair, eigenvalues, null_pair
-from contin.normalforms.result import TRUST, NormalForm, parts, sense
+from contin.normalforms.result import TRUST, NormalForm, NotThisTypeError, parts, sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def circle_manifold(jet: Jet, theta: float | None = None) -> CentreManifold:
     if theta is None:
         upper = [value for value in eigenvalues(jet.A) if value.imag > 0.0]
         if not upper:
-            raise ValueError("no complex multipliers: this is not a Neimark-Sacker point (a neutral saddle has none)")
+            raise NotThisTypeError("no complex multipliers: not a Neimark-Sacker point (a neutral saddle has none)")
         theta = float(elementary.angle(eigen_pair(jet.A, min(upper, key=lambda value: abs(abs(value) - 1.0))).value))
     value = elementary.exp(1j * theta)
     pair = null_pair(jet.A - value * np.eye(jet.n), complex(value), jet.scale)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from contin.normalforms.jet import Vector
 
 # A coefficient is zero to its estimated error when it is below this fraction of the sum of the moduli of its summands.
@@ -13,6 +15,13 @@ from contin.normalforms.jet import Vector
 # trusted to have done so.
 TRUST = 1e-10
 STATE_ERROR = 1e-10  # default estimate of the error of u0, as a fraction of the typical sizes of the states
+
+
+class NotThisTypeError(ArithmeticError, ValueError):
+    """The eigenvalues at hand are not those of a point of this type: there is no such normal form."""
+
+
+NO_FORM = (NotThisTypeError, ZeroDivisionError, np.linalg.LinAlgError)  # raised by points more so than their type
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.machine import elementary
@@ -22,12 +20,13 @@ def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
 
 
 def described(problem: Any, point: Verified, critical: Any, plane: bool = False) -> Verified:
-    """The point with its normal form; without, where the point is more degenerate than its type.
+    """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 
     `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.
     """
     from contin.normalforms.invariant_plane import zero_hopf_on_plane
     from contin.normalforms.point import normal_form
+    from contin.normalforms.result import NO_FORM
 
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
@@ -42,8 +41,8 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
             form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
             form = normal_form(point.type, jet_at(problem, point.z, active), frequency=frequency)
-    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
-        return replace(point, vectors=vectors)
+    except NO_FORM as reason:
+        return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
     errors = {"errors": dict(form.errors)} if form.errors else {}
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | dict(form.vectors))
 

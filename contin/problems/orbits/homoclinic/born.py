@@ -27,6 +27,7 @@ ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its predi
 def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
     from contin.normalforms.homoclinic import bogdanov_takens_unfolding
+    from contin.normalforms.result import NO_FORM
     from contin.normalforms.sources import compiled_jet
 
     first, second = indices(problem.system, parameters)
@@ -34,7 +35,7 @@ def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters:
     try:
         jet = compiled_jet(problem.system, u, p, (first, second), "flow", problem.curve.sizes)
         unfolding = bogdanov_takens_unfolding(jet)
-    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
+    except NO_FORM:  # the point's own remark says why
         return []
     typical = float(np.max(np.abs(unfolding.chain.q0) / problem.curve.sizes))
     parent = Parent(point.branch, point.label)

@@ -194,6 +194,5 @@ def _described(problem: Any, type_: str, z: Array, residual: float, error: float
         known["null"] = np.real(problem.curve.singular(z).at.v)
     elif zeros:
         known["null"] = np.real(vectors[:, zeros[0]])
-    form, vectors_found = forms.normal_form(problem, type_, z, known)
     unstable = int(np.sum(values[free].real > 0.0))
-    return Verified(type_, z, residual, error, values, unstable, form, known | vectors_found)
+    return forms.with_normal_form(problem, Verified(type_, z, residual, error, values, unstable), known)

@@ -6,26 +6,39 @@ with the dense methods where the system is small enough for that.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.problem import Verified
 from contin.normalforms.linear import normalise
+from contin.normalforms.result import NO_FORM
 from contin.problems.sparse.forms import state
 from contin.problems.sparse.loci.singular import Folds
 
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
-def normal_form(problem: Any, type_: str, z: Array, known: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Coefficients with FORMATS' names, and further vectors."""
-    if type_ == "CP":
-        return cusp(problem, z), {}
-    if type_ == "BT":
-        return takens(problem, z)
-    return (_dense(problem, type_, z, known), {}) if problem.n <= DENSE else ({}, {})
+def with_normal_form(problem: Any, point: Verified, known: dict[str, Any]) -> Verified:
+    """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
+    vectors: dict[str, Any] = {}
+    try:
+        if point.type == "CP":
+            form = cusp(problem, point.z)
+        elif point.type == "BT":
+            form, vectors = takens(problem, point.z)
+        elif problem.n <= DENSE:
+            form = _dense(problem, point.type, point.z, known)
+        else:
+            remark = f"{point.type}: its normal form is not computed beyond {DENSE} unknowns"
+            return replace(point, vectors=known, remark=remark)
+    except NO_FORM as reason:
+        remark = f"{point.type}: its normal form could not be computed ({reason})"
+        return replace(point, vectors=known, remark=remark)
+    return replace(point, normal_form=form, vectors=known | vectors)
 
 
 def cusp(problem: Any, z: Array) -> dict[str, Any]:
@@ -76,11 +89,8 @@ def _dense(problem: Any, type_: str, z: Array, known: dict[str, Any]) -> dict[st
     matrix = _entries(linear, problem.n)
     jet = DerivativeJet(matrix, lambda directions: branch.form(point, *map(state, directions)), 0, "flow")
     omegas = known["omegas"]
-    try:
-        form = dense_form(type_, jet, frequency=max(omegas) if omegas and type_ != "HH" else None)
-    except (ValueError, ZeroDivisionError, np.linalg.LinAlgError):
-        return {}
-    return dict(form.coefficients)
+    form = dense_form(type_, jet, frequency=max(omegas) if omegas and type_ != "HH" else None)
+    return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
 
 
 def _entries(linear: Any, n: int) -> NDArray[Any]:
