@@ -84,12 +84,15 @@ def phase(
     orbits: bool = True,
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
+    journal: Journal | None = None,
 ) -> Any:
     """The phase diagram of a model in two parameters: a `PhaseDiagram` of curves and regions.
 
     pair : the two names; the first is drawn horizontally.  range : {name: (lo, hi)}, by default the model's own.
     start : a named start, a mapping of states, or a list of them.  parameters : values of the others.
     orbits : periodic orbits and their curves too (LPC, PD, NS, BPC and homoclinic ones), not only equilibria.
+
+    journal : keeps every chunk and curve, and answers with those of an earlier, killed run.
 
     Ctrl-C ends the search: what was computed is returned, with `stopped` true.
 
@@ -115,7 +118,7 @@ def phase(
     if any(not isinstance(e, Equilibrium) for e in found):
         raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
-    return compute(found, pair, box, settings, watch, orbits)
+    return compute(found, pair, box, settings, watch, orbits, journal)
 
 
 def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:

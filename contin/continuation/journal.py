@@ -29,6 +29,31 @@ class Journal(Protocol):
         """Keep a branch that is whole, before the next one begins; again, where one of this name was kept."""
 
 
+class OfSearch:
+    """The journal of a search whose branches may have equal names: its arms are numbered in the order they begin.
+
+    Only what the search calls `finished` on the journal itself is kept as a branch, not what it looks at on the way.
+    """
+
+    def __init__(self, journal: Journal, search: str) -> None:
+        self._journal, self._search, self._begun = journal, search, 0
+        self._keys: dict[str, str] = {}
+
+    def replay(self, key: str, number: int) -> Chunk | None:
+        """As the journal; number 0 is asked for once, when an arm begins."""
+        if number == 0:
+            self._begun += 1
+            self._keys[key] = f"{self._search} {self._begun} {key}"
+        return self._journal.replay(self._keys[key], number)
+
+    def record(self, key: str, number: int, chunk: Chunk) -> None:
+        """As the journal."""
+        self._journal.record(self._keys[key], number, chunk)
+
+    def finished(self, branch: Branch) -> None:
+        """A branch of the search is no result."""
+
+
 def journaled(march: Callable[..., Chunk], journal: Journal, key: str) -> Callable[..., Chunk]:
     """`march` that answers from the journal first and records what it computes."""
     number = 0

@@ -152,6 +152,7 @@ class ContinEngine:
             orbits=phase.orbits,
             settings=phase.settings,
             watch=self.watch,
+            journal=self.journal,
         )
         return found
 

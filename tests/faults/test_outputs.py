@@ -30,7 +30,7 @@ def long(*values):
 
 @pytest.fixture(scope="module", autouse=True)
 def _warm():
-    from contin.runs.warm import warm_up
+    from tests.warm import warm_up
 
     warm_up()
 

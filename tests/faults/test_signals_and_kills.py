@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 import pytest
-from contin.runs.warm import warm_up
 
 from contin.store.places import beside
 from contin.store.results import read_results
@@ -16,6 +15,7 @@ from contin.store.scan_store import read_scan
 from contin.store.verify import verify
 from tests.cli.calls import FOLD, run_file
 from tests.faults.processes import finished, needs_fork, started, wait_for
+from tests.warm import warm_up
 
 pytestmark = needs_fork
 SHORT = {"name": "short", "parameter": "p"}
@@ -65,7 +65,7 @@ def kept(path: Path) -> int:
     return log.stat().st_size if log.exists() else 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_a_signal_keeps_the_runs_of_a_scan_and_it_goes_on(tmp_path, number):
     outputs = {"save": "s.scan", "csv": "s.csv", "json": "s.json"}
     run_file(tmp_path, DAMPED, scan=SCAN, outputs=outputs)
@@ -136,3 +136,35 @@ def test_a_log_gets_a_line_of_progress_every_few_seconds(tmp_path, monkeypatch):
     os.kill(process.pid, signal.SIGTERM)
     assert finished(process) == 1
     assert "endless: p = " in (tmp_path / "err").read_text()
+
+
+CUSP = {"contin": 1, "name": "cusp", "states": {"x": 0.5, "y": 0}, "equations": {"x": "a + b*x - x^3", "y": "x - y"},
+        "parameters": {"a": {"value": 0.5, "range": [-1, 1]}, "b": {"value": 0.5, "range": [-1, 1]}}}  # fmt: skip
+
+
+def test_a_killed_phase_diagram_keeps_its_curves_and_goes_on(tmp_path):
+    """Killed at the first curve that is whole; `--resume` gives what an uninterrupted run gives."""
+    phase = {"parameter": ["a", "b"], "orbits": False}
+    run_file(tmp_path, CUSP, phase=phase, outputs=STORES)
+
+    def end_at_a_curve():
+        from contin.store.journal import SqliteJournal
+
+        def ended(journal, branch, original=SqliteJournal.finished):
+            original(journal, branch)
+            os.kill(os.getpid(), signal.SIGKILL)
+
+        SqliteJournal.finished = ended
+
+    assert finished(started(tmp_path, "run", "case.yaml", "-q", before=end_at_a_curve)) == -signal.SIGKILL
+    curves = [branch["name"] for branch in read_results(tmp_path / "r.contin")["branches"]]
+    assert len(curves) == 1
+    assert finished(started(tmp_path, "run", "case.yaml", "-q", "--resume")) == 0
+    resumed = read_results(tmp_path / "r.json")
+    (tmp_path / "r.contin").unlink()
+    assert finished(started(tmp_path, "run", "case.yaml", "-q")) == 0
+    whole = read_results(tmp_path / "r.json")
+    assert curves[0] in [branch["name"] for branch in whole["branches"]]
+    assert resumed["phase"] == whole["phase"]
+    for one, other in zip(resumed["branches"], whole["branches"], strict=True):
+        assert (one["name"], one["columns"], one["points"]) == (other["name"], other["columns"], other["points"])

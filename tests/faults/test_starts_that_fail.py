@@ -82,6 +82,32 @@ def test_of_a_transformed_model_too(tmp_path, transform):
     assert [branch["name"] for branch in document["branches"]] == ["good"]
 
 
+PLANE = {"parameter": ["eps", "p"], "range": {"eps": [0.01, 1], "p": [0.1, 2]}}
+COMPUTED = {  # what only computing finds
+    "connection": {"start": {}, "as": "connection", **PLANE},
+    "connection to": {
+        "start": {}, "to": {}, "as": "connection", **PLANE,
+    },
+    "orbit": {"as": "orbit", "parameter": "p"},
+    "orbit near rest": {"start": {"parameters": {"p": 0.01}}, "as": "orbit", "parameter": "p"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", COMPUTED)
+@pytest.mark.parametrize("form", ["polar", "cartesian"])
+def test_of_an_averaged_model_that_fails_while_computing(tmp_path, what, form):
+    failing = {"name": "failing", **COMPUTED[what]}
+    runs = [failing, GOOD, {**GOOD, "name": "last"}]
+    outputs = {"json": "r.json", "save": "r.contin"}
+    file = run_file(tmp_path, WEAK, *runs, transform=[{"average": {"form": form}}], outputs=outputs)
+    code = call("run", file, "-q")
+    assert code == 1
+    document = json.loads((tmp_path / "r.json").read_text())
+    assert [branch["name"] for branch in document["branches"]] == ["good", "last"]
+    assert any(note.startswith("failing skipped: ") for note in document["notes"])
+    assert (tmp_path / "r.contin").exists()
+
+
 def test_a_simulation_that_cannot_start_costs_neither_branches_nor_other_simulations(tmp_path, monkeypatch):
     from contin.errors import NotFiniteError
     from contin.simulate import run

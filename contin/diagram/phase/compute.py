@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import NO_FUNCTION
 from contin.continuation.branch import Branch
+from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
 from contin.diagram.phase.checks import Check
@@ -33,6 +34,7 @@ def phase(
     settings: Settings | Mapping[str, Any] | None = None,
     watch: Watcher | None = None,
     orbits: bool = True,
+    journal: Journal | None = None,
 ) -> PhaseDiagram:
     """The phase diagram of the states connected with `starts` in a box of two parameters.
 
@@ -54,7 +56,7 @@ def phase(
     followed = orbits and system.kind != "map" and system.jacobian_address != NO_FUNCTION
     settle = followed or (orbits and system.kind == "map")
     problem = listed[0].problem(first)
-    search = LociSearch(problem, points, (first, second), bounds, chosen, watch, followed, settle)
+    search = LociSearch(problem, points, (first, second), bounds, chosen, watch, followed, settle, journal)
     survey = Survey(search)
     stopped = False
     try:

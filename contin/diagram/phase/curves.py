@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.defects import DEFECT, noted
 from contin.continuation.departure import Seed
+from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, trace
 from contin.diagram.orbits import generation
@@ -47,6 +48,8 @@ class Curves:
     loci: list[Branch] = field(default_factory=list)
     refused: list[tuple[str, Array]] = field(default_factory=list)  # points whose curves could not be followed
     generations: dict[str, int] = field(default_factory=dict)  # of curves, by name
+    journal: Journal | None = None  # keeps each curve that is whole, before the next one begins
+    steps: Journal | None = None  # ... and the chunks on the way, `OfSearch`
     spent: int = 0  # points of curves of orbits
 
     @property
@@ -105,6 +108,8 @@ class Curves:
         if (repeats_curve if orbital else repeats)(branch, self.loci, self.places.box):
             return []
         self.loci.append(branch)
+        if self.journal is not None:
+            self.journal.finished(branch)
         self.generations[branch.name] = self.generation(point)
         self.notes.extend(f"{branch.name}: {note}" for note in branch.notes)
         for end in branch.ends:
@@ -116,7 +121,9 @@ class Curves:
         """The curve through a seed, named."""
         number = 1 + sum(b.locus == seed.problem.locus for b in self.loci)
         name = f"phase/{seed.problem.locus}-{number}"
-        branch = trace(seed, self.places.box[0], name=name, settings=self._settings_of(seed), watch=self.watch)
+        branch = trace(
+            seed, self.places.box[0], name=name, settings=self._settings_of(seed), watch=self.watch, journal=self.steps
+        )
         self.spent += len(branch) if orbital else 0
         return branch
 

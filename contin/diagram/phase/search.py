@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.continuation.defects import DEFECT
 from contin.continuation.departure import Seed
+from contin.continuation.journal import Journal, OfSearch
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.continuation.trace import Watcher
@@ -53,13 +54,18 @@ class LociSearch:
     watch: Watcher | None = None
     orbits: bool = True  # curves of periodic and of connecting orbits, too
     settle: bool = True  # stable states that no branch leads to are looked for with trajectories
+    journal: Journal | None = None
     branches: list[Branch] = field(default_factory=list)
     notes: Notes = field(default_factory=Notes)
     settled: list[tuple[float, float, State]] = field(default_factory=list)  # states at crossings of two lines
 
     def __post_init__(self) -> None:
         self.places = Places(self.parameters, self.box)
-        curves = Curves(self.problem, self.places, self.settings, self.watch, self.orbits, self.notes)
+        self._steps = None if self.journal is None else OfSearch(self.journal, "phase")
+        curves = Curves(
+            self.problem, self.places, self.settings, self.watch, self.orbits, self.notes,
+            journal=self.journal, steps=self._steps,
+        )  # fmt: skip
         self.loci = curves.loci
         self.agenda = Agenda(curves)
 
@@ -133,8 +139,8 @@ class LociSearch:
         targets = [Target(name, target) for target in marked]
         budget = OF_MAP if self.problem.system.kind == "map" else BUDGET
         explorer = Explorer(
-            name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch, doublings=DOUBLINGS,
-            generations=GENERATIONS, unstable_births=False,
+            name, self.box[axis], self.settings, budget, targets, self.orbits, watch=self.watch,
+            journal=self._steps, doublings=DOUBLINGS, generations=GENERATIONS, unstable_births=False,
         )  # fmt: skip
         seeds = [(f"start{k + 1}", seed) for k, seed in enumerate(self.seeds(axis, value))]
         line = Line(axis, value, explorer, explorer.explore(seeds))
