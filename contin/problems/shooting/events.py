@@ -84,5 +84,8 @@ def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
     if point.type in ("PD", "NS"):
         return with_normal_form(problem, point, scale)
     if point.type == "BPC":
-        return replace(point, normal_form=side_of_branch(problem, point.z, scale))
+        form = side_of_branch(problem, point.z, scale)
+        if not form:
+            return replace(point, remark="BPC: its kind is not known: no crossing family was found beside it")
+        return replace(point, normal_form=form)
     return replace(point, remark="LPC: the coefficient b is not computed for orbits by shooting")
