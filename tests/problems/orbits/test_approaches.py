@@ -104,8 +104,8 @@ def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
     for _ in range(12):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if np.sign(side(middle)) == start else (low, middle)
-    assert end.data["error"] < 5e-8
-    assert end.data["at"]["mu"] == pytest.approx(0.5 * (low + high), abs=5e-9)
+    assert end.data["error"] < 1e-6  # an extrapolation: which orbits it has, and its error, depend on the steps
+    assert end.data["at"]["mu"] == pytest.approx(0.5 * (low + high), abs=end.data["error"] + 0.5 * (high - low))
 
 
 def test_the_rate_at_which_a_frame_keeps_up_is_no_eigenvalue_of_the_saddle(beats):

