@@ -150,7 +150,18 @@ class Arm:
             rows, z=np.concatenate([rows.z, single.z]), tangents=np.concatenate([rows.tangents, single.tangents]),
             unstable=np.concatenate([rows.unstable, single.unstable]),
             eigenvalues=np.concatenate([rows.eigenvalues, single.eigenvalues]),
+            notes=(*rows.notes, *self._skipped(mark.point.z, sample.z)),
         ), sample  # fmt: skip
+
+    def _skipped(self, z: Array, beyond: Array) -> list[str]:
+        """A note for user values between two points of the branch between which it is not followed."""
+        ends = np.array([z, beyond])
+        spans = [(t, t.values(self.problem, ends) - t.value) for t in self.course.targets]
+        return [
+            f"{t.column} = {t.value:.10g} is not labelled: two branches touch near there and cannot be told apart"
+            for t, (a, b) in spans
+            if a * b < 0.0
+        ]
 
     def _resolved(
         self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None

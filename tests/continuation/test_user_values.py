@@ -30,3 +30,12 @@ def test_user_values_in_every_step_leave_the_bifurcations_as_they_are():
     assert sum(p.type == "UZ" for p in branch.points) == 2 * len(values)
     assert [end.reason for end in branch.ends] == [end.reason for end in alone.ends]
     assert branch.notes == alone.notes
+
+
+def test_a_user_value_where_two_branches_cannot_be_told_apart_is_a_note():
+    # x' = x (x - p^2): x = 0 and x = p^2 touch at p = 0
+    values = [-0.8, 0.005, 0.8]
+    branch = follow({"x": "x*(x - p^2)"}, {"x": 0.0}, {"p": -1.0}, (-1.0, 1.0), values={"p": values})
+    found = {p.values["p"] for p in branch.points if p.type == "UZ"}
+    assert {-0.8, 0.8} <= found
+    assert all(v in found or any(f"p = {v} is not labelled" in note for note in branch.notes) for v in values)
