@@ -20,6 +20,7 @@ SITE = sysconfig.get_paths()["purelib"]
 def run(*arguments: object, cwd: Path, **environment: str) -> str:
     """Standard output of a command that must succeed."""
     given = {**os.environ, "CONTIN_KERNELS": "no", **environment}
+    given.pop("PYTHONPATH", None)  # the installed package is what is tried
     done = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, cwd=cwd, check=False, env=given)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -111,7 +112,7 @@ def test_a_wheel_with_machine_code_needs_no_numba_and_no_home(build, install, tm
         assert f"contin/_kernels/{target.label()}.zip" in archive.namelist()
         [metadata] = [name for name in archive.namelist() if name.endswith("METADATA")]
         assert "Requires-Dist: numba" not in archive.read(metadata).decode()
-    home = {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/nonexistent", "CONTIN_CACHE_DIR": ""}
+    home = {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null", "CONTIN_CACHE_DIR": ""}
     told = run(install(wheel) / "python", "-c", WITHOUT_NUMBA, cwd=tmp_path, **home)
     assert told.split()[:2] == ["None", "True"]
     assert float(told.split()[2]) == pytest.approx(2.0, abs=1e-9)
