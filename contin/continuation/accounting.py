@@ -14,6 +14,7 @@ MOVED: Final[Mapping[str, int]] = {  # most critical values a point of this type
     "LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2, "LPC": 1, "UZ": 0, "EX": 0,
 }  # fmt: skip
 ANY: Final = 1_000_000
+BESIDE: Final = 3  # rows about a nonsmooth fold that the corrector may put on either of its arms
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
 
 
@@ -33,14 +34,17 @@ def unexplained(
     points of other branches, whose critical values are not counted either.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
+    corners: set[int] = set()  # rows beside a corner of the equations: of either side, whatever their place
     for row, point in labels:
         allowed[row] = allowed.get(row, 0) + moved(point)
+        if point.normal_form.get("kind") == "nonsmooth":
+            corners.update(range(row - BESIDE, row + BESIDE + 1))
     found, last, slack = [], None, 0
     for row, count in enumerate(unstable.tolist()):
         if row in allowed:
             slack += allowed[row]
             continue
-        if last is not None and abs(count - last) > slack:
+        if last is not None and abs(count - last) > slack and row not in corners:
             found.append(row)
         last, slack = count, 0
     return found

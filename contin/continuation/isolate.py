@@ -129,6 +129,8 @@ def next_to_event(
     problem = stretch.problem
     if event.touches or is_planar(problem) or problem.explain(near, far) != ():
         return
+    if event.normal_form.get("kind") == "nonsmooth":  # what is divided out is a zero of a smooth function
+        return
     test = problem.watch(event.type)
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
     yield from _rest(stretch, near, far, centre, crossing, 0)
@@ -144,7 +146,7 @@ def _rest(
     points = points_between(stretch, near, far, centre, crossing, noise)
     unclear = None
     for sample in points if is_adaptive(stretch.problem) else ():
-        if np.any((np.abs(sample.tests) <= noise)[crossing]):
+        if np.any((np.abs(sample.tests) <= noise)[crossing][1:]):  # of a fold the rows themselves tell the sides
             unclear = sample
     for a, b in pairwise(points):
         if stretch.problem.explain(a, b) == ():

@@ -20,7 +20,7 @@ from contin.normalforms.map_resonances import (
     resonance_1_4,
 )
 from contin.normalforms.maps import neimark_sacker, period_doubling
-from contin.normalforms.result import NormalForm
+from contin.normalforms.result import NormalForm, NotThisTypeError
 from contin.normalforms.static import StateError
 from contin.normalforms.zero_hopf import zero_hopf
 
@@ -74,5 +74,4 @@ def normal_form(
         return _OSCILLATORY[type_](jet, frequency)
     if type_ in _PLAIN:
         return _PLAIN[type_](jet)
-    known = ", ".join(ORDER)
-    raise ValueError(f"no normal form for type {type_!r} here; known: {known}")
+    raise NotThisTypeError(f"no normal form for type {type_!r} here; known: {', '.join(ORDER)}")

@@ -76,7 +76,7 @@ class Sheets:
         if start is None:
             return None
         h0, h1, v = start
-        step = max(abs(s) ** 2, 1e-4)
+        step = max(abs(s) * abs(s), 1e-4)
         beside = self.reduced(s, step, v)
         if beside is None:
             return None

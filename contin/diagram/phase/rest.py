@@ -98,7 +98,7 @@ def _grows(system: Any, start: Array, p: Array, moving: Any) -> bool | None:
         times = np.linspace(0.0, TIME * scale, 61)
         path = integrate(system, start, p, TIME * scale, times=times, **options).u[:, moving]  # type: ignore[arg-type]
         sizes = np.linalg.norm(path, axis=1)
-        if float(sizes.max()) > CLEAR**3 * before:
+        if float(sizes.max()) > CLEAR * CLEAR * CLEAR * before:
             return True
         return False if float(sizes[-1]) < before / CLEAR else None
     return None
