@@ -116,7 +116,7 @@ def test_without_a_store_the_branches_that_are_whole_are_in_the_json(tmp_path):
 def test_of_two_scans_with_one_store_the_second_is_refused(tmp_path):
     run_file(tmp_path, DAMPED, scan=SCAN, outputs={"save": "s.scan"})
     first = started(tmp_path, "run", "case.yaml", "-q")
-    assert wait_for(lambda: kept(tmp_path / "s.scan") > 50_000, first)
+    assert wait_for(lambda: kept(tmp_path / "s.scan") > 150_000, first)
     for more in ([], ["--resume"]):
         assert finished(started(tmp_path, "scan", "case.yaml", "-q", *more)) == 2
         assert "s.scan: in use by another process" in (tmp_path / "err").read_text()
