@@ -15,7 +15,7 @@ _EXPORTS = {
     "FunctionProblem": "contin.problems.functions.problem",
     "InputError": "contin.errors",
     "Model": "contin.model.model",
-    "average": "contin.symbolic.averaging",
+    "average": "contin.symbolic.averaging.average",
     "continuation": "contin.api",
     "diagram": "contin.api",
     "equilibrium": "contin.api",

@@ -32,11 +32,11 @@ def equilibrium(
     period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
 
     In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
-    it is solved, and continued, in the frame that turns with it (`contin.symbolic.corotating`).
+    it is solved, and continued, in the frame that turns with it (`contin.symbolic.passes.corotating`).
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
-    from contin.symbolic.corotating import frame_for
+    from contin.symbolic.passes.corotating import frame_for
 
     _need_parameters(model)
     refuse_forced(model)

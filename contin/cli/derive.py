@@ -14,7 +14,7 @@ def derive_model(
 ) -> int:
     """Print the derivation, or write it; exit code."""
     from contin.model.registry import load
-    from contin.symbolic.derivation import derive
+    from contin.symbolic.averaging.derivation import derive
 
     derivation = derive(load(reference), form, time, order)
     written = {latex: derivation.latex, markdown: derivation.markdown, save: derivation.model.text}

@@ -23,8 +23,8 @@ from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.routines import Layout, vector_routine
 from contin.lowering.tape import as_float
 from contin.model.expression import ZERO, Expression, postorder, rebuild, symbol
-from contin.symbolic.derivatives import direction_symbols, directional, sparse_jacobian
-from contin.symbolic.remove_singularities import remove_singularities
+from contin.symbolic.calculus.derivatives import direction_symbols, directional, sparse_jacobian
+from contin.symbolic.calculus.remove_singularities import remove_singularities
 
 LITERAL: Final = 16  # integers up to this are part of a shape, as exponents are: they decide how it is computed
 

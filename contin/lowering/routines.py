@@ -10,7 +10,7 @@ from contin.errors import InputError
 from contin.lowering.llvm_text import Routine, Store
 from contin.lowering.tape import Tape
 from contin.model.expression import ZERO, Expression, symbols_in
-from contin.symbolic.derivatives import direction_symbols, directional, sparse_jacobian
+from contin.symbolic.calculus.derivatives import direction_symbols, directional, sparse_jacobian
 
 FEW_ZEROS: Final = 8  # that many zeros of a matrix are stored one by one; more are cleared at once
 

@@ -19,9 +19,9 @@ from contin.lowering.pieces import MODE, freeze
 from contin.model.expression import Expression, add, call, div, mul, number, power, sub, substitute, symbol
 from contin.model.model import Model
 from contin.model.printing import to_text
-from contin.symbolic.derivatives import sparse_jacobian
-from contin.symbolic.holding import holds
-from contin.symbolic.remove_singularities import remove_singularities
+from contin.symbolic.calculus.derivatives import sparse_jacobian
+from contin.symbolic.calculus.remove_singularities import remove_singularities
+from contin.symbolic.passes.holding import holds
 
 WEIGHT: Final = "weight"  # observable of the sliding model
 

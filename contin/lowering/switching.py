@@ -1,7 +1,8 @@
 """Switching functions: where a piecewise formula changes from one smooth piece to another.
 
 Every comparison that chooses a value gives left - right; abs, sign and heaviside of x give x; min and max of a and b
-give a - b. Conditions that passes add to keep smooth formulas computable (`contin.symbolic.guards`) are no switching.
+give a - b. Conditions that passes add to keep smooth formulas computable are no switching
+(`contin.symbolic.calculus.guards`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from contin.model.expression import (
     split_coefficient,
     sub,
 )
-from contin.symbolic.guards import is_guard
+from contin.symbolic.calculus.guards import is_guard
 
 
 def switching_functions(expressions: Iterable[Expression], names: Iterable[str]) -> list[Expression]:

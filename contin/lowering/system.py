@@ -18,8 +18,8 @@ from contin.lowering.pieces import Pieces, compile_pieces
 from contin.lowering.routines import Layout, form_routine, gradient_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
 from contin.model.expression import Expression, postorder, symbol
-from contin.symbolic.derivatives import derivative, sparse_jacobian
-from contin.symbolic.remove_singularities import remove_singularities
+from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
+from contin.symbolic.calculus.remove_singularities import remove_singularities
 
 TIME: Final = "t"
 COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions in one module, cheaper than one by one
@@ -50,10 +50,9 @@ class Equations(Protocol):
 def compile_system(model: Equations, regular: bool = False) -> CompiledSystem:
     """Machine code of a model: values, Jacobians, observables, switching functions, derivatives of any order.
 
-    Removable singularities are removed first (`contin.symbolic.remove_singularities`), unless `regular` says that there
-    are none. Each function is compiled when
-    it is first asked for. Raises `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t`
-    in a forced model).
+    Removable singularities are removed first (`contin.symbolic.calculus.remove_singularities`), unless `regular` says
+    that there are none. Each function is compiled when it is first asked for. Raises
+    `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t` in a forced model).
     """
     return CompiledSystem(model, regular)
 

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 PASSES: Final[Mapping[str, tuple[str, str]]] = {
-    "average": ("contin.symbolic.averaging", "average"),
-    "coordinates": ("contin.symbolic.coordinates", "change_coordinates"),
-    "corotate": ("contin.symbolic.corotating", "corotate"),
-    "fix": ("contin.symbolic.fix_parameters", "fix_parameters"),
-    "linearise": ("contin.symbolic.linearisation", "linearise"),
-    "scale": ("contin.symbolic.scaling", "scale"),
+    "average": ("contin.symbolic.averaging.average", "average"),
+    "coordinates": ("contin.symbolic.passes.coordinates", "change_coordinates"),
+    "corotate": ("contin.symbolic.passes.corotating", "corotate"),
+    "fix": ("contin.symbolic.passes.fix_parameters", "fix_parameters"),
+    "linearise": ("contin.symbolic.passes.linearisation", "linearise"),
+    "scale": ("contin.symbolic.passes.scaling", "scale"),
 }
 """Name in the file -> module and function; the options written in the file are its keyword arguments."""
 

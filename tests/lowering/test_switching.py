@@ -6,8 +6,8 @@ import pytest
 from contin.lowering import compile_system
 from contin.model.expression import symbol
 from contin.model.parser import parse
-from contin.symbolic.derivatives import derivative
-from contin.symbolic.remove_singularities import remove_singularities
+from contin.symbolic.calculus.derivatives import derivative
+from contin.symbolic.calculus.remove_singularities import remove_singularities
 
 from .systems import Equations, compiled
 

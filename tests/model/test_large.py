@@ -78,7 +78,7 @@ def test_dependence_is_exact_where_many_symbols_share_bits():
 
 
 def test_derivatives_are_exact_where_symbols_share_bits():
-    from contin.symbolic.derivatives import sparse_jacobian
+    from contin.symbolic.calculus.derivatives import sparse_jacobian
 
     names = [f"crowded{k}" for k in range(CROWD + 1)]
     crowd(names)

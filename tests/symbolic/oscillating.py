@@ -7,7 +7,7 @@ import numpy as np
 
 from contin.model.evaluate import evaluate_all
 from contin.model.model import Model
-from contin.symbolic.sampling import sample
+from contin.symbolic.calculus.sampling import sample
 
 
 def oscillators(*forces, parameters=None, stiffness=1, **more):

@@ -2,7 +2,7 @@ import pytest
 
 import contin
 from contin.cli.main import main
-from contin.symbolic.derivation import derive
+from contin.symbolic.averaging.derivation import derive
 
 
 def test_the_document_has_every_step_of_a_piecewise_average():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import ZERO, add, call, compare, if_, mul, postorder, power, symbol
 from contin.model.parser import parse
-from contin.symbolic.derivatives import derivative, direction_symbols, directional, jacobian, sparse_jacobian
+from contin.symbolic.calculus.derivatives import derivative, direction_symbols, directional, jacobian, sparse_jacobian
 
 NAMES = ("x", "y", "a")
 SCOPE = {name: symbol(name) for name in NAMES}

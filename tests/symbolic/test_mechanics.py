@@ -5,8 +5,8 @@ import pytest
 import contin
 from contin.errors import InputError
 from contin.model.evaluate import evaluate, evaluate_all
-from contin.symbolic.mechanics import mechanical_model
-from contin.symbolic.metronomes import metronomes
+from contin.symbolic.passes.mechanics import mechanical_model
+from contin.symbolic.passes.metronomes import metronomes
 
 
 def point_of(model, seed=0):

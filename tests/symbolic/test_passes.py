@@ -8,11 +8,11 @@ import pytest
 import contin
 from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
-from contin.symbolic.coordinates import change_coordinates
-from contin.symbolic.corotating import corotate
-from contin.symbolic.fix_parameters import fix_parameters
-from contin.symbolic.linearisation import linearise
-from contin.symbolic.scaling import scale
+from contin.symbolic.passes.coordinates import change_coordinates
+from contin.symbolic.passes.corotating import corotate
+from contin.symbolic.passes.fix_parameters import fix_parameters
+from contin.symbolic.passes.linearisation import linearise
+from contin.symbolic.passes.scaling import scale
 
 HOPF = contin.Model(
     "hopf", states={"x": 0.7, "y": 0.2}, parameters={"mu": 0.5, "w": 2.0, "c": 0.3},

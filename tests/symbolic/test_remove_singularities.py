@@ -7,9 +7,9 @@ import pytest
 from contin.model.evaluate import evaluate
 from contin.model.expression import postorder, symbol
 from contin.model.parser import parse
-from contin.symbolic.derivatives import derivative
-from contin.symbolic.guards import is_guard
-from contin.symbolic.remove_singularities import remove_singularities
+from contin.symbolic.calculus.derivatives import derivative
+from contin.symbolic.calculus.guards import is_guard
+from contin.symbolic.calculus.remove_singularities import remove_singularities
 
 SMALL = [1e-9, 1e-7, 1e-5, 1e-3, 1e-2, 1e-1]
 EDGES = [0.249, 0.251, 0.374, 0.376, 0.499, 0.501, 0.7]  # both sides of every guard

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import contin
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
-from contin.symbolic.turn_grid import TurnGrid
+from contin.symbolic.averaging.turn_grid import TurnGrid
 
 
 def test_van_der_pol_frequency_is_one_minus_eps_squared_over_16():

@@ -8,9 +8,9 @@ import pytest
 from contin.model.evaluate import evaluate
 from contin.model.expression import as_expression, symbol
 from contin.model.parser import parse
-from contin.symbolic.series import expand
-from contin.symbolic.series_arithmetic import NotAnalyticError
-from contin.symbolic.series_functions import _RULES
+from contin.symbolic.calculus.series import expand
+from contin.symbolic.calculus.series_arithmetic import NotAnalyticError
+from contin.symbolic.calculus.series_functions import _RULES
 
 SCOPE = {name: symbol(name) for name in "wab"}
 AT_ONE = ("log", "log10", "sqrt")  # not analytic at 0

@@ -7,7 +7,7 @@ import sympy
 from contin.model.evaluate import evaluate
 from contin.model.expression import number, symbol
 from contin.model.parser import parse
-from contin.symbolic.sympy_bridge import BridgeError, from_sympy, to_sympy
+from contin.symbolic.calculus.sympy_bridge import BridgeError, from_sympy, to_sympy
 
 FORMULAS = [
     "x^3/(1 + x^4) - 2*x/3",

@@ -1,4 +1,4 @@
-"""Curves of special points in two parameters as equilibria of an extended model (`contin.symbolic.loci`), compiled."""
+"""Curves of special points in two parameters as equilibria of an extended model (`symbolic.passes.loci`), compiled."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.machine import elementary
-from contin.symbolic import loci
+from contin.symbolic.passes import loci
 
 PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
 VECTOR = 2.0  # how much a turn of a null vector counts in the metric: 1 / VECTOR of its angle

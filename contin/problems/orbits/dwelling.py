@@ -1,6 +1,6 @@
 """Where orbits move slowly. In the frame that turns with the state what counts is the change of shape.
 
-A frame (`contin.symbolic.corotating`) keeps up with the state at a rate of its own, which has no meaning: the motion
+A frame (`symbolic.passes.corotating`) keeps up with the state at a rate of its own, which has no meaning: the motion
 along the rotation is left out of the speed, and the eigenvalue along it is none of a saddle's.
 """
 
@@ -20,7 +20,7 @@ ALONG = 1e-6  # relative residual to which the rotation is an eigenvector of a r
 
 def turning(problem: Any, u: Array) -> Array | None:
     """Directions (K, n) in which the frame turns the states u (K, n); None where the model is in none."""
-    from contin.symbolic.corotating import frame_generator
+    from contin.symbolic.passes.corotating import frame_generator
 
     matrix = frame_generator(problem.system.model, problem.constants())
     return None if matrix is None else np.asarray(u @ matrix.T)

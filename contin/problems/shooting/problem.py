@@ -64,7 +64,7 @@ class ShootingProblem(FamilyOfOrbits):
     def forcing_period(self, parameter: float) -> tuple[float, float]:
         """Period of the orbit of a forced system, and its derivative by the active parameter."""
         from contin.model.evaluate import evaluate
-        from contin.symbolic.derivatives import derivative
+        from contin.symbolic.calculus.derivatives import derivative
 
         formula = self.system.model.forcing.period
         values = self.constants() | {self.parameters[0]: float(parameter)}

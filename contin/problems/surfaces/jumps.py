@@ -15,7 +15,7 @@ from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO
 from contin.model.kept import kept_with
 from contin.model.model import Model
-from contin.symbolic.derivatives import sparse_jacobian
+from contin.symbolic.calculus.derivatives import sparse_jacobian
 
 ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
 LANDINGS: Final = 6  # Newton steps onto a surface

@@ -173,7 +173,7 @@ class GrazingCurve(CurveByShooting):
     @property
     def _formulas(self) -> list[Any]:
         if "formulas" not in self._memory:
-            from contin.symbolic.derivatives import derivative
+            from contin.symbolic.calculus.derivatives import derivative
 
             names = [*self.system.state_names, *self.system.parameter_names]
             h = self.system.pieces.functions[self.touch.surface]

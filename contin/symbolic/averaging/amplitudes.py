@@ -1,0 +1,193 @@
+"""First-order averaged amplitude equations of weak oscillators, before a form is chosen.
+
+With A = r exp(i theta), x = Re(A exp(i omega t)) and y = d/dt of that at fixed A, the equations of `WeakOscillators`
+become A' = eps exp(-i omega t) (E - i F/omega). Their average over a turn has three kinds of terms: functions of one
+oscillator (the own one or another), as S(r) and C(r) of an effective force; products of amplitudes; and what is
+neither, which stays a function of all the amplitudes to be averaged by quadrature.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from contin.errors import InputError, NotFiniteError
+from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
+from contin.model.model import Model
+from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.radial import Piece, RadialAverage, Setting, average_over_turn, combined
+from contin.symbolic.averaging.resonant import Powers, StatePowers, resonant_part, state_powers
+from contin.symbolic.averaging.switching_lines import X, Y
+from contin.symbolic.averaging.terms import additive_terms
+from contin.symbolic.calculus.shorter import cancelled
+
+Complex = tuple[Expression, Expression]
+
+
+@dataclass(frozen=True)
+class General:
+    """coefficient * term, a function of several oscillators without a closed average, in E or in F."""
+
+    coefficient: Expression
+    term: Expression
+    is_force: bool
+
+
+@dataclass(frozen=True)
+class AmplitudeEquation:
+    """A' in slow time: sum over j of (growth_j(r_j) + i turn_j(r_j)) exp(i theta_j), `radial`; plus c * products of
+    amplitudes; plus the averages of `general`."""
+
+    radial: dict[int, RadialAverage]
+    products: dict[Powers, Complex]
+    general: tuple[General, ...]
+    parts: tuple[tuple[Expression, Expression, RadialAverage], ...] = ()
+    """(coefficient, function of X and Y, its average) of every one-oscillator term, for the derivation."""
+
+
+@dataclass(frozen=True)
+class SlowSystem:
+    """The averaged equations of all oscillators."""
+
+    oscillators: WeakOscillators
+    setting: Setting
+    equations: tuple[AmplitudeEquation, ...]
+    presumes: tuple[str, ...] = field(default=())
+
+    @property
+    def omega(self) -> Expression:
+        """The common frequency."""
+        return self.oscillators.omega
+
+    def rates(self, i: int, j: int) -> RadialAverage:
+        """growth (in place of S) and turn (in place of C) of oscillator j in the equation of i:
+
+        growth = <E cos phi> - <F sin phi>/omega, turn = -<E sin phi> - <F cos phi>/omega.
+        """
+        average = self.equations[i].radial[j]
+        scale = neg(power(self.omega, number(-1)))
+        pieces = tuple(
+            Piece(p.high, p.bound, _scaled(p.sin, scale), _scaled(p.cos, scale), p.arcs, p.nodes)
+            for p in average.pieces
+        )
+        return RadialAverage(pieces, average.presumes, average.limits)
+
+
+def slow_system(oscillators: WeakOscillators, reach: float | None = None) -> SlowSystem:
+    """Average the first-order perturbations. A function that several oscillators share is averaged once.
+
+    reach : amplitude up to which quadratures are checked; by default `reach_of`.
+    """
+    model = oscillators.model
+    amplitude = reach_of(oscillators) if reach is None else reach
+    setting = Setting(oscillators.omega, model.default_parameters(), amplitude, corners_of(model))
+    averager = _Averager(oscillators, setting)
+    first = zip(oscillators.position[0], oscillators.velocity[0], strict=True)
+    equations = tuple(averager.equation(i, e, f) for i, (e, f) in enumerate(first))
+    presumes = dict.fromkeys(p for e in equations for average in e.radial.values() for p in average.presumes)
+    return SlowSystem(oscillators, setting, equations, tuple(presumes))
+
+
+def corners_of(model: Model) -> tuple[dict[str, float], ...]:
+    """The parameters with declared ranges all at their lower ends, and all at their upper ones."""
+    ranges = {p.name: model.parameter_range(p.name) for p in model.parameters}
+    ends = [{name: pair[k] for name, pair in ranges.items() if pair is not None} for k in (0, 1)]
+    return tuple(model.default_parameters(end) for end in ends if end)
+
+
+def reach_of(oscillators: WeakOscillators) -> float:
+    """Amplitudes up to here are checked: four times the largest of the starts, at least 4."""
+    from contin.model.evaluate import evaluate
+
+    model = oscillators.model
+    values = model.default_parameters()
+    w = float(evaluate(oscillators.omega, values))
+    largest = 1.0
+    for start in (None, *(s.name for s in model.starts)):
+        try:
+            u, _ = model.start_point(start)
+        except NotFiniteError:  # a start that does not exist for these parameters
+            continue
+        point = dict(zip(model.state_names, u, strict=True))
+        for pair in oscillators.pairs:
+            largest = max(largest, abs(point[pair.position]), abs(point[pair.velocity]) / w)
+    return 4.0 * largest
+
+
+class _Averager:
+    def __init__(self, oscillators: WeakOscillators, setting: Setting) -> None:
+        self.oscillators, self.setting = oscillators, setting
+        self.known: dict[Expression, RadialAverage] = {}
+        self.states: dict[str, tuple[int, bool]] = {}
+        for i, pair in enumerate(oscillators.pairs):
+            self.states |= {pair.position: (i, False), pair.velocity: (i, True)}
+
+    def equation(self, i: int, position: Expression, velocity: Expression) -> AmplitudeEquation:
+        radial: dict[int, list[tuple[Expression, RadialAverage]]] = {i: []}
+        parts = []
+        products: dict[Powers, Complex] = {}
+        general = []
+        for is_force, perturbation in ((True, velocity), (False, position)):
+            for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
+                members = self.oscillators.members(term)
+                coefficient = cancelled(coefficient)
+                if not members or coefficient is ZERO:
+                    continue  # a constant has no mean over a turn against sin and cos
+                powers = None if members == (i,) else state_powers(term, self.states)
+                if powers is not None:
+                    self.add_products(products, powers, coefficient, is_force)
+                elif len(members) == 1:
+                    function = self.one_oscillator(term, members[0])
+                    average = self.average(function)
+                    parts.append((coefficient, function, average))
+                    as_force = average if is_force else _as_force(average, self.setting.omega)
+                    radial.setdefault(members[0], []).append((coefficient, as_force))
+                else:
+                    general.append(General(coefficient, term, is_force))
+        averages = {j: combined(terms, self.setting.positive) for j, terms in radial.items()}
+        return AmplitudeEquation(averages, products, tuple(general), tuple(parts))
+
+    def one_oscillator(self, term: Expression, i: int) -> Expression:
+        pair = self.oscillators.pairs[i]
+        return substitute([term], {symbol(pair.position): symbol(X), symbol(pair.velocity): symbol(Y)})[0]
+
+    def average(self, function: Expression) -> RadialAverage:
+        if function not in self.known:
+            self.known[function] = average_over_turn(function, self.setting)
+        return self.known[function]
+
+    def add_products(
+        self, products: dict[Powers, Complex], powers: StatePowers, coefficient: Expression, is_force: bool
+    ) -> None:
+        monomials, omegas = resonant_part(powers, self.oscillators.count)
+        for key, (a, b) in monomials.items():
+            if is_force:  # -i/omega
+                a, b = b, -a
+            scale = mul(coefficient, power(self.setting.omega, number(omegas - (1 if is_force else 0))))
+            re, im = products.get(key, (ZERO, ZERO))
+            products[key] = (add(re, mul(number(a), scale)), add(im, mul(number(b), scale)))
+
+
+def _scaled(formula: Expression, scale: Expression) -> Expression:
+    """scale * formula, term by term."""
+    return add(*(mul(scale, t) for t in formula.args)) if formula.op == "add" else mul(scale, formula)
+
+
+def _as_force(average: RadialAverage, omega: Expression) -> RadialAverage:
+    """A perturbation E of x' = y + eps E acts like a force with S = -omega C_E and C = omega S_E."""
+    pieces = tuple(
+        Piece(p.high, p.bound, mul(number(-1), omega, p.cos), mul(omega, p.sin), p.arcs, p.nodes)
+        for p in average.pieces
+    )
+    return RadialAverage(pieces, average.presumes, average.limits)
+
+
+def refuse_names(model_parameters: Iterable[str], made: Iterable[str]) -> None:
+    """The names of the averaged states must be free."""
+    taken = set(model_parameters)
+    for name in made:
+        if name in taken:
+            raise InputError(
+                f"averaging: the averaged model calls a state or an observable {name}, and so is a parameter; "
+                f"rename the parameter {name}"
+            )

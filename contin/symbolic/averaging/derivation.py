@@ -1,0 +1,202 @@
+"""How an averaged model came about: original equations, transformation, integrals piece by piece, result."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from contin.model.expression import ZERO, Expression, add, call, mul, neg, number, substitute, symbol
+from contin.model.latex import latex_name
+from contin.model.model import Model
+from contin.model.writer import definition_names
+from contin.symbolic.averaging.average import Averaged, averaged
+from contin.symbolic.averaging.cells import RADIUS, Cut
+from contin.symbolic.averaging.document import (
+    Block,
+    Formula,
+    Heading,
+    Sentence,
+    as_latex,
+    as_markdown,
+    as_text,
+    equation_of,
+)
+from contin.symbolic.averaging.radial import Piece, RadialAverage
+from contin.symbolic.averaging.switching_lines import X, Y
+from contin.symbolic.calculus.sympy_bridge import from_sympy
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """The averaged `model` and the blocks of its derivation."""
+
+    model: Model
+    title: str
+    blocks: tuple[Block, ...]
+
+    def text(self) -> str:
+        """For the terminal."""
+        return as_text(self.blocks)
+
+    def markdown(self) -> str:
+        """Markdown with LaTeX formulas."""
+        return as_markdown(self.blocks)
+
+    def latex(self) -> str:
+        """A LaTeX article."""
+        return as_latex(self.blocks, self.title)
+
+
+def derive(model: Model, form: str = "polar", time: str = "slow", order: int = 1) -> Derivation:
+    """`average` with the steps in between, as a document."""
+    result = averaged(model, form, time, order)
+    blocks = (
+        *_original(model),
+        *_perturbations(result),
+        *_transformation(result),
+        *_integrals(result),
+        *_products(result),
+        *_result(result),
+    )
+    title = f"{model.title or model.name}: averaging, {form} form"
+    return Derivation(result.model, title, blocks)
+
+
+def _original(model: Model) -> Iterator[Block]:
+    yield Heading("Equations of motion")
+    names = definition_names(model.definitions)
+    for state, right in model.equation_map.items():
+        yield equation_of(state, right, names)
+    for name, node in model.definitions.items():
+        others = {n: other for n, other in names.items() if n is not node}
+        yield Formula(name, latex_name(name), node, others)
+
+
+def _perturbations(result: Averaged) -> Iterator[Block]:
+    oscillators = result.system.oscillators
+    small = oscillators.small
+    yield Heading("Weakly nonlinear oscillators")
+    yield Sentence(
+        f"At {small} = 0 every oscillator is harmonic with the frequency omega = {{0}}. ", (oscillators.omega,)
+    )
+    for i in oscillators.detuned:
+        yield Sentence(
+            f"The frequency of oscillator {i + 1} differs by order {small}; the difference is part of its F."
+        )
+    for k, (positions, velocities) in enumerate(zip(oscillators.position, oscillators.velocity, strict=True), start=1):
+        power = small if k == 1 else f"{small}^{k}"
+        yield Sentence(f"The terms of order {power} are")
+        for pair, e, f in zip(oscillators.pairs, positions, velocities, strict=True):
+            if not (e.is_number and e.value == 0):
+                yield Formula(f"E{k}({pair.position})", rf"E_{{{k}}}({latex_name(pair.position)})", e)
+            yield Formula(f"F{k}({pair.velocity})", rf"F_{{{k}}}({latex_name(pair.velocity)})", f)
+
+
+def _transformation(result: Averaged) -> Iterator[Block]:
+    omega = result.system.omega
+    r, phi = symbol("r"), symbol("phi")
+    yield Heading("Transformation")
+    yield Sentence("With phi = omega t + theta, each oscillator is written as")
+    yield Formula("x", "x", mul(r, call("cos", phi)))
+    yield Formula("y", "y", mul(number(-1), omega, r, call("sin", phi)))
+    yield Sentence("so that, exactly,")
+    small = symbol(result.system.oscillators.small)
+    e, f = symbol("E"), symbol("F")
+    cos, sin = call("cos", phi), call("sin", phi)
+    force = mul(f, omega ** number(-1))
+    yield equation_of("r", mul(small, add(mul(e, cos), neg(mul(force, sin)))))
+    yield Formula("r theta'", r"r \dot{\theta}", mul(small, neg(add(mul(e, sin), mul(force, cos)))))
+    yield Sentence(
+        "Amplitudes and phases change slowly; their right-hand sides are replaced by their means over one turn of phi."
+    )
+
+
+def _integrals(result: Averaged) -> Iterator[Block]:
+    seen: list[Expression] = []
+    parts = [part for equation in result.system.equations for part in equation.parts]
+    if not parts:
+        return
+    yield Heading("Means of the forces of one oscillator")
+    yield Sentence("S is the mean of f sin(phi), C the mean of f cos(phi), for each force f(x, y):")
+    for _, function, average in parts:
+        if function in seen:
+            continue
+        seen.append(function)
+        yield Formula("f", "f", _shown(function))
+        yield from _pieces(average)
+
+
+def _pieces(average: RadialAverage) -> Iterator[Block]:
+    low: Expression | None = None
+    for piece in average.pieces:
+        if len(average.pieces) > 1:
+            yield Sentence(*_interval(low, piece))
+        for arc in piece.arcs:
+            if len(piece.arcs) > 1 or len(average.pieces) > 1:
+                ends = (_angle(arc.start), _angle(arc.stop))
+                yield Sentence("f = {0} for phi from {1} to {2},", (_shown(arc.formula), *ends))
+        if piece.nodes:
+            yield Sentence(f"no closed form: a fixed rule with {piece.nodes} nodes on each piece,")
+        yield Formula("S", "S", _shown(piece.sin))
+        yield Formula("C", "C", _shown(piece.cos))
+        low = piece.high
+    for condition in average.presumes:
+        yield Sentence(f"This presumes {condition}.")
+
+
+def _interval(low: Expression | None, piece: Piece) -> tuple[str, tuple[Expression, ...]]:
+    if low is None:
+        assert piece.high is not None
+        return "For r < {0}:", (piece.high,)
+    return ("For r > {0}:", (low,)) if piece.high is None else ("For {0} < r < {1}:", (low, piece.high))
+
+
+def _angle(cut: Cut) -> Expression:
+    return _shown(from_sympy(cut.phi))
+
+
+def _shown(formula: Expression) -> Expression:
+    return substitute([formula], {symbol(X): symbol("x"), symbol(Y): symbol("y"), symbol(RADIUS): symbol("r")})[0]
+
+
+def _products(result: Averaged) -> Iterator[Block]:
+    lines = []
+    for i, equation in enumerate(result.system.equations):
+        for powers, (re, im) in equation.products.items():
+            names = []
+            for j, (m, n) in enumerate(powers):
+                names += [f"A{j + 1}"] * int(m) + [f"conj(A{j + 1})"] * int(n)
+            product = " ".join(names)
+            if im is ZERO:
+                lines.append(Sentence(f"A{i + 1}' contains ({{0}}) {product}", (re,)))
+            elif re is ZERO:
+                lines.append(Sentence(f"A{i + 1}' contains i ({{0}}) {product}", (im,)))
+            else:
+                lines.append(Sentence(f"A{i + 1}' contains ({{0}} + i ({{1}})) {product}", (re, im)))
+    if lines:
+        yield Heading("Means of the coupling")
+        yield Sentence(
+            "With A = r exp(i theta), products of amplitudes have a mean where one factor A is left over after pairing "
+            "A with conj(A):"
+        )
+        yield from lines
+    if any(equation.general for equation in result.system.equations):
+        yield Sentence(
+            "Forces that are no polynomials of several oscillators are averaged by fixed rules over the turn."
+        )
+
+
+def _result(result: Averaged) -> Iterator[Block]:
+    model = result.model
+    yield Heading("Averaged equations")
+    if model.description:
+        yield Sentence(model.description.replace("{", "{{").replace("}", "}}"))
+    names = definition_names(model.definitions)
+    for state, right in model.equation_map.items():
+        yield equation_of(state, right, names)
+    for name, node in model.definitions.items():
+        yield Formula(name, latex_name(name), node, {n: o for n, o in names.items() if n is not node})
+    for name, node in model.observables.items():
+        yield Formula(name, latex_name(name), node, names)
+    if model.symmetries:
+        yield Sentence("Symmetries: " + ", ".join(s.name for s in model.symmetries) + ".")

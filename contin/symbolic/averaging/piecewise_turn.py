@@ -1,0 +1,157 @@
+"""The common turn of several oscillators, cut where conditions linear in their states change sign.
+
+A linear condition a.x + b.y + c > 0 is D cos(tau + delta) > -c: true on one arc of the turn, whose ends are formulas in
+the amplitudes (empty or everything where |c| > D). Conditions nest: the arc of each is intersected with the arcs on
+which it is asked, by min and max, so the order of the cuts need not be known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from contin.errors import InputError
+from contin.model.expression import (
+    COMPARISONS,
+    ONE,
+    PI,
+    ZERO,
+    Expression,
+    add,
+    call,
+    mul,
+    number,
+    postorder,
+    power,
+    sub,
+    substitute,
+    symbol,
+)
+from contin.model.printing import to_text
+from contin.symbolic.averaging.complex_formulas import Complex
+from contin.symbolic.averaging.gauss_rule import gauss
+from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.terms import additive_terms
+
+TWO_PI = mul(number(2), PI)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """x_j = u_j cos tau - v_j sin tau, y_j = -omega (u_j sin tau + v_j cos tau) for the oscillators in `amplitudes`."""
+
+    oscillators: WeakOscillators
+    omega: Expression
+    amplitudes: Mapping[int, Complex]
+
+    def at(self, term: Expression, cos: Expression, sin: Expression) -> Expression:
+        """The term at cos(tau), sin(tau)."""
+        mapping = {}
+        for i, (u, v) in self.amplitudes.items():
+            pair = self.oscillators.pairs[i]
+            mapping[symbol(pair.position)] = sub(mul(cos, u), mul(sin, v))
+            mapping[symbol(pair.velocity)] = mul(number(-1), self.omega, add(mul(sin, u), mul(cos, v)))
+        return substitute([term], mapping)[0]
+
+    def harmonic(self, coefficients: Mapping[int, tuple[Expression, Expression]]) -> Complex:
+        """sum a_j x_j + b_j y_j = p cos tau + q sin tau: (p, q)."""
+        p, q = [], []
+        for i, (a, b) in coefficients.items():
+            u, v = self.amplitudes[i]
+            p += [mul(a, u), mul(number(-1), b, self.omega, v)]
+            q += [mul(number(-1), a, v), mul(number(-1), b, self.omega, u)]
+        return add(*p), add(*q)
+
+
+Interval = tuple[Expression, Expression]
+
+
+def piecewise_rule(term: Expression, turn: Turn, n: int) -> Complex:
+    """<term exp(-i tau)> with n Gauss nodes on every arc."""
+    start, stop = ZERO, TWO_PI
+    total: tuple[list[Expression], list[Expression]] = ([], [])
+    for interval, formula in _pieces(term, (start, stop), turn):
+        re, im = _on(interval, formula, turn, n)
+        total[0].append(re)
+        total[1].append(im)
+    return add(*total[0]), add(*total[1])
+
+
+def _pieces(term: Expression, interval: Interval, turn: Turn) -> list[tuple[Interval, Expression]]:
+    """The arcs inside `interval` and the smooth formula on each."""
+    mask = turn.oscillators.mask
+    comparison = next((n for n in postorder([term]) if n.op in COMPARISONS and n.mask & mask), None)
+    if comparison is None:
+        return [] if term is ZERO else [(interval, term)]
+    pieces = []
+    inside, outside = _arcs(comparison, turn)
+    for arcs, truth in ((inside, ONE), (outside, ZERO)):
+        formula = substitute([term], {comparison: truth})[0]
+        if formula is ZERO:
+            continue
+        for arc in arcs:
+            for shift in (-1, 0, 1):
+                low = add(arc[0], mul(number(shift), TWO_PI))
+                high = add(arc[1], mul(number(shift), TWO_PI))
+                cut = _intersection((low, high), interval)
+                pieces += _pieces(formula, cut, turn)
+    return pieces
+
+
+def _intersection(a: Interval, b: Interval) -> Interval:
+    low = call("max", a[0], b[0])
+    return low, call("max", low, call("min", a[1], b[1]))
+
+
+def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Interval]]:
+    """Arcs within one turn on which a linear comparison holds, and those on which it does not."""
+    mask = turn.oscillators.mask
+    difference = sub(*comparison.args)
+    coefficients: dict[int, tuple[Expression, Expression]] = {}
+    constant: Expression = ZERO
+    for c, t in additive_terms(difference, mask):
+        found = False
+        for i, pair in enumerate(turn.oscillators.pairs):
+            a, b = coefficients.get(i, (ZERO, ZERO))
+            if t is symbol(pair.position):
+                coefficients[i], found = (add(a, c), b), True
+            elif t is symbol(pair.velocity):
+                coefficients[i], found = (a, add(b, c)), True
+        if t is ONE:
+            constant, found = c, True
+        if not found:
+            raise InputError(
+                f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation;"
+                " conditions on several oscillators must be linear in their states"
+            )
+    p, q = turn.harmonic(coefficients)
+    size = call("sqrt", add(power(p, number(2)), power(q, number(2))))
+    angle = call("atan2", q, p)  # p cos tau + q sin tau = size cos(tau - angle)
+    if constant is ZERO:
+        half: Expression = mul(number(0.5), PI)
+    else:
+        level = mul(number(-1), constant, power(size, number(-1)))
+        half = call("acos", call("max", number(-1), call("min", ONE, level)))
+    upper = (sub(angle, half), add(angle, half))
+    lower = (add(angle, half), add(sub(angle, half), TWO_PI))
+    if comparison.op in (">", ">="):
+        return [upper], [lower]
+    if comparison.op in ("<", "<="):
+        return [lower], [upper]
+    everything = (ZERO, TWO_PI)  # an equality holds at single instants
+    return ([], [everything]) if comparison.op == "==" else ([everything], [])
+
+
+def _on(interval: Interval, formula: Expression, turn: Turn, n: int) -> Complex:
+    low, high = interval
+    middle, half = mul(number(0.5), add(low, high)), mul(number(0.5), sub(high, low))
+    nodes, weights = gauss(n)
+    re, im = [], []
+    for xi, w in zip(nodes, weights, strict=True):
+        tau = add(middle, mul(number(float(xi)), half))
+        cos, sin = call("cos", tau), call("sin", tau)
+        value = turn.at(formula, cos, sin)
+        factor = mul(number(float(w)), half, power(TWO_PI, number(-1)))
+        re.append(mul(factor, value, cos))
+        im.append(mul(number(-1), factor, value, sin))
+    return add(*re), add(*im)

@@ -1,0 +1,115 @@
+"""Averages of functions of several oscillators that have no closed form: fixed rules over the common turn tau.
+
+    <f(x(tau), y(tau)) exp(-i tau)>,   x_j = u_j cos tau - v_j sin tau,   y_j = -omega (u_j sin tau + v_j cos tau)
+
+Smooth functions take equidistant nodes. Where conditions are linear in the states, the turn is cut where they change
+sign, and each piece takes a Gauss rule; the cuts are formulas in the amplitudes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contin.machine import elementary
+from contin.model.expression import Expression, add, mul, number, power, symbol
+from contin.model.parts import Limit
+from contin.symbolic.averaging.cells import SAME
+from contin.symbolic.averaging.complex_formulas import Complex
+from contin.symbolic.averaging.gauss_rule import Array, agreement, beyond_quadrature, next_size
+from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.piecewise_turn import Turn, piecewise_rule
+from contin.symbolic.averaging.radial import Setting, first_size
+from contin.symbolic.averaging.terms import without_kinks
+from contin.symbolic.calculus.sampling import sample
+
+Amplitudes = Sequence[Complex]  # u_j + i v_j
+
+
+def shared_average(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Complex:
+    """Real and imaginary part of <term exp(-i tau)> as formulas in the given amplitudes."""
+    shared = _Shared(without_kinks(term, oscillators.mask), oscillators, setting)
+    return shared.rule(shared.size(), amplitudes)
+
+
+def shared_limit(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Limit:
+    """Where `shared_average` is accurate: its rule against the next one, beside the mean square of the term."""
+    term = without_kinks(term, oscillators.mask)
+    shared = _Shared(term, oscillators, setting)
+    n = shared.size()
+    square = _Shared(power(term, number(2)), oscillators, setting).mean(n, amplitudes)
+    margin = agreement(shared.rule(n, amplitudes), shared.rule(next_size(n), amplitudes), square)
+    return Limit(margin, beyond_quadrature(n))
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """The rules for one term."""
+
+    term: Expression
+    oscillators: WeakOscillators
+    setting: Setting
+
+    def turn(self, amplitudes: Amplitudes) -> Turn:
+        """The common turn of the oscillators in the term."""
+        members = self.oscillators.members(self.term)
+        return Turn(self.oscillators, self.setting.omega, {i: amplitudes[i] for i in members})
+
+    def rule(self, n: int, amplitudes: Amplitudes) -> Complex:
+        """<term exp(-i tau)> with n nodes on an arc."""
+        turn = self.turn(amplitudes)
+        if has_conditions(self.term, self.oscillators.mask):
+            return piecewise_rule(self.term, turn, n)
+        return _smooth_rule(self.term, turn, 2 * n)
+
+    def mean(self, n: int, amplitudes: Amplitudes) -> Expression:
+        """<term>: equidistant nodes are enough for a size."""
+        nodes = [(k + 0.5) * math.pi / n for k in range(2 * n)]
+        turn = self.turn(amplitudes)
+        values = (turn.at(self.term, number(elementary.cos(tau)), number(elementary.sin(tau))) for tau in nodes)
+        return mul(number(0.5 / n), add(*values))
+
+    def size(self) -> int:
+        """The size of an accurate rule: at random amplitudes, and at the ends of the parameters' ranges if it can."""
+        trial = [(symbol(f"@u{i}"), symbol(f"@v{i}")) for i in range(self.oscillators.count)]
+        used = {i: trial[i] for i in self.oscillators.members(self.term)}
+
+        def values(size: int, corners: Sequence[Mapping[str, float]]) -> Array:
+            formulas = self.rule(size, trial)
+            return np.hstack([np.array(sample(formulas, _samples(used, self.setting, corner))) for corner in corners])
+
+        return first_size(values, self.setting.towards_corners())
+
+
+def has_conditions(term: Expression, mask: int) -> bool:
+    """True where a condition on the states chooses the formula."""
+    from contin.model.expression import COMPARISONS, postorder
+    from contin.symbolic.calculus.guards import is_guard
+
+    return any(n.op in COMPARISONS and n.mask & mask and not is_guard(n) for n in postorder([term]))
+
+
+def _samples(trial: Mapping[int, Complex], setting: Setting, values: Mapping[str, float]) -> dict[str, Array | float]:
+    """Random amplitudes of the expected size, the same ones every time."""
+    chance = np.random.default_rng(11)
+    env: dict[str, Array | float] = dict(values)
+    for u, v in trial.values():
+        radius = setting.reach * np.sqrt(chance.uniform(0.01, 1.0, 12)) / 2
+        angle = chance.uniform(0, 2 * math.pi, 12)
+        env[str(u.value)], env[str(v.value)] = radius * elementary.cos(angle), radius * elementary.sin(angle)
+    return env
+
+
+def _smooth_rule(term: Expression, turn: Turn, n: int) -> Complex:
+    re, im = [], []
+    for k in range(n):
+        tau = (k + 0.5) * 2 * math.pi / n
+        c, s = elementary.cos(tau), elementary.sin(tau)
+        c, s = (0.0 if abs(t) < SAME else t for t in (c, s))
+        value = turn.at(term, number(c), number(s))
+        re.append(mul(number(c / n), value))
+        im.append(mul(number(-s / n), value))
+    return add(*re), add(*im)

@@ -1,0 +1,1 @@
+"""What passes calculate with: derivatives, series, removable singularities, values at samples."""

@@ -1,0 +1,1 @@
+"""Passes other than averaging: Model -> Model, each in its own file."""
