@@ -14,6 +14,8 @@ from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher
+from contin.diagram.explore import Budget, Explorer
+from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.start import Equilibrium
 
@@ -45,8 +47,6 @@ def diagram(
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
     """
-    from contin.diagram.explore import Budget, Explorer
-
     named, everywhere = _named_starts(model, start)
     seeds: list[tuple[str, Seed]] = []
     notes: list[str] = []
@@ -98,8 +98,6 @@ def phase(
 
     Raises NoSolutionError where no start leads to an equilibrium.
     """
-    from contin.diagram.phase.compute import phase as compute
-
     if getattr(model, "forcing", None) is not None:
         raise InputError(
             "phase diagrams start from equilibria, which a forced flow has none of: write the forcing as two states "

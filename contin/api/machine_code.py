@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 from weakref import WeakKeyDictionary, ref
 
+from contin.lowering import compile_system
 from contin.model.kept import kept_with
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import is_large
@@ -18,8 +19,6 @@ def compiled(model: Any) -> Any:
 
 
 def _made_for(model: Any) -> Any:
-    from contin.lowering import compile_system
-
     try:
         known = _compiled.get(model)
     except TypeError:  # an object that cannot be a weak key

@@ -9,15 +9,17 @@ import numpy as np
 
 from contin.api.machine_code import compiled
 from contin.errors import InputError, NotFiniteError
-from contin.problems.deflation import FoundEquilibrium
+from contin.problems.deflation import FoundEquilibrium, find, make_box
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
+from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.problems.sparse.from_model import sparse_function
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
+from contin.symbolic.passes.corotating import frame_for
 
 
 def equilibrium(
@@ -36,8 +38,6 @@ def equilibrium(
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
-    from contin.symbolic.passes.corotating import frame_for
-
     _need_parameters(model)
     refuse_forced(model)
     u, p = model.start_point(start, dict(parameters or {}))
@@ -87,8 +87,6 @@ def periodic_orbit(
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    from contin.problems.orbits.samples import orbit_from_samples
-
     _need_parameters(model)
     if isinstance(start, np.ndarray):
         if period is None and times is None:
@@ -143,8 +141,6 @@ def find_equilibria(
     Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
     There is no guarantee that all are found: more `starts` or a smaller box find more.
     """
-    from contin.problems.deflation import find, make_box
-
     _need_parameters(model)
     refuse_forced(model)
     system = compiled(model)

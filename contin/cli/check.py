@@ -8,9 +8,21 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from contin.cli.outputs import writable
 from contin.cli.printable import printable
+from contin.cli.terminal import console
 from contin.cli.ticker import Ticker
 from contin.errors import InputError
+from contin.model.yaml_loader import model_from_document
+from contin.model.yaml_reader import read_file
+from contin.runs.bundled import find_run, is_scan
+from contin.runs.expect import verify_expectations
+from contin.runs.load import read_run
+from contin.runs.outputs import files_read
+from contin.runs.plan import make_plan
+from contin.runs.scan_plan import plan_scan
+from contin.runs.simulation_plan import described
+from contin.store.verify import is_result, verify
 
 if TYPE_CHECKING:
     from contin.model.yaml_reader import Document
@@ -21,10 +33,6 @@ LONG: Final = 500_000  # bytes of a file that takes more than a second to read
 
 def check_file(file: Path, execute: bool) -> int:
     """Check one file; with `execute`, carry out a model's `expect:` too. The exit code."""
-    from contin.model.yaml_reader import read_file
-    from contin.runs.bundled import find_run
-    from contin.store.verify import is_result, verify
-
     if is_result(file):
         print(f"{file}: good. {verify(file)}; every part is as it was written")
         return 0
@@ -44,7 +52,6 @@ def reading(file: Path) -> Iterator[Callable[[str], None]]:
     if not (file.is_file() and file.stat().st_size > LONG):
         yield lambda what: None
         return
-    from contin.cli.terminal import console
 
     shown, text = console(sys.stderr, False), f"reading {printable(file.name)}"
     if shown.is_terminal:
@@ -68,20 +75,11 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
         raise InputError(
             f"{file}: --run carries out the `expect:` of a model file; this is a run file (use `contin run`)"
         )
-    from contin.runs.bundled import is_scan
 
     if is_scan(file):
-        from contin.runs.scan_plan import plan_scan
-
         spec = plan_scan(file, counts_as=place).spec
         print(f"{file}: good. Model {spec.model.name}, {len(spec.model.states)} states; a scan of {len(spec)} runs")
         return 0
-    from contin.cli.outputs import writable
-    from contin.runs.load import read_run
-    from contin.runs.outputs import files_read
-    from contin.runs.plan import make_plan
-    from contin.runs.simulation_plan import described
-
     entry = read_run(document.data, document.source)
     plan = make_plan(entry, document.source, place)
     for files in (plan.outputs, *plan.simulated_files()):
@@ -100,14 +98,11 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
 
 def check_model(file: Path, document: Document, execute: bool) -> int:
     """Check a model file, and with `execute` that its expected points are found."""
-    from contin.model.yaml_loader import model_from_document
-
     model = model_from_document(document)
     counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
     print(f"{file}: good. Model {model.name}: {counts}")
     if not execute:
         return 0
-    from contin.runs.expect import verify_expectations
 
     failed = 0
     for report in verify_expectations(model):

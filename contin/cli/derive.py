@@ -7,15 +7,14 @@ from pathlib import Path
 import typer
 
 from contin.errors import InputError
+from contin.model.registry import load
+from contin.symbolic.averaging.derivation import derive
 
 
 def derive_model(
     reference: str, form: str, time: str, order: int, latex: Path | None, markdown: Path | None, save: Path | None
 ) -> int:
     """Print the derivation, or write it; exit code."""
-    from contin.model.registry import load
-    from contin.symbolic.averaging.derivation import derive
-
     derivation = derive(load(reference), form, time, order)
     written = {latex: derivation.latex, markdown: derivation.markdown, save: derivation.model.text}
     files = {path: make for path, make in written.items() if path is not None}

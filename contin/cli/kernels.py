@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from contin.errors import InputError
+from contin.kernels import sources
+from contin.kernels.catalogue import every
+from contin.kernels.library import complete, known, module_of
+from contin.machine import packed, target
+from contin.machine.folder import folder, place
 
 ACTIONS = ("status", "build", "clear", "where")
 
@@ -17,11 +22,6 @@ def kernels(action: str) -> int:
 
 
 def _status() -> None:
-    from contin.kernels import sources
-    from contin.kernels.catalogue import every
-    from contin.kernels.library import known, module_of
-    from contin.machine import packed, target
-
     declared = every()
     shipped = [n for n, d in declared.items() if packed.piece(n, sources.text_key(module_of(d))) is not None]
     present = [n for n, d in declared.items() if n in shipped or known(d) is not None]
@@ -34,15 +34,10 @@ def _status() -> None:
 
 
 def _build() -> None:
-    from contin.kernels.catalogue import every
-    from contin.kernels.library import complete
-
     print(f"{len(complete(every()))} kernels are there")
 
 
 def _clear() -> None:
-    from contin.machine.folder import folder
-
     kept = folder()
     names = kept.names() if kept else []
     for name in names:
@@ -52,9 +47,6 @@ def _clear() -> None:
 
 
 def _where() -> None:
-    from contin.machine import packed, target
-    from contin.machine.folder import folder, place
-
     kept = folder()
     print(f"kept in     {kept.path if kept else f'memory alone ({place()} is not a folder of this user alone)'}")
     archive = packed.path(target.label())

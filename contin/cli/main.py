@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperGroup
 
 from contin._version import __version__
+from contin.cli.commands import work
 from contin.cli.interrupt import exit_code, listen
 from contin.cli.printable import printable
 from contin.cli.streams import guarded_streams
@@ -101,9 +102,7 @@ def run(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Carry out a run file: report on the terminal, pictures and files as its `outputs` say."""
-    from contin.cli.run import run_file
-
-    raise typer.Exit(run_file(file, json, sets or [], orbits, quiet, STARTED, resume))
+    raise typer.Exit(work("run_file")(file, json, sets or [], orbits, quiet, STARTED, resume))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
@@ -122,9 +121,7 @@ def diagram(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Explore a model's bifurcation diagram in one parameter automatically."""
-    from contin.cli.run import run_diagram
-
-    code = run_diagram(model, parameter, low, high, start or [], sets or [], json, plot, orbits, quiet, STARTED)
+    code = work("run_diagram")(model, parameter, low, high, start or [], sets or [], json, plot, orbits, quiet, STARTED)
     raise typer.Exit(code)
 
 
@@ -145,11 +142,9 @@ def phase(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Cut a box of two parameters into regions by all curves of special points that can be reached."""
-    from contin.cli.run import run_phase
-
     ranges = ((low, high), (bottom, top))
     raise typer.Exit(
-        run_phase(model, (first, second), ranges, start or [], sets or [], json, plot, orbits, quiet, STARTED)
+        work("run_phase")(model, (first, second), ranges, start or [], sets or [], json, plot, orbits, quiet, STARTED)
     )
 
 
@@ -181,11 +176,9 @@ def simulate(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No table.")] = False,
 ) -> None:
     """Integrate a model (iterate a map): table, CSV, time series and phase portrait."""
-    from contin.cli.simulate import simulate_model
-
     out = {"csv": csv, "plot": plot, "json": json, "x": x, "y": y}
     raise typer.Exit(
-        simulate_model(
+        work("simulate_model")(
             model, start, states or [], sets or [], out, quiet,
             time=time, transient=transient, samples=samples, method=method, rtol=rtol, box=box,
             budget=budget, until=until,
@@ -221,12 +214,10 @@ def sweep(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Step a parameter up and down, each run started from the last state: hysteresis."""
-    from contin.cli.sweep import sweep_model
-
     waiting = {"window": window, "tolerance": tolerance, "longest": longest}
     out = {"csv": csv, "plot": plot, "json": json, "y": y}
     raise typer.Exit(
-        sweep_model(
+        work("sweep_model")(
             model, parameter, low, high, start, states or [], sets or [], measures or [], steps, waiting, out, over,
             quiet,
         )
@@ -253,9 +244,7 @@ def scan(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Simulate over a grid of parameters or initial states, several starts each, and name what each settles on."""
-    from contin.cli.scan import scan_file
-
-    raise typer.Exit(scan_file(file, json, sets or [], threads, cluster, resume, over, quiet))
+    raise typer.Exit(work("scan_file")(file, json, sets or [], threads, cluster, resume, over, quiet))
 
 
 @app.command()
@@ -264,17 +253,13 @@ def check(
     execute: Annotated[bool, typer.Option("--run", help="Carry out the model's `expect:` and compare.")] = False,
 ) -> None:
     """Check a run file, a model file or saved results without computing; say what is wrong and where."""
-    from contin.cli.check import check_file
-
-    raise typer.Exit(check_file(file, execute))
+    raise typer.Exit(work("check_file")(file, execute))
 
 
 @app.command()
 def models() -> None:
     """List the bundled and plugin models."""
-    from contin.cli.models import list_models
-
-    raise typer.Exit(list_models())
+    raise typer.Exit(work("list_models")())
 
 
 @app.command()
@@ -292,9 +277,7 @@ def plot(
     over: Annotated[Path | None, typer.Option("--over", help="Curves to draw over a scan.")] = None,
 ) -> None:
     """Draw saved results."""
-    from contin.cli.plot import plot_file
-
-    raise typer.Exit(plot_file(file, out, x, y, over, orbit))
+    raise typer.Exit(work("plot_file")(file, out, x, y, over, orbit))
 
 
 @app.command()
@@ -303,9 +286,7 @@ def export(
     out: Annotated[Path, typer.Argument(help="File to write: .json, .csv or .nc.")],
 ) -> None:
     """Write saved results in another format."""
-    from contin.cli.export import export_file
-
-    raise typer.Exit(export_file(file, out))
+    raise typer.Exit(work("export_file")(file, out))
 
 
 @app.command()
@@ -313,9 +294,7 @@ def new(
     name: Annotated[str, typer.Argument(help="Name of the model; NAME.yaml and NAME-run.yaml are written here.")],
 ) -> None:
     """Write a small model file and a run file for it, ready to change."""
-    from contin.cli.new import write_templates
-
-    raise typer.Exit(write_templates(name))
+    raise typer.Exit(work("write_templates")(name))
 
 
 @app.command()
@@ -329,9 +308,7 @@ def derive(
     save: Annotated[Path | None, typer.Option("--save", help="Write the averaged model as a model file.")] = None,
 ) -> None:
     """Average a model of weakly nonlinear oscillators and print the derivation, step by step."""
-    from contin.cli.derive import derive_model
-
-    raise typer.Exit(derive_model(model, form, time, order, latex, markdown, save))
+    raise typer.Exit(work("derive_model")(model, form, time, order, latex, markdown, save))
 
 
 @app.command()
@@ -341,9 +318,7 @@ def show(
     yaml: Annotated[bool, typer.Option("--yaml", help="As a model file.")] = False,
 ) -> None:
     """Print the equations of a model."""
-    from contin.cli.show import show_model
-
-    raise typer.Exit(show_model(model, latex, yaml))
+    raise typer.Exit(work("show_model")(model, latex, yaml))
 
 
 @app.command()
@@ -351,9 +326,7 @@ def kernels(
     action: Annotated[str, typer.Argument(help="status, build (all of them, now), clear, or where.")] = "status",
 ) -> None:
     """The machine code of the numerical kernels: what is there, where it is kept, making it beforehand."""
-    from contin.cli.kernels import kernels
-
-    raise typer.Exit(kernels(action))
+    raise typer.Exit(work("kernels")(action))
 
 
 @app.command()
@@ -361,9 +334,7 @@ def schema(
     what: Annotated[str, typer.Argument(help="model, run, scan or result.")] = "run",
 ) -> None:
     """Print a JSON schema, for editors that check and complete YAML."""
-    from contin.cli.schema import print_schema
-
-    raise typer.Exit(print_schema(what))
+    raise typer.Exit(work("print_schema")(what))
 
 
 class _Warned:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from contin.model.bundled import runs
+from contin.model.registry import listing
+from contin.model.yaml_reader import read_file
+
 
 def list_models() -> int:
     """Print every bundled and plugin model with its title, then the bundled run files."""
-    from contin.model.bundled import runs
-    from contin.model.registry import listing
-    from contin.model.yaml_reader import read_file
-
     lines = listing()
     width = max((len(line.name) for line in lines), default=0)
     for line in lines:

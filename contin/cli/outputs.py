@@ -12,8 +12,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from contin._version import __version__
 from contin.cli.printable import printable
+from contin.cli.report import print_report
 from contin.continuation.defects import described
 from contin.errors import ContinError, InputError
+from contin.plot.write import write_picture
+from contin.runs.outputs import make_folder
+from contin.store import digest, json_format, sqlite
+from contin.store.json_format import escaped
 from contin.store.places import refuse_foreign, same_file
 
 if TYPE_CHECKING:
@@ -132,15 +137,11 @@ def outputs_of(plan: Plan, document: Mapping[str, Any], json: str | None) -> lis
 
 def report_on(document: Mapping[str, Any], report: Console) -> None:
     """Print the report of a run."""
-    from contin.cli.report import print_report
-
     print_report(document, report)
 
 
 def json_to_stdout(text: str) -> None:
     """JSON on standard output, with escapes where its encoding does not have the characters."""
-    from contin.store.json_format import escaped
-
     try:
         text.encode(getattr(sys.stdout, "encoding", None) or "utf-8")
     except UnicodeEncodeError:
@@ -150,8 +151,6 @@ def json_to_stdout(text: str) -> None:
 
 
 def _write_json(document: Mapping[str, Any], json: str) -> None:
-    from contin.store import digest, json_format
-
     if json == "-":
         json_to_stdout(json_format.dumps(digest.signed(document)))
     else:
@@ -160,13 +159,9 @@ def _write_json(document: Mapping[str, Any], json: str) -> None:
 
 def _write(plan: Plan, kind: str, document: Mapping[str, Any]) -> str:
     """One of the run file's `outputs`."""
-    from contin.runs.outputs import make_folder
-
     path = plan.outputs[kind]
     make_folder(path)
     if kind in ("plot", "html"):
-        from contin.plot.write import write_picture
-
         if kind == "plot" and document.get("sweep"):
             from contin.cli.simulated import draw_sweep
 
@@ -176,12 +171,8 @@ def _write(plan: Plan, kind: str, document: Mapping[str, Any]) -> str:
         else:
             write_picture(document, path, x=plan.x, y=plan.y)
     elif kind == "save":
-        from contin.store import sqlite
-
         sqlite.save(document, path, provenance(plan))
     else:
-        from contin.store import json_format
-
         json_format.write(document, path)
     return f"wrote {os.path.relpath(path)}"
 

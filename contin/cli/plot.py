@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from contin.cli.scan import plot_scan
 from contin.errors import InputError
+from contin.plot.orbit import write_orbit
 from contin.plot.write import write_picture
 from contin.store.places import ending_of
 from contin.store.results import read_results
@@ -21,14 +23,10 @@ def plot_file(
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
     if ending_of(file) == ".scan":
-        from contin.cli.scan import plot_scan
-
         return plot_scan(file, out, x, y[0] if y else None, over)
     if over is not None:
         raise InputError("--over is for a scan: contin plot FILE.scan --over RESULTS")
     if orbit is not None:
-        from contin.plot.orbit import write_orbit
-
         write_orbit(read_results(file), orbit, out, x, y[0] if y else None)
         print(out)
         return 0

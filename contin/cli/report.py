@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from contin.diagram.phase.report import region_lines
 from contin.plot.vocabulary import KINDS, locus_words, style_of
 
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
@@ -44,8 +45,6 @@ def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Con
 
 
 def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
-    from contin.diagram.phase.report import region_lines
-
     if not phase["regions"]:  # stopped before the first one; the notes say so
         return
     console.print()

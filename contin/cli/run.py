@@ -14,6 +14,22 @@ from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_o
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker
 from contin.errors import InputError
+from contin.kernels.clock import CLOCK
+from contin.machine.progress import telling
+from contin.model.source import CallSource
+from contin.runs.bundled import find_run, is_scan
+from contin.runs.engine import ContinEngine
+from contin.runs.execute import execute
+from contin.runs.load import load_run_file, read_run
+from contin.runs.outputs import files_read, make_folder
+from contin.runs.plan import make_plan
+from contin.runs.results import OrbitSamples
+from contin.runs.simulations import carry_out as carry_out_simulations
+from contin.store.atomic import is_special
+from contin.store.digest import DamageWarning
+from contin.store.journal import SqliteJournal, fingerprint
+from contin.store.json_format import describe_model, plain, result_document
+from contin.store.partial import PartialJson
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,11 +44,6 @@ def run_file(
     file: Path, json: str | None, sets: Sequence[str], orbits: bool, quiet: bool, began: float, resume: bool = False
 ) -> int:
     """Carry out a run file, or a bundled one by its name; the exit code."""
-    from contin.runs.bundled import find_run, is_scan
-    from contin.runs.load import load_run_file
-    from contin.runs.outputs import files_read
-    from contin.runs.plan import make_plan
-
     file, place = find_run(file)
     if is_scan(file):
         from contin.cli.scan import scan_file
@@ -60,10 +71,6 @@ def run_diagram(
     """Explore a diagram from the command line: the same as a run file with `diagram:`."""
     from dataclasses import replace
 
-    from contin.model.source import CallSource
-    from contin.runs.load import read_run
-    from contin.runs.plan import make_plan
-
     diagram = {"parameter": parameter, "range": [low, high], **({"start": list(starts)} if starts else {})}
     source = CallSource("contin diagram")
     entry = read_run({"model": model, "diagram": diagram}, source, version_required=False)
@@ -87,10 +94,6 @@ def run_phase(
 ) -> int:
     """A phase diagram from the command line: the same as a run file with `phase:`."""
     from dataclasses import replace
-
-    from contin.model.source import CallSource
-    from contin.runs.load import read_run
-    from contin.runs.plan import make_plan
 
     bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
     chosen = {"start": list(starts)} if starts else {}
@@ -149,13 +152,6 @@ def open_keeper(plan: Plan, json: str | None, resume: bool) -> SqliteJournal | P
 
     InputError where --resume has no file, or where a file is in the way that contin did not write.
     """
-    from contin.runs.outputs import make_folder
-    from contin.store.atomic import is_special
-    from contin.store.digest import DamageWarning
-    from contin.store.journal import SqliteJournal, fingerprint
-    from contin.store.json_format import describe_model, plain
-    from contin.store.partial import PartialJson
-
     path = plan.outputs.get("save")
     model = plain(describe_model(plan.model, plan.parameters))
     if path is not None:
@@ -177,14 +173,6 @@ def compute(
     plan: Plan, orbits: bool, errors: Console, began: float, keeper: SqliteJournal | PartialJson | None = None
 ) -> tuple[dict[str, Any], bool]:
     """The result document, and whether every requested branch is whole."""
-    from contin.kernels.clock import CLOCK
-    from contin.machine.progress import telling
-    from contin.runs.engine import ContinEngine
-    from contin.runs.execute import execute
-    from contin.runs.results import OrbitSamples
-    from contin.runs.simulations import carry_out as carry_out_simulations
-    from contin.store.json_format import describe_model, result_document
-
     status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, keeper)
     engine.load()

@@ -15,10 +15,17 @@ from contin.cli.counting import counted
 from contin.cli.interrupt import check, hold
 from contin.cli.outputs import CUT_SHORT, DONE, Output, writable, write_all
 from contin.cli.run import parse_sets
-from contin.cli.simulate import write_figure, write_json, write_table
+from contin.cli.simulate import PICTURES, write_figure, write_json, write_table
 from contin.cli.terminal import console
 from contin.errors import InputError
+from contin.plot.scan import figure
+from contin.runs.outputs import make_folder
+from contin.runs.scan_plan import plan_scan
+from contin.simulate.scan.carry_out import carry_out, document_of
 from contin.store.digest import DamageWarning
+from contin.store.journal import fingerprint
+from contin.store.results import read_results
+from contin.store.scan_store import ScanStore, read_scan
 
 if TYPE_CHECKING:
     from contin.runs.scan_plan import ScanPlan
@@ -34,9 +41,6 @@ def scan_file(
 
     A scan that is stopped writes what was computed (exit code 1); with a store it goes on with --resume.
     """
-    from contin.runs.scan_plan import plan_scan
-    from contin.simulate.scan.carry_out import carry_out, document_of
-
     plan = plan_scan(file, parse_sets(sets), place)
     writable(json, plan.outputs, [*plan.reads, *([over] if over is not None else [])])
     if threads is not None and threads < 1:
@@ -90,10 +94,6 @@ def _checked(watch: Callable[[int, int], None]) -> Callable[[int, int], None]:
 
 
 def _store(plan: ScanPlan, file: Path, sets: Sequence[str], resume: bool) -> ScanStore | None:
-    from contin.runs.outputs import make_folder
-    from contin.simulate.scan.carry_out import document_of
-    from contin.store.scan_store import ScanStore
-
     path = plan.outputs.get("save")
     if path is None:
         if resume:
@@ -110,10 +110,6 @@ def _store(plan: ScanPlan, file: Path, sets: Sequence[str], resume: bool) -> Sca
 
 def plot_scan(file: Path, out: Path, x: str | None, y: str | None, over: Path | None) -> int:
     """Draw a saved scan, also one that is not finished."""
-    from contin.cli.simulate import PICTURES
-    from contin.plot.scan import figure
-    from contin.store.scan_store import read_scan
-
     if out.suffix not in PICTURES:
         raise InputError(f"{out}: pictures end in {', '.join(PICTURES)}")
     write_figure(figure(read_scan(file), x=x, y=y, over=_results(over)), out)
@@ -123,8 +119,6 @@ def plot_scan(file: Path, out: Path, x: str | None, y: str | None, over: Path | 
 
 def export_scan(file: Path, out: Path) -> int:
     """Write a saved scan as a table (.csv) or as JSON."""
-    from contin.store.scan_store import read_scan
-
     document = read_scan(file)
     if out.suffix == ".csv":
         write_table(document["columns"], out)
@@ -139,7 +133,6 @@ def export_scan(file: Path, out: Path) -> int:
 def _results(path: Path | None) -> dict[str, Any] | None:
     if path is None:
         return None
-    from contin.store.results import read_results
 
     return read_results(path)
 
@@ -161,14 +154,10 @@ def _outputs(outputs: Mapping[str, Path], document: dict[str, Any], beneath: Any
 
 
 def _write(kind: str, path: Path, document: dict[str, Any], beneath: Any) -> str | None:
-    from contin.runs.outputs import make_folder
-
     make_folder(path)
     if kind == "csv":
         write_table(document["columns"], path)
     elif kind == "plot":
-        from contin.plot.scan import figure
-
         if not document["columns"]["class"]:
             return f"{path.name} is not drawn: no run is done"
         write_figure(figure(document, over=beneath), path)
@@ -179,8 +168,6 @@ def _write(kind: str, path: Path, document: dict[str, Any], beneath: Any) -> str
 
 def _mark(plan: Any, file: Path, sets: Sequence[str]) -> str:
     """Of all that determines the runs; where files are written does not."""
-    from contin.store.journal import fingerprint
-
     spec = plan.spec
     return fingerprint(
         __version__, spec.model.text(), repr(spec.head()), repr(spec.starts), repr(sorted(spec.parameters.items())),

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import typer
 
+from contin.model.registry import load
+
 
 def show_model(reference: str, latex: bool, yaml: bool) -> int:
     """Print the equations as text, in LaTeX, or as a model file; exit code."""
-    from contin.model.registry import load
-
     model = load(reference)
     typer.echo(model.latex() if latex else model.text().rstrip("\n") if yaml else str(model))
     return 0

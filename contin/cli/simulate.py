@@ -15,6 +15,12 @@ from contin.cli.outputs import CUT_SHORT, DONE, Output, json_to_stdout, writable
 from contin.cli.run import parse_sets
 from contin.cli.terminal import console
 from contin.errors import InputError
+from contin.model.registry import load
+from contin.plot.trajectory import figure
+from contin.simulate.run import simulate
+from contin.store.atomic import write_bytes, write_text
+from contin.store.digest import signed
+from contin.store.json_format import plain, write_json_text
 
 ROWS: Final = 11  # of the table on the terminal
 PICTURES: Final = (".png", ".pdf", ".svg")
@@ -25,9 +31,6 @@ def simulate_model(
     **options: Any,
 ) -> int:  # fmt: skip
     """Simulate, print a table, write the files of `out` (csv, plot, json, x, y); exit code 1 where it ended early."""
-    from contin.model.registry import load
-    from contin.simulate.run import simulate
-
     picture, table = out["plot"], out["csv"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
@@ -45,8 +48,6 @@ def simulate_model(
         report.print(str(found), style="" if found.complete else "yellow")
 
     def draw() -> str:
-        from contin.plot.trajectory import figure
-
         drawing = figure(columns, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
         write_figure(drawing, picture)
         return str(picture)
@@ -95,8 +96,6 @@ def starting_point(model: Any, start: str | None, states: Sequence[str]) -> Any:
 
 def write_table(columns: dict[str, Any], path: Path) -> None:
     """Columns of equal length as CSV, numbers with all their digits."""
-    from contin.store.atomic import write_text
-
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(columns)
@@ -107,8 +106,6 @@ def write_table(columns: dict[str, Any], path: Path) -> None:
 
 def write_figure(drawing: Any, path: Path) -> None:
     """A matplotlib figure to a file whose ending chooses the kind."""
-    from contin.store.atomic import write_bytes
-
     stream = io.BytesIO()
     drawing.savefig(stream, format=path.suffix[1:])
     write_bytes(path, stream.getvalue())
@@ -116,9 +113,6 @@ def write_figure(drawing: Any, path: Path) -> None:
 
 def write_json(document: dict[str, Any], target: str) -> None:
     """A document with its `sha256` as JSON, to a file or to standard output for '-'; NaN and infinity as null."""
-    from contin.store.digest import signed
-    from contin.store.json_format import plain, write_json_text
-
     text = json_library.dumps(signed(plain(document)), indent=1) + "\n"
     if target == "-":
         json_to_stdout(text)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from contin.cli.outputs import Output
 from contin.cli.simulate import write_figure, write_table
+from contin.plot.trajectory import figure
 from contin.runs.outputs import make_folder
 
 if TYPE_CHECKING:
@@ -34,7 +35,6 @@ def simulated_outputs(plan: Plan, document: Mapping[str, Any]) -> list[Output]:
 def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any]) -> str:
     if kind == "csv":
         return _table(columns, path)
-    from contin.plot.trajectory import figure
 
     make_folder(path)
     title = f"{plan.model.title or plan.model.name}: {plan.name}"

@@ -7,11 +7,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from contin.cli.counting import counted
 from contin.cli.outputs import CUT_SHORT, DONE, writable, write_all
 from contin.cli.run import parse_sets
 from contin.cli.simulate import PICTURES, starting_point, table_outputs, write_figure
 from contin.cli.terminal import console
 from contin.errors import InputError
+from contin.model.registry import load
+from contin.plot.sweep import figure
+from contin.simulate.steady import Criterion
+from contin.simulate.sweep import sweep
+from contin.store.results import read_results
 
 
 def sweep_model(
@@ -20,10 +26,6 @@ def sweep_model(
     over: Path | None, quiet: bool,
 ) -> int:  # fmt: skip
     """Sweep, report jumps, write files; exit code 1 where a run did not settle."""
-    from contin.model.registry import load
-    from contin.simulate.steady import Criterion
-    from contin.simulate.sweep import sweep
-
     picture, table = out["plot"], out["csv"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
@@ -31,15 +33,12 @@ def sweep_model(
     model = load(reference)
     document = None
     if over is not None:
-        from contin.store.results import read_results
-
         document = read_results(over)
     given: dict[str, Any] = {key: value for key, value in waiting.items() if value is not None}
     if given and "window" not in given:
         raise InputError("--longest and --tolerance belong to a --window: give that too")
     quantities = {name: str(formula) for name, formula in parse_sets(measures).items()}
     report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
-    from contin.cli.counting import counted
 
     with counted(f"{parameter} from {low:g} to {high:g} and back", console(sys.stderr, quiet)) as watch:
         found = sweep(
@@ -56,8 +55,6 @@ def sweep_model(
             report.print(f"  {found.names[0]} jumps on the way {word} between {parameter} = {before:g} and {after:g}")
 
     def draw() -> str:
-        from contin.plot.sweep import figure
-
         drawing = figure(found.columns, parameter, found.names, title=model.title, y=out["y"], over=document)
         write_figure(drawing, picture)
         return str(picture)

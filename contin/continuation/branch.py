@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.frames import dataframe, dataset
 
 ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
 
@@ -132,14 +133,10 @@ class Branch:
 
     def to_dataframe(self) -> Any:
         """A pandas.DataFrame with the columns and `label` ('' where a row has none); needs pandas."""
-        from contin.continuation.frames import dataframe
-
         return dataframe(self)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset of the columns over the dimension `row`; needs xarray."""
-        from contin.continuation.frames import dataset
-
         return dataset(self)
 
     @property

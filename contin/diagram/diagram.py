@@ -8,6 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contin.continuation.branch import Branch
+from contin.continuation.frames import dataframes
+from contin.diagram.graph import build_graph
+from contin.diagram.report import report
+from contin.plot.figure import draw
+from contin.plot.html import write_html
+from contin.store.results import save_branches
 
 if TYPE_CHECKING:
     from networkx import MultiGraph
@@ -43,13 +49,9 @@ class Diagram:
     @property
     def graph(self) -> MultiGraph:
         """Special points and ends as nodes, the pieces of branches between them as edges (a networkx.MultiGraph)."""
-        from contin.diagram.graph import build_graph
-
         return build_graph(self)
 
     def __str__(self) -> str:
-        from contin.diagram.report import report
-
         return report(self)
 
     def extend(self, branch: str, end: str = "last", bounds: tuple[float, float] | None = None) -> Branch:
@@ -62,20 +64,14 @@ class Diagram:
 
     def plot(self, x: str | None = None, y: str | None = None) -> Any:
         """A matplotlib figure: solid stable, dashed unstable, special points marked."""
-        from contin.plot.figure import draw
-
         return draw(self.branches, x=x or self.parameter, y=y)
 
     def to_html(self, path: str | Path, x: str | None = None, y: str | None = None) -> None:
         """An interactive page in one file."""
-        from contin.plot.html import write_html
-
         write_html(self.branches, path, x=x or self.parameter, y=y)
 
     def to_dataframe(self) -> Any:
         """One pandas.DataFrame of all branches, indexed by `branch` and `row`; needs pandas."""
-        from contin.continuation.frames import dataframes
-
         return dataframes(self.branches)
 
     def to_xarray(self) -> dict[str, Any]:
@@ -84,6 +80,4 @@ class Diagram:
 
     def save(self, path: str | Path) -> None:
         """Write a `.contin` file, which `contin plot` and `contin export` read."""
-        from contin.store.results import save_branches
-
         save_branches(self.branches, path, self.notes)

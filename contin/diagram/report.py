@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.normalforms.words import describe
 
 if TYPE_CHECKING:
     from contin.diagram.diagram import Diagram
@@ -38,7 +39,5 @@ def _branch_lines(branch: Branch) -> list[str]:
 
 
 def _point_line(branch: Branch, point: SpecialPoint) -> str:
-    from contin.normalforms.words import describe
-
     where = ", ".join(f"{name} = {point.values[name]:.12g}" for name in branch.parameters)
     return f"{point.label:<5} {where:<28} {describe(point.type, point.normal_form)}"

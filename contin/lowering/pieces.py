@@ -32,6 +32,7 @@ from contin.model.expression import (
     substitute,
     symbol,
 )
+from contin.model.printing import to_text
 
 MODE: Final = "mode {}"  # no name in a model contains a blank
 
@@ -77,8 +78,6 @@ class Pieces:
 
     def name(self, index: int) -> str:
         """A surface in words: the formula that vanishes there."""
-        from contin.model.printing import to_text
-
         return f"{to_text(self.functions[index])} = 0"
 
 

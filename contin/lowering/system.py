@@ -17,6 +17,7 @@ from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.pieces import Pieces, compile_pieces
 from contin.lowering.routines import Layout, form_routine, gradient_routine, jacobian_routine, vector_routine
 from contin.lowering.switching import switching_functions
+from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
 from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
 from contin.symbolic.calculus.remove_singularities import remove_singularities
@@ -244,8 +245,6 @@ class CompiledSystem:
 
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which equation, or entry of the Jacobian, is not finite at this point and why; None if all are finite."""
-        from contin.model.explain import explain_not_finite
-
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
         f, matrix = self.jacobian(u, p)
         bad_rows = np.flatnonzero(~np.isfinite(f))
@@ -264,8 +263,6 @@ class CompiledSystem:
 
     def explain_observables(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which observable is not finite at this point and why; None if all are."""
-        from contin.model.explain import explain_not_finite
-
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
         named = dict(zip(self.observable_names, self._observables, strict=True))
         return explain_not_finite(named, dict(zip(self.layout.names, z.tolist(), strict=False)), "observable") or None

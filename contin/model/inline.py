@@ -10,6 +10,7 @@ from typing import Any, Final
 from contin.errors import ExpressionError
 from contin.model.expression import Expression, crowd, is_condition, mask_of, number, substitute, symbol, symbols_in
 from contin.model.lexer import canonical_name, is_name, tokenize
+from contin.model.operators import as_written
 from contin.model.order import CircleError, dependency_order
 from contin.model.parser import Operand, parse_operand
 from contin.model.scope import Budget, Function, Scope, placeholders
@@ -98,8 +99,6 @@ class Formulas:
         self.problems.add(path, message, value=text, span=Span(position, end))
 
     def _expression(self, value: Expression, path: Path, scope: Scope) -> Operand:
-        from contin.model.operators import as_written
-
         names = scope.names or {}
         used = {s: names.get(s) for s in symbols_in([value])}
         for name, node in used.items():

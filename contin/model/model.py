@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from contin.errors import InputError, NotFiniteError
 from contin.model.advice import closest
+from contin.model.build import parts_from_mapping, start_from_mapping
 from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, number, symbol
 from contin.model.parser import parse
 from contin.model.parts import TIME, Averaging, Expectation, Forcing, Limit, Parameter, Start, State, Symmetry
 from contin.model.scope import Function
+from contin.model.source import CallSource
 from contin.model.values import Override, parameter_values
+from contin.model.writer import model_latex, model_text, summary
 
 Array = NDArray[np.float64]
 
@@ -54,9 +57,6 @@ class Model:
     expect: tuple[Expectation, ...] = ()
 
     def __init__(self, name: str, **entries: Any) -> None:
-        from contin.model.build import parts_from_mapping
-        from contin.model.source import CallSource
-
         parts = parts_from_mapping({"name": name, **entries}, CallSource(f"Model({name!r})"))
         self._set(parts)
 
@@ -183,7 +183,6 @@ class Model:
             return self.start(start)
         if not isinstance(start, Mapping):
             start = self._listed(start)
-        from contin.model.build import start_from_mapping
 
         return start_from_mapping(self, start)
 
@@ -220,19 +219,13 @@ class Model:
 
     def text(self) -> str:
         """The model as a model file; loading it gives an equal model."""
-        from contin.model.writer import model_text
-
         return model_text(self)
 
     def latex(self) -> str:
         """The equations and definitions as lines of a LaTeX `align*` environment."""
-        from contin.model.writer import model_latex
-
         return model_latex(self)
 
     def __str__(self) -> str:
-        from contin.model.writer import summary
-
         return summary(self)
 
     def __repr__(self) -> str:

@@ -8,6 +8,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from contin.errors import FormatVersionError, InputError
+from contin.model import schema
 from contin.model.advice import closest
 from contin.model.expression import Expression
 from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
@@ -114,8 +115,6 @@ def _note(item: Any, data: Any, problems: Problems) -> None:
 
 
 def _allowed_keys(loc: tuple[int | str, ...]) -> list[str]:
-    from contin.model import schema
-
     entries: dict[tuple[int, str], type[BaseModel]] = {
         (1, ""): schema.ModelEntry,
         (3, "states"): schema.StateEntry,

@@ -13,6 +13,7 @@ from contin.plot.labels import densify, merged, place
 from contin.plot.series import Panel, Source, is_constant
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
+from contin.store.json_format import model_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,7 +90,6 @@ def draw(
 ) -> Figure:
     """The figure of branches in memory; units and periods of angles are those of their model."""
     from contin.plot.series import from_branches, panels
-    from contin.store.json_format import model_of
 
     branches = list(branches)
     model = model_of(branches)

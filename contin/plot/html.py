@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.plot.figure import colour_of_branches, image_names
-from contin.plot.series import Source, ordinates, panels, segment_stability, wrapped
+from contin.plot.series import Source, from_branches, ordinates, panels, segment_stability, wrapped
 from contin.plot.vocabulary import KINDS, locus_words, style_of
+from contin.store.atomic import write_text
+from contin.store.json_format import model_of
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
@@ -66,10 +68,6 @@ def write_html(
     title: str | None = None,
 ) -> None:
     """Write the page of branches in memory; units and periods of angles are those of their model."""
-    from contin.plot.series import from_branches
-    from contin.store.atomic import write_text
-    from contin.store.json_format import model_of
-
     branches = list(branches)
     model = model_of(branches)
     periods, units = model.get("periods"), model.get("units")

@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contin.errors import InputError
+from contin.plot.trajectory import figure
+from contin.plot.write import PICTURES
+from contin.store.atomic import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,8 +20,6 @@ def orbit_figure(document: Mapping[str, Any], point: str, x: str | None = None, 
 
     Raises InputError where the results have no such point, or hold no orbit there.
     """
-    from contin.plot.trajectory import figure
-
     name, _, label = point.rpartition(".")
     branch = next((b for b in document["branches"] if b["name"] == name), None)
     kept = [f"{b['name']}.{p['label']}" for b in document["branches"] for p in b["points"] if "orbit" in p]
@@ -35,9 +36,6 @@ def orbit_figure(document: Mapping[str, Any], point: str, x: str | None = None, 
 def write_orbit(document: Mapping[str, Any], point: str, out: Path, x: str | None, y: str | None) -> None:
     """Write `orbit_figure` as .png, .pdf or .svg."""
     import io
-
-    from contin.plot.write import PICTURES
-    from contin.store.atomic import write_bytes
 
     if out.suffix not in PICTURES:
         raise InputError(f"pictures of orbits end in {', '.join(PICTURES)}; got {out.suffix!r}")

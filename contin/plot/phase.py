@@ -14,6 +14,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.plot.figure import STYLE
 from contin.plot.labels import densify, place
 from contin.plot.places import deepest
 from contin.plot.smooth import smooth
@@ -51,8 +52,6 @@ def draw(
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-
-    from contin.plot.figure import STYLE
 
     curves = [b for b in branches if b["name"] in set(data["curves"])]
     with rc_context(STYLE):

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.errors import InputError
-from contin.plot.figure import STYLE
+from contin.plot.figure import STYLE, image_names
+from contin.plot.figure import figure as diagram_figure
+from contin.plot.series import from_document, panels
 from contin.plot.vocabulary import PALETTE
 
 if TYPE_CHECKING:
@@ -62,10 +64,6 @@ def figure(
 
 
 def _diagram(over: Mapping[str, Any], parameter: str, quantity: str, title: str | None) -> tuple[Figure, Any]:
-    from contin.plot.figure import figure as diagram_figure
-    from contin.plot.figure import image_names
-    from contin.plot.series import from_document, panels
-
     sources = from_document(over)
     if not sources:
         raise InputError("the results to draw over hold no branch")

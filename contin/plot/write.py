@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import Any, Final
 
 from contin.errors import InputError
+from contin.plot.figure import figure, image_names
+from contin.plot.html import html_page
+from contin.plot.phase import draw
 from contin.plot.series import from_document, panels
+from contin.store.atomic import write_bytes
 
 PICTURES: Final = (".png", ".pdf", ".svg")
 PAGES: Final = (".html",)
@@ -24,16 +28,11 @@ def picture(
     if not sources:
         raise InputError("there is nothing to plot: the results hold no branch")
     if suffix in PAGES:
-        from contin.plot.html import html_page
-
         return html_page(sources, title=title, x=x, y=y, periods=periods, units=units).encode()
     if suffix not in PICTURES:
         raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
-    from contin.plot.figure import figure, image_names
 
     if document.get("phase") and x is None and y is None:
-        from contin.plot.phase import draw
-
         return _drawn(draw(document["phase"], document["branches"], title), suffix)
     drawing = figure(
         panels(sources, x=x, y=y, periods=periods, units=units),
@@ -55,6 +54,5 @@ def write_picture(
 ) -> None:
     """Write `picture` to a file whose ending chooses the kind."""
     data = picture(document, path.suffix, x=x, y=y)
-    from contin.store.atomic import write_bytes
 
     write_bytes(path, data)

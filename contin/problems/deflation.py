@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.errors import ContinError, InputError
+from contin.kernels.deflation import search
 from contin.machine import elementary
+from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.special import eigenvalues_of
 from contin.problems.start import Equilibrium, converge
 
@@ -151,8 +153,6 @@ def find(system: Any, box: Box, p: Array, starts: int | None = None) -> list[Fou
 
 def _search(system: Any, address: Address, guesses: Array, p: Array, box: Box, known: Array) -> Array:
     """Where Newton converged to, (k, n)."""
-    from contin.kernels.deflation import search
-
     out, status = np.empty_like(guesses), np.zeros(len(guesses), np.bool_)
     centre = 0.5 * (box.lower + box.upper)
     table = known if len(known) else np.zeros((1, system.n))
@@ -175,8 +175,6 @@ def _images(system: Any, u: Array, p: Array) -> Iterator[Array]:
 
 def _linked(system: Any, box: Box, p: Array, known: Sequence[tuple[Array, bool]]) -> list[FoundEquilibrium]:
     """Polished, sorted, with unstable counts, and mirror images pointing at the first of their kind."""
-    from contin.problems.equilibrium import EquilibriumProblem
-
     solved: list[tuple[Equilibrium, bool]] = []
     for u, isolated in sorted(known, key=lambda item: tuple(np.round(item[0] / box.widths, 6))):
         try:

@@ -18,10 +18,12 @@ from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError, NotFiniteError
+from contin.kernels import algebraic as kernel
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
+from contin.problems.describe import with_normal_form
 from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.turning import no_fold
@@ -30,6 +32,8 @@ from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
 from contin.problems.surfaces import boundary
 from contin.problems.surfaces.switch import Sliding, switched
+from contin.problems.symmetry import reversing_symmetries
+from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
 
@@ -239,7 +243,6 @@ class EquilibriumProblem:
             return python_march.march(
                 DenseMarch(self), origin, before, length, frame, step, limit, bounds, settings, loop
             )
-        from contin.kernels import algebraic as kernel
 
         n = self.n
         rows = limit + 1
@@ -280,7 +283,6 @@ class EquilibriumProblem:
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:
             return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
-        from contin.kernels import algebraic as kernel
 
         n = self.n
         z, t, tests = np.empty(n + 1), np.empty(n + 1), np.empty(kernel.TESTS)
@@ -319,8 +321,6 @@ class EquilibriumProblem:
         return found if why is None else f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
 
     def _described(self, found: Verified | str, frame: Frame) -> Verified | str:
-        from contin.problems.describe import with_normal_form
-
         return with_normal_form(self, found, frame.scale) if isinstance(found, Verified) else found
 
     def _corner_beside(self, near: Sample, frame: Frame) -> str | None:
@@ -366,13 +366,9 @@ class EquilibriumProblem:
         return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        from contin.problems.symmetry import reversing_symmetries
-
         return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent))
 
     def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
-        from contin.problems.touching import beyond
-
         return beyond(self, point, frame, settings)
 
     def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from contin.abi import Array
+from contin.normalforms.directions import branch_directions
+from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.multiple import CONTINUUM
 from contin.problems.fine_directions import fine_directions
 from contin.problems.scaled import ScaledSystem
 
@@ -13,10 +16,6 @@ PARALLEL = 0.9999  # cosine from which a direction is the branch's own
 
 def reduced_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:
     """Unit tangents and second derivatives z''(0) (scaled) of the branches other than the one with tangent `own`."""
-    from contin.normalforms.directions import branch_directions
-    from contin.normalforms.jet import DerivativeJet
-    from contin.normalforms.multiple import CONTINUUM
-
     problem, size = local.problem, local.scale[:-1]
     matrix = problem.linear_part(y * local.scale) * size / size[:, None]
     kind = "map" if problem.is_map else "flow"

@@ -14,6 +14,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.defining import Solved
+from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
 from contin.problems.spectrum import noises, spectrum
 
@@ -361,7 +362,6 @@ def _tangents(local: ScaledSystem, y: Array) -> list[Array]:
         return [right[-1]]
     if corank == 1:
         return crossing_tangents(local, y) or [right[-1]]
-    from contin.problems.multiple import reduced_branches
 
     try:
         return [t for t, _ in reduced_branches(local, y, np.zeros(local.n + 1), corank)] or [right[-1]]

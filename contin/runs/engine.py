@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
+from contin.continuation.departure import Seed
+from contin.problems.images import images
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -99,8 +101,6 @@ class ContinEngine:
         return point.switch(run.parameters[0])
 
     def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
-        from contin.problems.images import images
-
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
         seeds = start if isinstance(start, list) else [start]
         for position, seed in enumerate(seeds):
@@ -176,8 +176,6 @@ def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
 
 def _same_solution(branch: Branch, point: Any, parameter: str) -> Any:
     """The start of a run at the solution that a point is, with any parameter free."""
-    from contin.continuation.departure import Seed
-
     problem = branch.problem.with_active(parameter, point.z)
     z = point.z.copy()
     z[-1] = point.values[parameter]

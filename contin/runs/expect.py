@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contin.model.evaluate import evaluate
 from contin.model.source import CallSource, Problems
 from contin.runs.engine import ContinEngine, Engine
 from contin.runs.execute import execute
@@ -76,8 +77,6 @@ def plan_of(model: Model, expectation: Expectation) -> Plan:
 
 
 def _numbers(point: Mapping[str, Any], plan: Plan) -> dict[str, float]:
-    from contin.model.evaluate import evaluate
-
     values = plan.model.default_parameters(plan.parameters)
     return {name: float(evaluate(expression, values)) for name, expression in point.items()}
 

@@ -11,7 +11,11 @@ from typing import TYPE_CHECKING, Any
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
 from contin.limits import as_double
 from contin.model.advice import closest
+from contin.model.evaluate import evaluate
+from contin.model.parser import parse
+from contin.model.registry import find
 from contin.model.source import PartSource, Path, Problems, Source, Span
+from contin.model.yaml_loader import model_from_mapping
 from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
 from contin.runs.references import check_references
@@ -173,9 +177,6 @@ def swept(entry: Any) -> dict[str, tuple[float, float]]:
 
 def _written_model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Any:
     """The model that the file names or holds, before any pass."""
-    from contin.model.registry import find
-    from contin.model.yaml_loader import model_from_mapping
-
     if isinstance(entry.model, str):
         try:
             return find(entry.model, file.parent)
@@ -289,9 +290,6 @@ class _Planner:
 
     def formula(self, value: Number, path: Path) -> float | None:
         """The value of a number or a formula in the parameters; a mistake is noted at its place."""
-        from contin.model.evaluate import evaluate
-        from contin.model.parser import parse
-
         if not isinstance(value, str):
             return as_double(value)
         try:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from contin.continuation.defects import noted
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
@@ -28,8 +29,6 @@ class OrbitSamples:
 
 
 def _sampled(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
-    from contin.problems.orbits.two_parameters import OfPeriodicOrbits
-
     if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
         return None
     profile = branch.problem.profile(point.z)

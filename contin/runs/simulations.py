@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from contin.runs.skipping import skipping
+from contin.simulate.run import simulate
+from contin.simulate.steady import Criterion
+from contin.simulate.sweep import sweep
 
 if TYPE_CHECKING:
     from contin.runs.plan import Plan
@@ -65,8 +68,6 @@ def carry_out(
 
 
 def _simulated(plan: SimulationPlan) -> dict[str, Any]:
-    from contin.simulate.run import simulate
-
     found = simulate(plan.model, plan.start, plan.parameters, time=plan.time, transient=plan.transient, **plan.options)
     return {
         "name": plan.name,
@@ -80,9 +81,6 @@ def _simulated(plan: SimulationPlan) -> dict[str, Any]:
 
 
 def _swept(plan: SweepPlan, watch: Callable[[int, int], None] | None) -> dict[str, Any]:
-    from contin.simulate.steady import Criterion
-    from contin.simulate.sweep import sweep
-
     found = sweep(
         plan.model, plan.parameter, plan.range, start=plan.start, parameters=plan.parameters, steps=plan.steps,
         down=plan.down, measures=dict(plan.measures) or None, watch=watch,

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from contin.errors import ContinError
 from contin.model.advice import closest
+from contin.model.expression import as_expression, number
+from contin.model.model import Model
 from contin.model.schema import shown
 from contin.model.source import Path, Problems
 
@@ -74,16 +76,12 @@ def apply_passes(
 
 def _with_ranges(model: Any, ranges: Mapping[str, tuple[float, float]]) -> Any:
     """The model with these ranges."""
-    from contin.model.expression import number
-
     pairs = {name: (number(low), number(high)) for name, (low, high) in ranges.items() if low < high}
     return model.replace(parameters=tuple(replace(p, range=pairs.get(p.name, p.range)) for p in model.parameters))
 
 
 def _with_values(model: Any, values: Mapping[str, Any]) -> Any:
     """The model with these values as defaults; what is wrong with them is said where the run is planned."""
-    from contin.model.expression import as_expression
-
     known = {name: value for name, value in values.items() if name in model.parameter_names}
     try:
         numbers = model.default_parameters(known)
@@ -94,8 +92,6 @@ def _with_values(model: Any, values: Mapping[str, Any]) -> Any:
 
 
 def _made_of_formulas(model: object) -> bool:
-    from contin.model.model import Model
-
     return isinstance(model, Model)
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from contin.errors import ExpressionError, InputError
+from contin.model.parser import parse_operand
+from contin.model.scope import Scope
 
 
 def condition(text: str, names: Mapping[str, Any], functions: Mapping[str, Any], where: str) -> Any:
@@ -13,9 +15,6 @@ def condition(text: str, names: Mapping[str, Any], functions: Mapping[str, Any],
 
     Raises ExpressionError for what is no formula over the names, InputError for a number.
     """
-    from contin.model.parser import parse_operand
-    from contin.model.scope import Scope
-
     try:
         operand = parse_operand(text, Scope(names, functions))
     except ExpressionError as error:

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.kernels.piecewise import flight as kernel
+from contin.kernels.piecewise.flow import Flow, new_memory
+from contin.model.evaluate import evaluate
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
 
@@ -84,9 +87,6 @@ def fly(
     DOP853: about 1 us a step for small models; 2000 time units of the pair of metronomes, with 2700 crossings, 18 ms.
     Raises InputError for a map or a bad duration. All other trouble is an `outcome` in words.
     """
-    from contin.kernels.piecewise import flight as kernel
-    from contin.kernels.piecewise.flow import Flow, new_memory
-
     if system.kind == "map":
         raise InputError("a map has no trajectories in continuous time; iterate it")
     if not duration > 0.0:
@@ -183,8 +183,6 @@ def _leave(
 
 def forcing_period(system: Any, p: Array) -> float:
     """Period of a forced model at these parameters."""
-    from contin.model.evaluate import evaluate
-
     values = dict(zip(system.parameter_names, np.asarray(p, dtype=float)[: system.m].tolist(), strict=True))
     return float(evaluate(system.model.forcing.period, values))
 
@@ -199,7 +197,6 @@ def _outcome(
     system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array, t: float,
     left: float,
 ) -> tuple[str, str]:  # fmt: skip
-    from contin.kernels.piecewise import flight as kernel
 
     if status in (kernel.DONE, kernel.EVENTS):
         return DONE, ""

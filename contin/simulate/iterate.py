@@ -8,6 +8,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.model.evaluate import evaluate
+from contin.model.expression import symbol
+from contin.simulate.condition import condition
 from contin.simulate.flight import DONE
 from contin.simulate.run import EVENT, NO_EVENT, Simulation, observed
 
@@ -44,10 +47,6 @@ def iterated(
 
 def _test(model: Any, until: str) -> Any:
     """u, p -> whether the condition holds."""
-    from contin.model.evaluate import evaluate
-    from contin.model.expression import symbol
-    from contin.simulate.condition import condition
-
     names = (*model.state_names, *model.parameter_names)
     known = {**model.observables, **model.definitions, **{n: symbol(n) for n in names}}
     holds = condition(until, known, model.functions, "until")

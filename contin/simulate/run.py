@@ -11,9 +11,12 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
+from contin.lowering import compile_system
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
 from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
+from contin.simulate.stiff import NONSMOOTH, integrate_stiff
+from contin.simulate.until import fly_until, with_clock
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
@@ -94,7 +97,6 @@ def simulate(
     check_count("samples", samples, 2, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
     check_count("budget", budget)
     u, p = model.start_point(start, dict(parameters or {}))
-    from contin.lowering import compile_system
     from contin.simulate.iterate import iterated
 
     system = compile_system(model)
@@ -104,8 +106,6 @@ def simulate(
     errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
     options = {"rtol": rtol, "atol": errors, "box": box}
     if method in STIFF:
-        from contin.simulate.stiff import NONSMOOTH, integrate_stiff
-
         if until is not None:
             raise InputError("until: events are located by the method DOP853 only")
         t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
@@ -131,9 +131,6 @@ def _flown(
     if until is None:
         flight = fly(system, u, p, float(times[-1]), times=times, **options)
         return flight, flight.outcome, flight.why
-    from contin.lowering import compile_system
-    from contin.simulate.until import fly_until, with_clock
-
     clocked = compile_system(with_clock(model, until))
     flight, came = fly_until(clocked, u, p, float(times[-1]), times=times, **options)
     if came:

@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.lowering import compile_system
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
@@ -77,7 +78,6 @@ def sweep(
         raise InputError(f"range: the lower end must be below the upper one; got [{low:g}, {high:g}]")
     if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= LARGEST:
         raise InputError(f"steps must be a whole number from 1 to {LARGEST}; got {steps!r}")
-    from contin.lowering import compile_system
 
     system = compile_system(watching(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.kernels import runge_kutta as kernel
 from contin.simulate.flight import fly
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
@@ -51,8 +52,6 @@ def integrate(
     the budget of steps is used up (a stiff model: see
     `contin.simulate.stiff`). A piecewise-smooth flow is integrated piece by piece (`contin.simulate.flight`).
     """
-    from contin.kernels import runge_kutta as kernel
-
     if system.kind == "map":
         raise InputError("a map has no trajectories in continuous time; iterate it")
     if not duration > 0.0:

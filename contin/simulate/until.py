@@ -13,6 +13,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.model.expression import if_, number, symbol
+from contin.model.parts import TIME, State
+from contin.simulate.condition import condition
 from contin.simulate.flight import CROSSINGS, Flight, fly
 
 CLOCK: Final = "event clock"  # no name in a model contains a blank
@@ -22,10 +25,6 @@ ALWAYS: Final = 1e-12  # relative: a clock that ran back all the time
 
 def with_clock(model: Any, until: str) -> Any:
     """The flow with the further state e' = (1 if the condition holds else -1)."""
-    from contin.model.expression import if_, number, symbol
-    from contin.model.parts import TIME, State
-    from contin.simulate.condition import condition
-
     names = {n: symbol(n) for n in (*model.state_names, *model.parameter_names)}
     if model.forcing is not None:
         names[TIME] = symbol(TIME)

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.errors import InputError
+from contin.model.expression import Expression, call, symbol
 from contin.simulate.natural import sizes_of
 
 ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
@@ -20,8 +21,6 @@ def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
     their phase differences from the first; otherwise states (of an angle its cosine and sine) and observables.
     Raises ExpressionError for a formula that is none.
     """
-    from contin.model.expression import Expression
-
     if measures:
         for name in measures:
             if not name.isidentifier():
@@ -35,8 +34,6 @@ def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
 
 
 def _of_states(model: Any) -> dict[str, Any]:
-    from contin.model.expression import call, symbol
-
     chosen: dict[str, Any] = {}
     for state in model.states:
         if state.period is None:

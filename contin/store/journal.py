@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
+from contin.continuation.problem import Chunk, Stop
 from contin.errors import InputError
 from contin.store.digest import parts_digest
 from contin.store.json_format import FORMAT_VERSION, branch_document
@@ -242,8 +243,6 @@ def packed(chunk: Chunk) -> tuple[dict[str, Any], bytes]:
 
 def unpacked(header: Mapping[str, Any], data: bytes) -> Chunk:
     """The chunk that `packed` took apart, bit for bit."""
-    from contin.continuation.problem import Chunk, Stop
-
     values: dict[str, Any] = dict(header["scalars"])
     values["stop"] = Stop(values["stop"])
     position = 0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contin.errors import InputError
 from contin.store import json_format, sqlite
 from contin.store.places import ending_of
+from contin.store.tables import write_csv, write_netcdf
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch
@@ -42,8 +43,6 @@ def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[
 
 def export_results(document: Mapping[str, Any], path: Path) -> None:
     """Write a result document in the format that the file's ending names: `.json`, `.contin`, `.csv` or `.nc`."""
-    from contin.store.tables import write_csv, write_netcdf
-
     writers = {".json": json_format.write, ".contin": sqlite.save, ".csv": write_csv, ".nc": write_netcdf}
     writer = writers.get(path.suffix)
     if writer is None:

@@ -18,6 +18,11 @@ from contin.diagram.phase.rest import ZERO as ZERO_OF_REST
 from contin.diagram.phase.rest import is_rest
 from contin.diagram.phase.states import State, images_of
 from contin.errors import AtRestError, ContinError, NoSolutionError
+from contin.problems.orbits.samples import orbit_from_samples
+from contin.problems.orbits.simulation import UNSTABLE, time_scale
+from contin.problems.shooting.start import settled_orbit
+from contin.problems.start import converge
+from contin.simulate.trajectory import integrate
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
@@ -108,9 +113,6 @@ class _Trajectories:
 
     def follow(self, u: Array) -> None:
         """Let a trajectory settle; raises ContinError where it escapes."""
-        from contin.problems.orbits.simulation import time_scale
-        from contin.simulate.trajectory import integrate
-
         system = self.problem.system
         scale = time_scale(system, u, self.p)
         size = self._size(u)
@@ -150,8 +152,6 @@ class _Trajectories:
 
     def _rest(self, u: Array) -> None:
         """An equilibrium that no branch led to; where Newton fails, the state itself."""
-        from contin.problems.start import converge
-
         try:
             solution = converge(self.problem.system, u, self.p, self.periods)
         except (ContinError, np.linalg.LinAlgError):
@@ -170,8 +170,6 @@ class _Trajectories:
 
     def _wander(self, u: Array, scale: float) -> None:
         """A trajectory that has not settled for long: an attractor if it does not in the time that follows either."""
-        from contin.simulate.trajectory import integrate
-
         system, time = self.problem.system, TRANSIENT * scale
         size = self._size(u)
         rate = STEPS / TRANSIENT  # as in the first look
@@ -187,9 +185,6 @@ class _Trajectories:
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
     def _orbit(self, u: Array, scale: float, longest: float = LONGEST) -> None:
-        from contin.problems.orbits.simulation import UNSTABLE
-        from contin.problems.shooting.start import settled_orbit
-
         try:
             orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=longest, budget=LEG)
         except AtRestError:
@@ -208,8 +203,6 @@ class _Trajectories:
 
     def _once_round(self, seed: Seed) -> Seed:
         """The orbit that this one runs through several times, as a slowly decaying spiral around it seems to do."""
-        from contin.problems.orbits.samples import orbit_from_samples
-
         problem: Any = seed.problem
         if problem.system.n_switches:
             return seed

@@ -13,6 +13,9 @@ from contin.continuation.departure import Seed
 from contin.diagram.identity import copies, wrapped
 from contin.errors import ContinError
 from contin.problems.maps.cycle import CycleProblem
+from contin.problems.maps.iterate import iterate
+from contin.problems.start import converge
+from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 FIRST, LAST = 600, 6_000  # steps after which a point is looked at, and after which it is wandering for good
 LONGEST: Final = 64  # period up to which a cycle is looked for
@@ -29,9 +32,6 @@ def cycles_reached(
 
     known : (k n,) of cycles that need no seed.
     """
-    from contin.problems.maps.iterate import iterate
-    from contin.problems.start import converge
-
     p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
     periods = np.asarray(problem.angle_periods, dtype=float)
     found = list(known)
@@ -75,8 +75,6 @@ def is_shorter(problem: Any, z: Array) -> bool:
 
 def distinct_images(problem: Any, z: Array) -> int:
     """How many cycles the declared symmetries make of one."""
-    from contin.problems.symmetry import apply_symmetry, symmetry_names
-
     found = [z]
     for name in symmetry_names(problem):
         image = apply_symmetry(problem, name, z)[0]

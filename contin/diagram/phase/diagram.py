@@ -13,7 +13,10 @@ from contin.continuation.branch import Branch
 from contin.diagram.phase.checks import Check
 from contin.diagram.phase.lines import Box
 from contin.diagram.phase.plane import inside
+from contin.diagram.phase.report import as_data, report
 from contin.diagram.phase.states import State
+from contin.plot.phase import draw
+from contin.store.json_format import result_document
 
 if TYPE_CHECKING:
     from networkx import Graph
@@ -117,14 +120,10 @@ class PhaseDiagram:
         return None
 
     def __str__(self) -> str:
-        from contin.diagram.phase.report import report
-
         return report(self)
 
     def as_data(self) -> dict[str, Any]:
         """Parameters, box, regions (representative point, states, outline) and borders, for JSON."""
-        from contin.diagram.phase.report import as_data
-
         return as_data(self)
 
     def plot(self, scan: Any = None) -> Any:
@@ -132,8 +131,5 @@ class PhaseDiagram:
 
         `scan` : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.
         """
-        from contin.plot.phase import draw
-        from contin.store.json_format import result_document
-
         document = result_document({}, self.loci, timing={})
         return draw(self.as_data(), document["branches"], scan=scan)

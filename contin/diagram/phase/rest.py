@@ -16,6 +16,8 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.diagram.phase.states import State
 from contin.errors import ContinError
+from contin.problems.orbits.simulation import time_scale
+from contin.simulate.trajectory import integrate
 
 NEAR: Final = (1e-4, 1e-6)  # of the states' sizes: where the rates must fall in proportion
 PROPORTIONAL: Final = 3.0  # ... up to this factor
@@ -88,9 +90,6 @@ def _falls(system: Any, u: Array, p: Array, moving: Any, size: float) -> bool:
 
 def _grows(system: Any, start: Array, p: Array, moving: Any) -> bool | None:
     """Whether a trajectory from beside rest leaves it; None where it neither does nor comes nearer."""
-    from contin.problems.orbits.simulation import time_scale
-    from contin.simulate.trajectory import integrate
-
     before = float(np.linalg.norm(start[moving]))
     with suppress(ContinError, np.linalg.LinAlgError):
         scale = time_scale(system, start, p)

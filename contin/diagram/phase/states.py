@@ -14,6 +14,7 @@ from contin.diagram.identity import wrapped
 from contin.diagram.orbits import copies, known_orbit
 from contin.diagram.phase.cycles import distinct_images, is_one, is_shorter
 from contin.problems.maps.cycle import CycleProblem
+from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 SAME: Final = 1e-6
 MARKED: Final = 1e-9  # of the range: a parameter has the value that was asked for
@@ -99,8 +100,6 @@ def _is_meant(problem: Any, u: Array) -> bool:
 
 def images_of(problem: Any, z: Array) -> list[Array]:
     """The state and its distinct images under the declared symmetries."""
-    from contin.problems.symmetry import apply_symmetry, symmetry_names
-
     found = [np.asarray(z[:-1])]
     for name in symmetry_names(problem):
         image = apply_symmetry(problem, name, z)[0][:-1]

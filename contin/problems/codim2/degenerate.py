@@ -15,6 +15,9 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.normalforms.branching import branch_point
+from contin.problems.codim2.forms import branching_form, jet_at
+from contin.problems.codim2.functions import function_of, own_critical, scaled_matrix
 
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 EVEN = 1e-6  # relative size of <w, B(v, v)> above which a point is no pitchfork, where nothing else decides
@@ -56,9 +59,6 @@ def kind(problem: Any, z: Array) -> str:
     Empty, and asked again at the next point, at a Bogdanov-Takens point, where the reduced equation has two unknowns.
     """
     if "kind" not in problem.memory:
-        from contin.normalforms.branching import branch_point
-        from contin.problems.codim2.forms import jet_at
-
         try:
             form = branch_point(jet_at(problem, z, (problem.curve.first,)))
         except ZeroDivisionError:
@@ -69,7 +69,6 @@ def kind(problem: Any, z: Array) -> str:
 
 def test(problem: Any, z: Array) -> float:
     """The coefficient at a point of the curve, with its continuous sign."""
-    from contin.problems.codim2.functions import scaled_matrix
     from contin.problems.codim2.monitors import null_pair
 
     shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
@@ -142,7 +141,6 @@ def _branch_points(problem: Any, u: Array, p: Array) -> _BranchPoints:
 def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float] | None:
     """(z, residual, error) of the DP on the curve of branch points; its kind is that of points further along."""
     from contin.problems.codim2 import events
-    from contin.problems.codim2.functions import function_of
 
     other = branching.problem
     for index, side in ((-2, 1.0), (-2, -1.0), (-1, 1.0), (-1, -1.0)):
@@ -160,9 +158,6 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
 
 def _verified(problem: Any, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
     from contin.problems.codim2 import events
-    from contin.problems.codim2.forms import branching_form
-    from contin.problems.codim2.functions import own_critical
-
     z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
     if kind(branching.problem, found) == "pitchfork":
         problem.memory.setdefault("mirrors", []).append(z)

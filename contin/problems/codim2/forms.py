@@ -8,12 +8,15 @@ from typing import Any
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.machine import elementary
+from contin.normalforms.branching import branch_point
+from contin.normalforms.invariant_plane import zero_hopf_on_plane
+from contin.normalforms.point import normal_form
+from contin.normalforms.result import NO_FORM
+from contin.normalforms.sources import compiled_jet
 
 
 def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
     """Derivatives of the model at z, in the states and the parameters `active`."""
-    from contin.normalforms.sources import compiled_jet
-
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"
     return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
@@ -24,10 +27,6 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
 
     `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.
     """
-    from contin.normalforms.invariant_plane import zero_hopf_on_plane
-    from contin.normalforms.point import normal_form
-    from contin.normalforms.result import NO_FORM
-
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
     if point.type == "CH" and frequencies:
@@ -49,7 +48,5 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
 
 def branching_form(problem: Any, z: Array) -> Any:
     """Lyapunov-Schmidt coefficients on a curve of branch points, in the parameter that unfolds the branches better."""
-    from contin.normalforms.branching import branch_point
-
     forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
     return max(forms, key=lambda form: abs(form.coefficients["b11"]))

@@ -13,7 +13,11 @@ import numpy as np
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation.problem import Sample
+from contin.kernels.lyapunov import lyapunov_terms
 from contin.machine import elementary
+from contin.normalforms.hopf import hopf
+from contin.normalforms.maps import neimark_sacker
+from contin.problems.codim2.forms import jet_at
 
 Function = Callable[[Array], float]
 COSINES = {"R1": 1.0, "R2": -1.0, "R3": -0.5, "R4": 0.0}
@@ -109,11 +113,7 @@ def lyapunov(problem: Any, z: Array) -> float:
     if kappa <= 0.0:
         return 0.0
     if curve.system.jacobian_address == NO_FUNCTION:
-        from contin.normalforms.hopf import hopf
-        from contin.problems.codim2.forms import jet_at
-
         return float(hopf(jet_at(problem, z), float(np.sqrt(kappa))).coefficients["l1"])
-    from contin.kernels.lyapunov import lyapunov_terms
 
     system, d = curve.system, curve.sizes
     matrix = np.ascontiguousarray(scaled_matrix(problem, z))
@@ -128,9 +128,6 @@ def lyapunov(problem: Any, z: Array) -> float:
 
 def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
     """Re d of a Neimark-Sacker point."""
-    from contin.normalforms.maps import neimark_sacker
-    from contin.problems.codim2.forms import jet_at
-
     if abs(cosine) >= 1.0:
         return 0.0
     try:

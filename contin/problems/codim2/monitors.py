@@ -15,8 +15,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.normalforms.maps import period_doubling
 from contin.problems.codim2 import degenerate
+from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
+from contin.problems.spectrum import count_and_tests
 
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
 
@@ -78,8 +81,6 @@ def real_test(values: Any, target: float) -> float:
 
 def pair_test(values: Any, is_map: bool) -> float:
     """The test of pairs of `kernels.tests_of_stability`, zero where it is only rounding."""
-    from contin.problems.spectrum import count_and_tests
-
     _, tests = count_and_tests(values, is_map)
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
@@ -109,9 +110,6 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
 
 def flip_coefficient(problem: Any, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
-    from contin.normalforms.maps import period_doubling
-    from contin.problems.codim2.forms import jet_at
-
     try:
         form = period_doubling(jet_at(problem, z))
     except (ZeroDivisionError, np.linalg.LinAlgError):

@@ -13,6 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.codim2.functions import own_critical, scaled_matrix
 
 VANISHING = 1e-4  # relative size of eigenvalues that vanish together: the root (or cube root) of rounding
 APART = 1e-3  # scaled distance from where it was suspected
@@ -43,8 +44,6 @@ def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
 
 def _others(problem: Any, z: Array) -> Any:
     """The two smallest eigenvalues without the curve's own, relative to the size of f_u (which is not zero there)."""
-    from contin.problems.codim2.functions import own_critical, scaled_matrix
-
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)
     others = np.delete(values, own_critical(problem, z, values))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.problems.spectrum import count_and_tests, spectrum
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +63,6 @@ class DenseMarch:
         return dense_linearisation(f, jacobian, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        from contin.problems.spectrum import count_and_tests, spectrum
-
         values, rates = spectrum(self.problem.linear_part(z))
         count, tests = count_and_tests(values, self.problem.is_map, rates)
         return tests[2:], count, values

@@ -12,8 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, NotFiniteError
+from contin.model.expression import number
+from contin.model.parts import Expectation
 from contin.problems.functions.guarded import called, numbers
 from contin.problems.functions.names import check_name, check_names
+from contin.problems.functions.system import FunctionSystem
 
 if TYPE_CHECKING:
     from contin.model.parts import Expectation
@@ -146,8 +149,6 @@ class FunctionProblem:
 
     def system(self) -> FunctionSystem:
         """The function with all its derivatives, as problems use it."""
-        from contin.problems.functions.system import FunctionSystem
-
         return FunctionSystem(self)
 
     # what verbs and reports ask of a model --------------------------------------------------------------------------
@@ -172,9 +173,6 @@ class FunctionProblem:
     @property
     def expect(self) -> tuple[Expectation, ...]:
         """The points that runs must find, as a model's."""
-        from contin.model.expression import number
-        from contin.model.parts import Expectation
-
         def read(label: str, at: Any, run: Any = (), tolerance: float = 1e-8) -> Expectation:
             points = [at] if isinstance(at, Mapping) else at
             numbers = tuple({key: number(float(value)) for key, value in point.items()} for point in points)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.problems.defining import _bordered as solve
 
 FORCED = 1e-9  # an unfolding parameter below this is zero
 
@@ -225,7 +226,5 @@ class BorderedCurve:
 
 def _bordered(matrix: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
     """V, W, G of the bordered systems above; NaN where they are singular."""
-    from contin.problems.defining import _bordered as solve
-
     v, w, g = solve(matrix, b, c)
     return np.asarray(v.real), np.asarray(w.real), np.asarray(g.real)

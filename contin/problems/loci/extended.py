@@ -11,6 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from contin.abi import Array
+from contin.lowering import compile_system
 from contin.machine import elementary
 from contin.symbolic.passes import loci
 
@@ -23,8 +24,6 @@ _systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary
 
 def extended_system(system: Any, type_: str, first: str, second: str) -> Any:
     """The compiled defining system of a type's curve, made once per model and second parameter."""
-    from contin.lowering import compile_system
-
     passes: dict[str, Callable[[], Any]] = {
         "LP": lambda: loci.fold_system(system.model, second),
         "PD": lambda: loci.flip_system(system.model, second),

@@ -16,9 +16,11 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
+from contin.kernels import locus as kernel
 from contin.machine import elementary
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
+from contin.problems.loci.march import march, probe
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.simulate.reach import left_reach
 
@@ -76,10 +78,7 @@ class LocusProblem(TwoParameterProblem):
     ) -> Chunk:  # fmt: skip
         renewed = self.curve.settle(origin.z)
         if not self.curve.compiled:
-            from contin.problems.loci.march import march
-
             return march(self, origin, before, length, frame, step, limit, settings, loop)
-        from contin.kernels import locus as kernel
 
         curve, n, rows, size = self.curve, self.n, limit + 1, self.curve.size
         z, t, tests = np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, kernel.TESTS))
@@ -127,10 +126,7 @@ class LocusProblem(TwoParameterProblem):
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if not self.curve.compiled:
-            from contin.problems.loci.march import probe
-
             return probe(self, base, length, guess, frame, settings)
-        from contin.kernels import locus as kernel
 
         curve, n = self.curve, self.n
         z, t, tests = np.empty(curve.size), np.empty(curve.size), np.empty(kernel.TESTS)

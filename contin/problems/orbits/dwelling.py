@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
+from contin.symbolic.passes.corotating import frame_generator
 
 SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 ALONG = 1e-6  # relative residual to which the rotation is an eigenvector of a relative equilibrium
@@ -20,8 +21,6 @@ ALONG = 1e-6  # relative residual to which the rotation is an eigenvector of a r
 
 def turning(problem: Any, u: Array) -> Array | None:
     """Directions (K, n) in which the frame turns the states u (K, n); None where the model is in none."""
-    from contin.symbolic.passes.corotating import frame_generator
-
     matrix = frame_generator(problem.system.model, problem.constants())
     return None if matrix is None else np.asarray(u @ matrix.T)
 

@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
+from contin.problems import defining
 from contin.problems.orbits.diverged import diverged
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.invariant_circle import invariant_circle
@@ -73,8 +74,6 @@ def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
 
 def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
-    from contin.problems import defining
-
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     size = extent_of(profile, sizes)
     if problem.winding.any() or not problem.autonomous or size > SMALL:

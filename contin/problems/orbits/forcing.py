@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from contin.lowering.machine import compile_routines
+from contin.lowering.routines import jacobian_routine
+
 
 @dataclass(frozen=True, eq=False)
 class ForcingPeriod:
@@ -16,8 +19,5 @@ class ForcingPeriod:
     @classmethod
     def of(cls, system: Any) -> ForcingPeriod:
         """Of a compiled forced model."""
-        from contin.lowering.machine import compile_routines
-        from contin.lowering.routines import jacobian_routine
-
         code = compile_routines([jacobian_routine("forcing", [system.model.forcing.period], system.layout)])
         return cls(code.addresses["forcing"], code)

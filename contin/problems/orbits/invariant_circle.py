@@ -18,7 +18,9 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
+from contin.problems import defining
 from contin.problems.orbits.dwelling import dwelling, slowest_points
+from contin.problems.orbits.homoclinic.saddle_node import critical_direction, quadratic
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
 
@@ -60,9 +62,6 @@ def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> l
 
 
 def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
-    from contin.problems import defining
-    from contin.problems.orbits.homoclinic.saddle_node import critical_direction, quadratic
-
     metric = np.append(np.sqrt(problem.n) * sizes, width)
     solved = defining.fold(equilibria_of(problem).scaled(metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:

@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.collocation import LANES, evaluate, forcing_period, new_points, residual, set_phase
 from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.bordered import Bordered, crossing
 from contin.problems.orbits.layout import Profile
 
 SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
@@ -61,8 +63,6 @@ class OrbitLinear:
 
     @cached_property
     def _points(self) -> Any:
-        from contin.kernels.collocation import evaluate, new_points, set_phase
-
         problem, profile = self.problem, self.profile
         w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(self.z))  # type: ignore[no-untyped-call]
         set_phase(problem.equations, w, self.reference, self.sizes)
@@ -72,8 +72,6 @@ class OrbitLinear:
     @cached_property
     def residual(self) -> Array:
         """Scaled equations, (nu + 1,): collocation (interval, point, state), periodicity, phase."""
-        from contin.kernels.collocation import residual
-
         profile = self.profile
         n, m, count = profile.n, profile.m, profile.intervals
         right, jump, border = np.zeros((m * n, count)), np.empty(n), np.zeros(2)
@@ -112,8 +110,6 @@ class OrbitLinear:
     @property
     def state_derivatives(self) -> Array:
         """f_u at the Gauss points, (N, m, n, n)."""
-        from contin.kernels.collocation import LANES
-
         fu = self._points.fu
         return np.asarray(fu if self.profile.n > LANES else np.moveaxis(fu, -1, 0))
 
@@ -182,8 +178,6 @@ class OrbitLinear:
 
     @property
     def _forcing(self) -> tuple[float, float]:
-        from contin.kernels.collocation import forcing_period
-
         period, derivative = forcing_period(self.problem.equations, self._points, self.z)
         return float(period), float(derivative)
 
@@ -267,8 +261,6 @@ class OrbitLinear:
 
 def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
-    from contin.problems.orbits.bordered import Bordered, crossing
-
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian
     right, g, left = Bordered.of(jacobian, 2).solve()

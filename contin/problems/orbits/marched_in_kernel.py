@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.kernels import collocation_march as kernel
 from contin.kernels.collocation_basis import basis
+from contin.kernels.collocation_march import CORRECT, MARCH, PROBE, STABILITY
 from contin.machine import elementary
 from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.layout import Profile
@@ -38,8 +40,6 @@ def march(
     bounds: tuple[float, float], settings: Settings, loop: Sample | None,
 ) -> Chunk:  # fmt: skip
     """A chunk of the family from `origin`, see `contin.continuation.problem.Problem.march`."""
-    from contin.kernels.collocation_march import MARCH
-
     profile = family.profile(origin.z)
     limit = min(limit, _chunk(profile))
     out = Rows.of(limit + 1, origin.z.size, TESTS, family.n)
@@ -76,8 +76,6 @@ def probe(
     family: OrbitProblem, z0: Array, tangent: Array, length: float, guess: Array, frame: Frame, tolerance: float
 ) -> Sample | None:
     """The orbit with <tangent, (z - z0) / scale> = length next to a guess, measured; None where Newton fails."""
-    from contin.kernels.collocation_march import PROBE
-
     out = Rows.of(2, z0.size, TESTS, family.n)
     out.z[0], out.t[0], out.z[1] = z0, tangent, guess
     out.info[3] = frame.reference
@@ -91,8 +89,6 @@ def probe(
 
 def corrected(family: OrbitProblem, sample: Sample, frame: Frame, tolerance: float) -> Array | None:
     """The orbit on the hyperplane through the sample, normal to its tangent; no measuring."""
-    from contin.kernels.collocation_march import CORRECT
-
     out = Rows.of(2, sample.z.size, TESTS, family.n)
     out.z[0], out.t[0], out.z[1] = sample.z, sample.tangent, sample.z
     return out.z[1] if _call(family, CORRECT, out, frame.scale, _tolerance(tolerance)) == 0 else None
@@ -100,8 +96,6 @@ def corrected(family: OrbitProblem, sample: Sample, frame: Frame, tolerance: flo
 
 def multipliers(family: OrbitProblem, z: Array) -> NDArray[np.complex128]:
     """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
-    from contin.kernels.collocation_march import STABILITY
-
     out = Rows.of(1, z.size, TESTS, family.n)
     out.z[0], out.t[0] = z, 0.0
     _call(family, STABILITY, out, np.ones_like(z), np.zeros(CONTROLS))
@@ -120,7 +114,6 @@ def _call(
     family: OrbitProblem, mode: int, out: Rows, scale: Array, controls: Array, limit: int = 0,
     bounds: tuple[float, float] = (0.0, 0.0), before: Sample | None = None, loop: Sample | None = None,
 ) -> int:  # fmt: skip
-    from contin.kernels import collocation_march as kernel
 
     scheme, n = basis(family.points), family.n
     none, size = np.empty(0), out.z.shape[1]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.kernels.collocation_march import new_memory
 
 _last = threading.local()
 
@@ -17,8 +18,6 @@ def memory_of(n: int, m: int, nontrivial: int, intervals: int, size: int, p: Arr
 
     One thread's memory is that of its last call where the shapes are the same.
     """
-    from contin.kernels.collocation_march import new_memory
-
     shape = (n, m, nontrivial, intervals, size, p.size)
     if getattr(_last, "shape", None) != shape:
         _last.held = new_memory(n, m, nontrivial, intervals, size, p)  # type: ignore[no-untyped-call]

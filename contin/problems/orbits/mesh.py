@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
+from contin.kernels.collocation_mesh import mesh_error
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 
@@ -36,8 +37,6 @@ class MeshChoice:
 
 def estimate(profile: Profile, sizes: Array) -> tuple[float, Array]:
     """Largest error inside an interval relative to the states' sizes, and |u^(m + 1)| of every interval."""
-    from contin.kernels.collocation_mesh import mesh_error
-
     scheme = basis(profile.m)
     density = np.empty(profile.intervals)
     error = mesh_error(

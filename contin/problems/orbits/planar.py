@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.collocation import evaluate, new_points
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
 
@@ -51,8 +52,6 @@ def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = 
 
 def multiplier(problem: Any, z: Array) -> float:
     """exp(T int div f), by the quadrature of the collocation points."""
-    from contin.kernels.collocation import evaluate, new_points
-
     profile = problem.profile(z)
     w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(z))  # type: ignore[no-untyped-call]
     evaluate(problem.equations, w, z, True)

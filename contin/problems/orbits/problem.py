@@ -17,16 +17,23 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
+from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits import marched_in_kernel
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
+from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.in_phase import apart, cut_at_start, in_phase
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
+from contin.problems.orbits.linear import branch_tangents
 from contin.problems.orbits.marched_in_kernel import PROBE_TOLERANCE
+from contin.problems.orbits.mesh import estimate
+from contin.problems.orbits.renewal import renew
 from contin.problems.orbits.sizes import state_sizes
+from contin.problems.orbits.symmetry import orbits_moved, reverses
 from contin.problems.orbits.traversed import cut_where_traversed
+from contin.problems.orbits.vertical import remarks, stands_at_birth
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
@@ -69,8 +76,6 @@ class OrbitProblem(FamilyOfOrbits):
     @cached_property
     def equations(self) -> Any:
         """The kernels' view of the equations."""
-        from contin.kernels.collocation import Equations
-
         scheme, forcing = basis(self.points), 0 if self.forcing is None else self.forcing.address
         return Equations(
             self.system.value_address, self.system.jacobian_address, forcing, self.multiple, self.n, self.points,
@@ -107,8 +112,6 @@ class OrbitProblem(FamilyOfOrbits):
         return shooting_seed(seed, settings) if chosen else configured(seed, settings)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        from contin.problems.orbits.linear import branch_tangents
-
         return branch_tangents(self, z, scale)
 
     def march(
@@ -147,7 +150,6 @@ class OrbitProblem(FamilyOfOrbits):
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         from contin.problems.orbits.events import explain
-        from contin.problems.orbits.vertical import stands_at_birth
 
         return explain(a, b, stands_at_birth(self, a.z) and stands_at_birth(self, b.z))
 
@@ -169,14 +171,10 @@ class OrbitProblem(FamilyOfOrbits):
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         """True at an orbit at which the family meets its own image."""
-        from contin.problems.orbits.symmetry import reverses
-
         return any(reverses(self, z, tangent, name) for name in symmetries)
 
     def moved(self, name: str, z: Array) -> Array:
         """Images of rows z under a declared symmetry."""
-        from contin.problems.orbits.symmetry import orbits_moved
-
         return orbits_moved(self, name, z)
 
     def columns(self, z: Array) -> dict[str, Array]:
@@ -211,14 +209,10 @@ class OrbitProblem(FamilyOfOrbits):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        from contin.problems.orbits.renewal import renew
-
         return renew(self, origin, before, loop, frame, settings)
 
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
         """A homoclinic orbit that the family was near when its corrector failed."""
-        from contin.problems.orbits.ends import foretold
-
         if before is None:
             return None
         found = foretold(self, origin, before, frame)
@@ -226,13 +220,9 @@ class OrbitProblem(FamilyOfOrbits):
 
     def remarks(self, z: Array) -> Sequence[str]:
         """That the family is vertical."""
-        from contin.problems.orbits.vertical import remarks
-
         return remarks(self, z)
 
     def describe_failure(self, z: Array) -> str:
-        from contin.problems.orbits.mesh import estimate
-
         profile = self.profile(z)
         for u in profile.u:
             text = self.system.explain(u, self.full_parameters(z))

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
+from contin.problems.orbits.ends import ending
 from contin.problems.orbits.layout import Profile, Transfer, make_scale
 from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
 
@@ -21,8 +22,6 @@ def renew(
     problem: Any, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
 ) -> Renewal:
     """Metric and mesh for the next chunk, or the end of the branch."""
-    from contin.problems.orbits.ends import ending
-
     found = ending(problem, origin, before, frame)
     if found is not None:
         return Renewal(frame.scale, origin, before, loop, found.end, found.last, found.point)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.orbits.dwelling import of_the_frame, slowest_points, turning
 from contin.problems.orbits.layout import Profile
 
@@ -83,8 +84,6 @@ def saddles_near(problem: Any, profile: Profile, sizes: Array) -> list[Saddle]:
 
 def equilibria_of(problem: Any) -> Any:
     """The equilibria of a family's equations, in its parameter."""
-    from contin.problems.equilibrium import EquilibriumProblem
-
     return EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError, NoSolutionError
+from contin.model.evaluate import evaluate
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
@@ -73,8 +74,6 @@ def _in_step(system: Any, p: Array, t: Array) -> tuple[int, float, float]:
 
     The equations know the time: an orbit begins at 0 modulo the forcing period.
     """
-    from contin.model.evaluate import evaluate
-
     forcing = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
     span = float(t[-1] - t[0]) / forcing
     multiple = max(round(span), 1)

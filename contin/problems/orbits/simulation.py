@@ -10,10 +10,12 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import AtRestError, NoSolutionError
 from contin.machine import elementary
+from contin.model.evaluate import evaluate
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
+from contin.simulate.trajectory import Section, integrate
 
 FIRST_TIME = 60.0  # time scales before the first look
 LONGEST = 2e5  # time scales until giving up
@@ -107,8 +109,6 @@ def find_return(
     budget: int = BUDGET,
 ) -> Return:  # fmt: skip
     """Where the trajectory from u, settled, nearly closes; errors as above."""
-    from contin.simulate.trajectory import integrate
-
     start = np.array(u, dtype=float)
     if transient > 0.0:
         start = integrate(system, start, p, transient).end
@@ -160,8 +160,6 @@ def _return(
     system: Any, u: Array, p: Array, periods: Array, time: float, extent: Array
 ) -> tuple[float, Array, float, int] | None:
     """(distance, state, period, loops): the best return to a section through u, of at most CROSSINGS."""
-    from contin.simulate.trajectory import Section, integrate
-
     unit = np.where(extent > 0.0, extent, 1.0)
     normal = system.value(u, p) / elementary.square(unit)
     normal[periods > 0.0] = 0.0
@@ -188,9 +186,6 @@ def _return(
 
 def _forced(system: Any, u: Array, p: Array) -> Return:
     """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
-    from contin.model.evaluate import evaluate
-    from contin.simulate.trajectory import integrate
-
     period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
     start, best, total = u, (np.inf, u, 1), 0
     for _ in range(60):
@@ -257,8 +252,6 @@ def _not_found(near: Return) -> str:
 
 
 def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: int) -> Profile:
-    from contin.simulate.trajectory import integrate
-
     empty = Profile(points, np.empty((len(h) * points + 1, system.n)), period, h, 0.0)
     times = empty.times * period
     times[-1] = min(times[-1], period)

@@ -13,6 +13,8 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.shooting.layout import Nodes, make_scale
+from contin.problems.shooting.loci.curve import ShootingCurve
+from contin.problems.shooting.loci.problem import ShotLocusProblem
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.start import orbit_from_return
 
@@ -115,9 +117,6 @@ def shooting_seed(seed: Seed, settings: Settings) -> Seed:
 
 def born_by_shooting(seed: Seed, settings: Settings) -> Seed:
     """A seed of an `OrbitLocusProblem`, of orbits that are born at an equilibrium, as one for shooting."""
-    from contin.problems.shooting.loci.curve import ShootingCurve
-    from contin.problems.shooting.loci.problem import ShotLocusProblem
-
     problem: Any = seed.problem
     assert seed.direction is not None
     assert seed.scale is not None

@@ -14,6 +14,7 @@ from contin.problems.orbits.multipliers import critical, distance, nontrivial, w
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.locate import locate
 from contin.problems.shooting.normal_form import with_normal_form
+from contin.problems.shooting.renewal import is_tangent
 from contin.problems.shooting.switch import side_of_branch
 from contin.problems.special import nearest_pair
 
@@ -30,7 +31,6 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
             return ""
         return "a pair of multipliers touches the unit circle without a change of the unstable count"
-    from contin.problems.shooting.renewal import is_tangent
 
     find = locate_branch_point if type_ == "BPC" else locate
     found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)

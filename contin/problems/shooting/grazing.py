@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.machine import elementary
+from contin.model.evaluate import evaluate
 from contin.problems.shooting.sampling import crossings, states
 
 SAMPLES: Final = 400
@@ -104,8 +105,6 @@ def _bottom(a: float, b: float, c: float) -> float:
 
 def surface(problem: Any, z: Array, j: int, times: Array) -> Array:
     """h_j at scaled times."""
-    from contin.model.evaluate import evaluate
-
     system = problem.system
     p, u = problem.full_parameters(z), states(problem, z, times)
     names = [*system.state_names, *system.parameter_names]

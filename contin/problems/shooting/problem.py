@@ -16,11 +16,21 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.kernels.tests_of_stability import map_tests
+from contin.model.evaluate import evaluate
 from contin.problems.orbits.columns import names_of
+from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
+from contin.problems.shooting.corners import at_corner, cross_corner, signature, verify_corner
+from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
+from contin.problems.shooting.linear import BorderedShooting, family_tangents
+from contin.problems.shooting.renewal import cut_where_oblique, renew
+from contin.problems.shooting.rest import has_shrunk
+from contin.problems.shooting.sampling import extremes, sampled, why_not
 from contin.problems.shooting.segments import Segments
+from contin.symbolic.calculus.derivatives import derivative
 
 ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
@@ -63,9 +73,6 @@ class ShootingProblem(FamilyOfOrbits):
 
     def forcing_period(self, parameter: float) -> tuple[float, float]:
         """Period of the orbit of a forced system, and its derivative by the active parameter."""
-        from contin.model.evaluate import evaluate
-        from contin.symbolic.calculus.derivatives import derivative
-
         formula = self.system.model.forcing.period
         values = self.constants() | {self.parameters[0]: float(parameter)}
         slope = derivative(formula, self.parameters[0])
@@ -77,8 +84,6 @@ class ShootingProblem(FamilyOfOrbits):
 
     def profile(self, z: Array) -> Profile:
         """The orbit sampled over one period."""
-        from contin.problems.shooting.sampling import sampled
-
         return sampled(self, z)
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
@@ -98,8 +103,6 @@ class ShootingProblem(FamilyOfOrbits):
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Any:
         """The bordered equations, None where a trajectory does not come to its end."""
-        from contin.problems.shooting.linear import BorderedShooting
-
         segments = self.segments(z)
         return None if segments is None else BorderedShooting.of(segments, tangent, scale)
 
@@ -118,8 +121,6 @@ class ShootingProblem(FamilyOfOrbits):
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """(pairs, flips), multipliers outside the unit circle, multipliers (the trivial one first)."""
-        from contin.kernels.tests_of_stability import map_tests
-
         values = self.multipliers(z)
         others = values[1:] if self.autonomous else values
         tests = np.ones(4)
@@ -134,16 +135,12 @@ class ShootingProblem(FamilyOfOrbits):
         return segments.multipliers()
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
-        from contin.problems.shooting.linear import family_tangents
-
         return family_tangents(self, z, scale)
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        from contin.problems.shooting.renewal import cut_where_oblique
-
         chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
         return cut_where_oblique(self, chunk, frame.scale)
 
@@ -164,9 +161,6 @@ class ShootingProblem(FamilyOfOrbits):
         return z
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        from contin.problems.orbits.events import explain
-        from contin.problems.shooting.corners import signature
-
         found = explain(a, b)
         if found == ("flat",):  # of collocation, whose multipliers tell a fold that its tangents hide
             return None
@@ -175,35 +169,24 @@ class ShootingProblem(FamilyOfOrbits):
         return found
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        from contin.problems.shooting.events import verify
-        from contin.problems.shooting.rest import has_shrunk
-
         if type_ == "LPC" and has_shrunk(self, near.z, frame.scale):
             return ""  # through amplitude zero, to the same orbits half a turn later
         return self._beside_corner([verify(self, type_, near, frame)], near, frame)[0]
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        from contin.problems.shooting.events import verify_compound
-
         return self._beside_corner(verify_compound(self, a, b, frame), a, frame)
 
     def _beside_corner(self, found: list[Verified | str], near: Sample, frame: Frame) -> list[Verified | str]:
         """What was found; next to a corner, a test that fails is nothing to report."""
-        from contin.problems.shooting.corners import at_corner
-
         failed = self.system.n_switches and any(isinstance(item, str) and item for item in found)
         if not failed or not at_corner(self, near.z, near.tangent, frame.scale):
             return found
         return ["" if isinstance(item, str) else item for item in found]
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
-        from contin.problems.shooting.corners import verify_corner
-
         return verify_corner(self, a, b, frame)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        from contin.problems.shooting.corners import cross_corner
-
         return cross_corner(self, last, frame, settings)
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
@@ -211,8 +194,6 @@ class ShootingProblem(FamilyOfOrbits):
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
-        from contin.problems.shooting.sampling import extremes
-
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
         columns["period"] = z[:, -self.n - 3].copy()
         low, high = extremes(self, z)
@@ -238,11 +219,7 @@ class ShootingProblem(FamilyOfOrbits):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        from contin.problems.shooting.renewal import renew
-
         return renew(self, origin, before, loop, frame)
 
     def describe_failure(self, z: Array) -> str:
-        from contin.problems.shooting.sampling import why_not
-
         return why_not(self, z)

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from scipy.linalg import null_space
 
 from contin.abi import Array
 from contin.machine import elementary
@@ -50,6 +49,8 @@ class ReturnMap:
         """Columns: directions of the section, orthonormal in scaled states; all directions for a forced system."""
         if not self.problem.autonomous:
             return np.eye(self.problem.n)
+        from scipy.linalg import null_space
+
         return np.asarray(null_space((self.nodes.normal * self.sizes)[None]))
 
     def _fly(self, u: Array, duration: float, **more: Any) -> Any:

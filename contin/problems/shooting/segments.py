@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.floquet import deflate, multipliers
 from contin.problems.shooting.layout import Nodes, moving
 from contin.simulate.flight import Flight, fly
 
@@ -138,8 +139,6 @@ class Segments:
 
     def multipliers(self) -> NDArray[np.complex128]:
         """Multipliers, the trivial one of an autonomous system first; NaN where they cannot be computed."""
-        from contin.kernels.floquet import deflate, multipliers
-
         n, skip = self.problem.n, 1 if self.problem.autonomous else 0
         turning = np.abs(self.directions) * self.nodes.period / (2.0 * np.pi)  # a state may be 0 at the only node
         sizes = np.maximum(np.abs(self.nodes.u), turning).max(axis=0)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.errors import InputError, UserFunctionError
+from contin.kernels.colouring import colour_columns
 from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
 from contin.problems.functions.guarded import called, vector
 from contin.problems.functions.system import FunctionSystem
@@ -82,8 +83,6 @@ class JacobianSource:
     def _pattern(self) -> tuple[Any, NDArray[Any], NDArray[Any], int]:
         """The pattern in CSC, the column of each entry, the colour of each column, the number of colours."""
         from scipy.sparse import csc_matrix
-
-        from contin.kernels.colouring import colour_columns
 
         pattern = csc_matrix(self.system.model.sparsity, dtype=float)
         n = self.system.n

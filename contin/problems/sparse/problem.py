@@ -30,6 +30,7 @@ from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
+from contin.problems.symmetry import reversing_symmetries
 
 POLISH_BUDGET = 12
 ROUGH = 1e-2  # relative residual of solves with an old matrix
@@ -304,8 +305,6 @@ class LargeProblem:
         return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        from contin.problems.symmetry import reversing_symmetries
-
         return any(name in symmetries for name in reversing_symmetries(self, z, tangent))
 
     def columns(self, z: Array) -> dict[str, Array]:

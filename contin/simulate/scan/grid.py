@@ -13,6 +13,8 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import ExpressionError, InputError
 from contin.limits import MOST_RUNS
+from contin.model.expression import symbol
+from contin.simulate.condition import condition
 from contin.simulate.steady import STATISTICS, Criterion
 from contin.simulate.watch import watching
 
@@ -78,9 +80,6 @@ class ScanSpec:
     @cached_property
     def conditions(self) -> dict[str, Any]:
         """The classes' conditions, parsed."""
-        from contin.model.expression import symbol
-        from contin.simulate.condition import condition
-
         statistics = [f"{name}_{what}" for name in self.quantities for what in STATISTICS]
         names = {name: symbol(name) for name in (*self.model.parameter_names, *statistics)}
         parsed = {}

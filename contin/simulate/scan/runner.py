@@ -8,6 +8,8 @@ from typing import Any
 
 from contin.abi import Array
 from contin.errors import ContinError
+from contin.lowering import compile_system
+from contin.model.evaluate import evaluate
 from contin.simulate.natural import natural_metric
 from contin.simulate.scan.grid import NO_START, OTHER, Outcome, ScanSpec
 from contin.simulate.steady import Criterion, named_statistics, settle
@@ -18,8 +20,6 @@ class Runner:
     """Carries out single runs; safe to use from several threads."""
 
     def __init__(self, spec: ScanSpec) -> None:
-        from contin.lowering import compile_system
-
         self.spec = spec
         self.system = compile_system(spec.watched)
         if spec.model.kind == "flow":
@@ -56,8 +56,6 @@ class Runner:
 
     def run(self, job: int) -> Outcome:
         """Run number `job`, to its end."""
-        from contin.model.evaluate import evaluate
-
         spec, begun = self.spec, self._start(job)
         if begun is None:
             return Outcome(NO_START, NO_START, 0.0, {})

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from contin.errors import InputError, NotFiniteError
+from contin.model.evaluate import evaluate
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
 from contin.model.model import Model
 from contin.symbolic.averaging.oscillators import WeakOscillators
@@ -97,8 +98,6 @@ def corners_of(model: Model) -> tuple[dict[str, float], ...]:
 
 def reach_of(oscillators: WeakOscillators) -> float:
     """Amplitudes up to here are checked: four times the largest of the starts, at least 4."""
-    from contin.model.evaluate import evaluate
-
     model = oscillators.model
     values = model.default_parameters()
     w = float(evaluate(oscillators.omega, values))

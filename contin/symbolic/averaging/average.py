@@ -21,6 +21,7 @@ from contin.symbolic.averaging.carry_over import (
 from contin.symbolic.averaging.forms import AveragedForm, build_form, check_form
 from contin.symbolic.averaging.oscillators import weak_oscillators
 from contin.symbolic.averaging.reach import limits_of
+from contin.symbolic.averaging.second_order import second_order_terms
 from contin.symbolic.passes.holding import holds
 
 TIMES = ("slow", "fast")
@@ -82,8 +83,6 @@ def averaged(
     built = build_form(system, form)
     equations = built.equations
     if order == 2:
-        from contin.symbolic.averaging.second_order import second_order_terms
-
         eps = symbol(oscillators.small)
         corrections = second_order_terms(oscillators, system, built)
         equations = tuple(add(e, mul(eps, c)) for e, c in zip(equations, corrections.equations, strict=True))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contin.model.expression import ONE, ZERO, Expression, add, mul, neg, sub
+from contin.model.expression import ONE, ZERO, Expression, add, mask_of, mul, neg, sub, symbols_in
+from contin.symbolic.averaging.terms import additive_terms
 
 Complex = tuple[Expression, Expression]
 
@@ -34,9 +35,6 @@ def to_power(a: Complex, n: int) -> Complex:
 
 def expand(a: Complex) -> Complex:
     """Sums multiplied out and like terms collected."""
-    from contin.model.expression import mask_of, symbols_in
-    from contin.symbolic.averaging.terms import additive_terms
-
     mask = mask_of(symbols_in(a))
     re, im = (add(*(mul(c, t) for c, t in additive_terms(part, mask))) for part in a)
     return re, im

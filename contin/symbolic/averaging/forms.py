@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from contin.errors import InputError
-from contin.model.expression import Expression
+from contin.model.advice import closest
+from contin.model.expression import ZERO, Expression, mul, number, power
 from contin.symbolic.averaging.amplitudes import SlowSystem
-from contin.symbolic.averaging.complex_formulas import Complex
+from contin.symbolic.averaging.complex_formulas import Complex, plus
+from contin.symbolic.averaging.shared_average import shared_average
 
 FORMS: Final = ("polar", "cartesian", "stokes")
 
@@ -47,8 +49,6 @@ def build_form(system: SlowSystem, name: str) -> AveragedForm:
 
 def check_form(name: object, count: int) -> str:
     """A form's name, checked against the number of oscillators."""
-    from contin.model.advice import closest
-
     if not isinstance(name, str) or name not in FORMS:
         advice = closest(str(name), FORMS) or f"there are {', '.join(FORMS)}"
         raise InputError(f"averaging has no form {name!r}: {advice}")
@@ -59,10 +59,6 @@ def check_form(name: object, count: int) -> str:
 
 def general_parts(system: SlowSystem, i: int, amplitudes: Sequence[Complex]) -> Complex:
     """Real and imaginary part of the contributions to A_i' that are averaged by quadrature."""
-    from contin.model.expression import ZERO, mul, number, power
-    from contin.symbolic.averaging.complex_formulas import plus
-    from contin.symbolic.averaging.shared_average import shared_average
-
     total: Complex = (ZERO, ZERO)
     for item in system.equations[i].general:
         re, im = shared_average(item.term, system.oscillators, system.setting, amplitudes)

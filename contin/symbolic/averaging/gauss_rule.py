@@ -16,8 +16,20 @@ from numpy.typing import NDArray
 
 from contin.errors import InputError
 from contin.machine import elementary
-from contin.model.expression import Expression, add, call, mul, number, power, sub, substitute, symbol
-from contin.symbolic.averaging.cells import Arc, Cut
+from contin.model.expression import (
+    Expression,
+    add,
+    call,
+    mul,
+    number,
+    numeric_value,
+    power,
+    split_coefficient,
+    sub,
+    substitute,
+    symbol,
+)
+from contin.symbolic.averaging.cells import RADIUS, Arc, Cut
 from contin.symbolic.averaging.switching_lines import X, Y
 from contin.symbolic.calculus.sampling import sample
 from contin.symbolic.calculus.sympy_bridge import from_sympy
@@ -113,7 +125,6 @@ def _sum(terms: list[Expression]) -> Expression:
     total = add(*terms)
     if total.op != "add":
         return total
-    from contin.model.expression import numeric_value, split_coefficient
 
     kept = [t for t in total.args if abs(float(numeric_value(number(split_coefficient(t)[0])))) > 1e-15]
     return add(*kept) if kept else number(0)
@@ -153,8 +164,6 @@ def arc_rule(
 
 
 def _angle(cut: Cut, radius: Expression) -> Expression:
-    from contin.symbolic.averaging.cells import RADIUS
-
     return substitute([from_sympy(cut.phi)], {symbol(RADIUS): radius})[0]
 
 
@@ -164,6 +173,4 @@ def _value(function: Expression, x: Expression, y: Expression) -> Expression:
 
 def sampled_averages(formulas: tuple[Expression, Expression], radii: Array, values: Mapping[str, float]) -> Array:
     """Two formulas in r at several amplitudes, (2, k)."""
-    from contin.symbolic.averaging.cells import RADIUS
-
     return np.array(sample(formulas, {**values, RADIUS: radii}))

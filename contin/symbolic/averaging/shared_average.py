@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.machine import elementary
-from contin.model.expression import Expression, add, mul, number, power, symbol
+from contin.model.expression import COMPARISONS, Expression, add, mul, number, postorder, power, symbol
 from contin.model.parts import Limit
 from contin.symbolic.averaging.cells import SAME
 from contin.symbolic.averaging.complex_formulas import Complex
@@ -24,6 +24,7 @@ from contin.symbolic.averaging.oscillators import WeakOscillators
 from contin.symbolic.averaging.piecewise_turn import Turn, piecewise_rule
 from contin.symbolic.averaging.radial import Setting, first_size
 from contin.symbolic.averaging.terms import without_kinks
+from contin.symbolic.calculus.guards import is_guard
 from contin.symbolic.calculus.sampling import sample
 
 Amplitudes = Sequence[Complex]  # u_j + i v_j
@@ -86,9 +87,6 @@ class _Shared:
 
 def has_conditions(term: Expression, mask: int) -> bool:
     """True where a condition on the states chooses the formula."""
-    from contin.model.expression import COMPARISONS, postorder
-    from contin.symbolic.calculus.guards import is_guard
-
     return any(n.op in COMPARISONS and n.mask & mask and not is_guard(n) for n in postorder([term]))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from contin.model.build import start_from_mapping
 from contin.model.expression import ZERO, Expression, add, mul, number, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Start, State
@@ -43,6 +44,5 @@ def _start(model: Model, at: str | Mapping[str, Any] | None) -> Start:
         return Start("", {})
     if isinstance(at, str):
         return model.start(at)
-    from contin.model.build import start_from_mapping
 
     return start_from_mapping(model, at)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
 from contin.model.expression import ONE, ZERO, Expression, add, div, mul, neg, power, sub, symbol
+from contin.model.model import Model
 from contin.model.parts import Parameter, State
 from contin.symbolic.calculus.derivatives import directional, jacobian
 from contin.symbolic.calculus.remove_singularities import remove_singularities
@@ -118,8 +119,6 @@ class _Parts:
         self, what: str, vectors: Sequence[str], scalars: Sequence[str], free: str, equations: Sequence[Expression],
         borders: Sequence[str], further: Sequence[str] = (),
     ) -> Model:  # fmt: skip
-        from contin.model.model import Model
-
         source = self.source
         extra = [f"{prefix}.{name}" for prefix in vectors for name in self.names]
         states = [*source.states, *(State(name, ZERO) for name in (*extra, *scalars, free))]

@@ -16,6 +16,7 @@ from contin.continuation.problem import Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.columns import of_one_size, orbit_columns
 from contin.problems.orbits.homoclinic import events
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
@@ -93,8 +94,6 @@ class ConnectionProblem(MarchedInPython):
 
     def _adjoint(self, jacobian: Any, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
-        from contin.problems.orbits.bordered import Bordered
-
         if self.curve.node:
             return None
         n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.model.printing import to_text
 
 
 def surface_met(curve: Any, z: Array) -> str | None:
     """The switching function, in words, that changes sign along the orbit; None where there is none."""
-    from contin.model.printing import to_text
-
     system = curve.orbits.system
     if not system.n_switches or system.pieces.count == 0:
         return None

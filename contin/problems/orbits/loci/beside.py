@@ -19,6 +19,7 @@ import numpy as np
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError
 from contin.problems.orbits.problem import OrbitProblem
 
@@ -50,8 +51,6 @@ def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) ->
 
 def folds_of_doubled(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of folds (LPC) of doubled orbits that ends at a GPD; raises InputError where none is found."""
-    from contin.continuation.trace import trace
-
     done = 0
     widths = np.abs(point.scale[[-1, -2]])
     rates = point.tangent[[-1, -2]] / widths
@@ -106,8 +105,6 @@ def _quick(orbits: Any) -> Settings:
 
 def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
     """Families along one parameter, through orbits that have the other one moved."""
-    from contin.continuation.trace import trace
-
     done = 0
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     settings = _quick(orbits)

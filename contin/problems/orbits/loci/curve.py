@@ -19,7 +19,11 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import STOPS, Chunk, Sample
 from contin.continuation.settings import Settings
+from contin.kernels.collocation_basis import basis
+from contin.kernels.special_orbits.march import CORRECT, MARCH, MEASURE, follow_special
+from contin.kernels.special_orbits.memory import NOT_FINITE, TEST_COUNTS, Curve
 from contin.machine import elementary
+from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.problem import OrbitProblem
@@ -68,7 +72,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
-        from contin.problems.orbits.linear import OrbitLinear
         from contin.problems.orbits.normal_form import period_doubling, torus
 
         orbit = self.orbit(z)
@@ -87,9 +90,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
         tolerance only measures at `guess`. `carry` : take the frame and the sense of normals on to the solution.
         """
-        from contin.kernels.special_orbits.march import CORRECT, MEASURE
-        from contin.kernels.special_orbits.memory import NOT_FINITE
-
         work, rows = self._work(guess, scale), self._rows(1, z0, tangent)
         rows.z[1] = guess
         rows.info[3] = np.inf
@@ -104,8 +104,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         walls: Sequence[tuple[int, float, float]], settings: Settings,
     ) -> Chunk:  # fmt: skip
         """Follow the curve from `origin`, where frame and tests are known."""
-        from contin.kernels.special_orbits.march import MARCH
-
         rows = self._rows(limit, origin.z, origin.tangent)
         rows.tests[0], rows.unstable[0] = origin.tests, origin.unstable
         rows.re[0], rows.im[0] = origin.eigenvalues.real, origin.eigenvalues.imag
@@ -122,8 +120,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         self, mode: int, work: Work, scale: Array, controls: Array, walls: Array, limit: int, before: Sample | None,
         rows: Rows,
     ) -> int:  # fmt: skip
-        from contin.kernels.special_orbits.march import follow_special
-
         rows.info[6] = work.normals.count
         status = int(follow_special(
             mode, self.orbits.equations, self._constants, work.points, work.factors, work.scratch, work.frame,
@@ -136,8 +132,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         return status
 
     def _rows(self, limit: int, z: Array, tangent: Array) -> Rows:
-        from contin.kernels.special_orbits.memory import TEST_COUNTS
-
         rows = Rows.of(limit + 1, z.size, TEST_COUNTS[KINDS[self.type]], self.orbits.n)
         rows.z[0], rows.t[0] = z, tangent
         return rows
@@ -150,14 +144,10 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     @cached_property
     def _first_weight(self) -> float:
-        from contin.kernels.collocation_basis import basis
-
         return float(basis(self.orbits.points).node_weights[0])
 
     @cached_property
     def _constants(self) -> Any:
-        from contin.kernels.special_orbits.memory import Curve
-
         return Curve(KINDS[self.type], self.orbits.system.gradient_address, self.second)
 
     def _work(self, z: Array, scale: Array) -> Work:

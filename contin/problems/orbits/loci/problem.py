@@ -20,6 +20,8 @@ from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
 from contin.problems.orbits.loci.special import OfSpecialOrbits
+from contin.problems.shooting.conversion import born_by_shooting
+from contin.problems.shooting.start import shooting_chosen
 
 PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
@@ -46,9 +48,6 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def configured(self, seed: Seed, settings: Settings) -> Seed:
         """Of orbits born at an equilibrium: by shooting where that is asked for, or the flow is piecewise smooth."""
-        from contin.problems.shooting.conversion import born_by_shooting
-        from contin.problems.shooting.start import shooting_chosen
-
         by_shooting = seed.born and shooting_chosen(self.system, settings.method)
         return born_by_shooting(seed, settings) if by_shooting else seed
 

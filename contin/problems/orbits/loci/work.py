@@ -8,6 +8,8 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.kernels.collocation_march import new_memory
+from contin.kernels.special_orbits.memory import Frame, new_curve_memory
 from contin.problems.orbits.layout import Profile
 
 KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
@@ -49,9 +51,6 @@ class Work:
     @classmethod
     def of(cls, type_: str, orbits: Any, p: Array, mesh: Array, normals: Normals) -> Work:
         """Memory for curves of a type; `orbits` is the problem of the orbits, p all parameters."""
-        from contin.kernels.collocation_march import new_memory
-        from contin.kernels.special_orbits.memory import Frame, new_curve_memory
-
         n, m, count = orbits.n, orbits.points, len(mesh)
         free = n - 1 if orbits.autonomous else n
         size = (count * m + 1) * n + count + 2

@@ -19,6 +19,7 @@ from contin.machine import elementary
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.problems.shooting.loci.conditions import Borders, borders, condition, matrix
 from contin.problems.shooting.loci.expansion import Expansion
+from contin.problems.shooting.normal_form import period_doubling, torus
 from contin.problems.shooting.problem import ShootingProblem
 
 
@@ -102,8 +103,6 @@ class ShootingCurve(CurveByShooting):
 
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
-        from contin.problems.shooting.normal_form import period_doubling, torus
-
         orbits, orbit = self.at(z), self.orbit(z)
         sizes = orbits.sizes(orbit, self.orbit(scale))
         if self.type == "PD":

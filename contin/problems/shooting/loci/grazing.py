@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
+from contin.model.evaluate import evaluate
 from contin.problems.shooting.layout import Nodes
 from contin.problems.shooting.loci.curve import CurveByShooting, Equations
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.loci.touching import Touch, vertex
 from contin.problems.shooting.problem import ShootingProblem
 from contin.simulate.flight import fly
+from contin.symbolic.calculus.derivatives import derivative
 
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # (scaled) how far beyond a touching orbit it is seen how the surface is crossed
 
@@ -162,8 +164,6 @@ class GrazingCurve(CurveByShooting):
 
     def _values(self, u: Array, p: Array, time: float) -> tuple[float, Array]:
         """h and its derivative by (u, parameters)."""
-        from contin.model.evaluate import evaluate
-
         system = self.system
         names = [*system.state_names, *system.parameter_names]
         known = {**dict(zip(names, [*u.tolist(), *p.tolist()], strict=False)), "t": time}
@@ -173,8 +173,6 @@ class GrazingCurve(CurveByShooting):
     @property
     def _formulas(self) -> list[Any]:
         if "formulas" not in self._memory:
-            from contin.symbolic.calculus.derivatives import derivative
-
             names = [*self.system.state_names, *self.system.parameter_names]
             h = self.system.pieces.functions[self.touch.surface]
             self._memory["formulas"] = [h, *(derivative(h, name) for name in names)]

@@ -14,11 +14,13 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.kernels.tests_of_stability import map_tests
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.shot import OfShotOrbits
+from contin.problems.shooting.loci.verify import verify
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +29,6 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Tests as `contin.problems.orbits.loci.events` names them; the multipliers that are not critical decide."""
-        from contin.kernels.tests_of_stability import map_tests
-
         values, four = self.multipliers(z), np.ones(4)
         touching = self.curve.touched is not None  # no multiplier is critical, on either side of the touched surface
         others = nontrivial(self.curve.orbits, values) if touching else self.others(values, z)
@@ -59,8 +59,6 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         return criticality.measured(self.curve, found, frame.scale)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        from contin.problems.shooting.loci.verify import verify
-
         return verify(self, type_, near, frame)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:

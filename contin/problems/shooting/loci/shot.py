@@ -16,6 +16,8 @@ from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.loci import corners
 from contin.problems.shooting.loci.curve import CurveByShooting
+from contin.problems.shooting.loci.renewal import renew
+from contin.problems.shooting.sampling import extremes
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +67,10 @@ class OfShotOrbits(MarchedInPython, OfPeriodicOrbits):
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
     ) -> Renewal:
-        from contin.problems.shooting.loci.renewal import renew
-
         return renew(self, origin, before, frame)
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Both parameters, period, and smallest and largest value over the orbit of every state and observable."""
-        from contin.problems.shooting.sampling import extremes
-
         curve = self.curve
         columns = self.parameter_columns(z)
         columns["period"] = z[:, curve.orbits.count * curve.orbits.n].copy()

@@ -21,6 +21,7 @@ from contin.machine import elementary
 from contin.problems.codim2.events import EVENTS
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.loci import forms
+from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.singular import Folds
 from contin.problems.sparse.special import At, refine, secant
 
@@ -153,8 +154,6 @@ def _sized(test: Callable[[At], float], problem: Any, near: Sample, type_: str) 
 
 def _takens_by_folds(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
-    from contin.problems.sparse.loci.curve import LargeCurve
-
     hopf = problem.curve
     folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
     z = np.concatenate([near.z[: problem.n], near.z[-2:]])

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
+from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.linear import normalise
+from contin.normalforms.point import normal_form as dense_form
 from contin.normalforms.result import NO_FORM
 from contin.problems.sparse.forms import state
 from contin.problems.sparse.loci.singular import Folds
@@ -81,9 +83,6 @@ def takens(problem: Any, z: Array) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def _dense(problem: Any, type_: str, z: Array, known: dict[str, Any]) -> dict[str, Any]:
-    from contin.normalforms.jet import DerivativeJet
-    from contin.normalforms.point import normal_form as dense_form
-
     branch, point = problem.curve.branch(z)
     linear = branch.linear(point)
     matrix = _entries(linear, problem.n)

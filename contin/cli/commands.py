@@ -1,0 +1,31 @@
+"""What carries out each command: a table of names, so that a command imports only what it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Final
+
+WORK: Final = {
+    "run_file": "contin.cli.run",
+    "run_diagram": "contin.cli.run",
+    "run_phase": "contin.cli.run",
+    "simulate_model": "contin.cli.simulate",
+    "sweep_model": "contin.cli.sweep",
+    "scan_file": "contin.cli.scan",
+    "check_file": "contin.cli.check",
+    "list_models": "contin.cli.models",
+    "plot_file": "contin.cli.plot",
+    "export_file": "contin.cli.export",
+    "write_templates": "contin.cli.new",
+    "derive_model": "contin.cli.derive",
+    "show_model": "contin.cli.show",
+    "kernels": "contin.cli.kernels",
+    "print_schema": "contin.cli.schema",
+}
+
+
+def work(name: str) -> Callable[..., int]:
+    """The function that does the work of a command; the result is the exit code."""
+    function: Callable[..., int] = getattr(import_module(WORK[name]), name)
+    return function
