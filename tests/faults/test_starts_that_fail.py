@@ -110,7 +110,7 @@ def test_of_an_averaged_model_that_fails_while_computing(tmp_path, what, form):
 
 def test_a_simulation_that_cannot_start_costs_neither_branches_nor_other_simulations(tmp_path, monkeypatch):
     from contin.errors import NotFiniteError
-    from contin.simulate import run
+    from contin.runs import simulations as run
 
     def failing(model, start, parameters, original=run.simulate, **options):
         if options["time"] == 7:
