@@ -82,12 +82,14 @@ def trace(
             records[sense] = _ArmRecord([], ready, 0)
             continue
         arm, pieces = ready
+        rows = sum(len(piece.z) for piece in pieces)
         try:
             for piece in until_defect(followed(arm, seed.z), arm):
                 pieces.append(piece)
+                rows += len(piece.z)
                 notes.extend(piece.notes)
                 if watch is not None:
-                    watch(_progress(seed.problem, piece, pieces, bounds, departure.known))
+                    watch(_progress(seed.problem, piece, rows, bounds, departure.known))
                 if deadline is not None and computing_time() > deadline and not arm.is_over():
                     arm.end = _out_of_time(seed, pieces)
                     break
@@ -141,14 +143,14 @@ def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
 
 
 def _progress(
-    problem: Problem, piece: Piece, pieces: list[Piece], bounds: tuple[float, float], known: list[Verified]
+    problem: Problem, piece: Piece, rows: int, bounds: tuple[float, float], known: list[Verified]
 ) -> dict[str, Any]:
     value = float(piece.z[-1, -1]) if len(piece.z) else float("nan")
     return {
         "parameter": problem.parameters[0],
         "value": value,
         "fraction": (value - bounds[0]) / (bounds[1] - bounds[0]),
-        "rows": sum(len(p.z) for p in pieces),
+        "rows": rows,
         "labels": [k.type for k in known],
         "piece": piece,
     }

@@ -18,7 +18,12 @@ needs_fork = pytest.mark.skipif(
 )
 
 
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+
+
 def _child(folder: Path, arguments: list[str], before: Callable[[], None] | None, out: Any, encoding: str) -> None:
+    for name in SIGNALS:  # `nohup pytest` ignores SIGHUP, a shell's background job SIGINT, and children inherit that
+        signal.signal(getattr(signal, name), signal.SIG_DFL)
     os.chdir(folder)
     errors = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(errors, 2)
@@ -45,8 +50,8 @@ def started(
     opened = os.open(folder / "out", os.O_WRONLY | os.O_CREAT | os.O_TRUNC) if out == -1 else out
     arguments_ = [str(argument) for argument in arguments]
     process = multiprocessing.get_context("fork").Process(
-        target=_child, args=(folder, arguments_, before, opened, encoding)
-    )
+        target=_child, args=(folder, arguments_, before, opened, encoding), daemon=True
+    )  # daemon: it does not live on when a test fails before it ended the process
     process.start()
     if out == -1:
         os.close(opened)
@@ -54,9 +59,13 @@ def started(
 
 
 def finished(process: Any, seconds: float = 300.0) -> int:
-    """The exit code of a process; minus the signal that killed it."""
+    """The exit code of a process; minus the signal that killed it. One that hangs is killed."""
     process.join(seconds)
-    assert process.exitcode is not None, "the process hangs"
+    hangs = process.exitcode is None
+    if hangs:
+        process.kill()
+        process.join()
+    assert not hangs, "the process hangs"
     return int(process.exitcode)
 
 
