@@ -7,7 +7,7 @@ from contin.kernels import sources
 from contin.kernels.catalogue import every
 from contin.kernels.library import complete, known, module_of
 from contin.machine import packed, target
-from contin.machine.folder import folder, place
+from contin.machine.folder import DERIVED, MACHINE_CODE, folder, place
 
 ACTIONS = ("status", "build", "clear", "where")
 
@@ -38,12 +38,13 @@ def _build() -> None:
 
 
 def _clear() -> None:
-    kept = folder()
-    names = kept.names() if kept else []
-    for name in names:
-        if kept:
-            kept.remove(name)
-    print(f"removed {len(names)} files")
+    removed = 0
+    for kept in (folder(MACHINE_CODE), folder(DERIVED)):
+        for name in kept.names() if kept else []:
+            if kept:
+                kept.remove(name)
+                removed += 1
+    print(f"removed {removed} files")
 
 
 def _where() -> None:

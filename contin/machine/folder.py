@@ -1,6 +1,6 @@
-"""The user's folder of machine code: where it is, and whether it can be trusted.
+"""The user's folders of machine code and of derived models: where they are, and whether they can be trusted.
 
-Whoever can write there can make this process run what they like. So the folder is used only if it is a real directory
+Whoever can write there can make this process run what they like. So a folder is used only if it is a real directory
 that belongs to this user and that nobody else may enter (mode 0700), and it is opened once: what is read and written
 goes through that opened directory, whatever its path is made to mean later. Without such a folder contin works from
 memory, and says so in `contin kernels where`.
@@ -19,15 +19,16 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-NAME: Final = "machine-code"
+MACHINE_CODE: Final = "machine-code"
+DERIVED: Final = "derived-models"
 BY_DESCRIPTOR: Final = os.open in os.supports_dir_fd and os.name == "posix"
 
 
-def place() -> Path | None:
-    """Where the folder is, or would be; `CONTIN_CACHE_DIR` says otherwise. None for a user without a home."""
+def place(name: str = MACHINE_CODE) -> Path | None:
+    """Where a folder is, or would be; `CONTIN_CACHE_DIR` says otherwise. None for a user without a home."""
     chosen = os.environ.get("CONTIN_CACHE_DIR")
     if chosen:
-        return Path(chosen) / NAME
+        return Path(chosen) / name
     try:
         if sys.platform == "win32":
             base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
@@ -37,7 +38,7 @@ def place() -> Path | None:
             base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     except RuntimeError:  # no home, and no entry for this user
         return None
-    return base / "contin" / NAME
+    return base / "contin" / name
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,19 @@ class Folder:
         except OSError:
             return []
 
+    def thin_out(self, most: int) -> None:
+        """Delete the oldest files beyond this many."""
+        names = self.names()
+        if len(names) > most:
+            for name in sorted(names, key=self._age)[: len(names) - most]:
+                self.remove(name)
+
+    def _age(self, name: str) -> int:
+        try:
+            return os.stat(self._at(name), dir_fd=self.descriptor).st_mtime_ns
+        except OSError:
+            return 0
+
     @contextmanager
     def building(self, there: Callable[[], bool]) -> Iterator[None]:
         """One process makes code at a time; another one waits for its end, or until what it needs is `there`."""
@@ -107,9 +121,9 @@ class Folder:
 
 
 @cache
-def folder() -> Folder | None:
+def folder(name: str = MACHINE_CODE) -> Folder | None:
     """This user's folder, made if need be; None where there is none that can be trusted."""
-    return open_folder(place())
+    return open_folder(place(name))
 
 
 def open_folder(path: Path | None) -> Folder | None:

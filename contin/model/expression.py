@@ -171,6 +171,11 @@ def _make(op: str, args: tuple[Expression, ...], value: Number | str | None = No
     return node
 
 
+def exactly(op: str, args: tuple[Expression, ...], value: Number | str | None = None) -> Expression:
+    """A node as it is, without any rule: for those who read back what was built before."""
+    return _make(op, args, value)
+
+
 def number(value: int | float | Fraction) -> Expression:
     """A constant. Integers, fractions and short decimals (0.1 is 1/10) are exact; a float with more than
     `SHORT_DIGITS` significant digits is a rounded result and keeps its binary value."""

@@ -33,6 +33,8 @@ STYLE: Final[dict[str, Any]] = {
     "legend.fontsize": 8.0,
     "svg.fonttype": "none",  # text stays text
     "pdf.fonttype": 42,
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
 }
 STABLE: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.9}
 UNSTABLE: Final[dict[str, Any]] = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
@@ -78,11 +80,18 @@ def figure(
         if title:
             drawing.suptitle("\n".join(textwrap.wrap(title, 64 * len(panels))), fontsize=10)
         _legend(drawing, panels, colours, images or {})
-        drawing.draw_without_rendering()  # the layout decides where the axes are; only then can labels be placed
+        lay_out(drawing)  # which decides where the axes are; only then can labels be placed
         for ax, panel in zip(axes, panels, strict=True):
             _draw_labels(ax, panel)
-        drawing.set_layout_engine("none")
+        drawing.set_layout_engine(None)  # all have their places; with "none" saving would draw twice
     return drawing
+
+
+def lay_out(drawing: Figure) -> None:
+    """Give axes and legends their places, without drawing anything."""
+    engine = drawing.get_layout_engine()
+    if engine is not None:
+        engine.execute(drawing)
 
 
 def draw(
@@ -156,7 +165,7 @@ def _extent(panel: Panel) -> tuple[float, float]:
 
 
 def _angle_ticks(ax: Axes, panel: Panel, periods: Mapping[str, float]) -> None:
-    names = ["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"]
+    names = ["\u2212\u03c0", "\u2212\u03c0/2", "0", "\u03c0/2", "\u03c0"]  # letters: formulas take long to set
     for name, axis, limits in ((panel.x, ax.xaxis, ax.get_xlim()), (panel.y, ax.yaxis, ax.get_ylim())):
         period = periods.get(name)
         if (

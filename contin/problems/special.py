@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems import defining
+from contin.problems.balancing import balancing_scales
 from contin.problems.defining import Solved
 from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
@@ -175,15 +176,11 @@ def _balancing_units(*jacobians: Array) -> Array:
     Only pairs of states that act on each other are balanced: where one of the two couplings is a rounding error, the
     ratio of the two says nothing. The product of the two does not depend on units.
     """
-    from scipy.linalg import matrix_balance
-
     n = len(jacobians[0])
     total = np.maximum.reduce([np.abs(m[:, :n]) for m in jacobians])
     products = total * total.T
     mutual = products >= MUTUAL * products.max()
-    with np.errstate(invalid="ignore"):  # scipy casts the permutation, which is not asked for
-        units = matrix_balance(np.where(mutual, total, 0.0), permute=False, separate=True)[1][0]
-    return np.append(units, 1.0)
+    return np.append(balancing_scales(np.where(mutual, total, 0.0)), 1.0)
 
 
 def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: int) -> bool:

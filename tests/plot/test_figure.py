@@ -73,7 +73,7 @@ def test_an_angle_has_ticks_in_multiples_of_pi():
     made = branch("b", {"p": angle, "psi": angle, "stable": np.ones(50, bool)})
     periods = {"psi": 2 * np.pi}
     drawing = figure(panels(from_branches([made]), periods=periods), periods=periods)
-    assert [label.get_text() for label in drawing.axes[0].get_yticklabels()][-1] == "$\\pi$"
+    assert [label.get_text() for label in drawing.axes[0].get_yticklabels()][-1] == "\u03c0"
 
 
 def test_rounding_noise_of_a_constant_state_is_drawn_flat_and_a_varying_state_is_chosen_first():

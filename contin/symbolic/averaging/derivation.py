@@ -9,7 +9,7 @@ from contin.model.expression import ZERO, Expression, add, call, mul, neg, numbe
 from contin.model.latex import latex_name
 from contin.model.model import Model
 from contin.model.writer import definition_names
-from contin.symbolic.averaging.average import Averaged, averaged
+from contin.symbolic.averaging.averaged import Averaged, averaged
 from contin.symbolic.averaging.cells import RADIUS, Cut
 from contin.symbolic.averaging.document import (
     Block,
