@@ -44,7 +44,7 @@ def to_graph_text(model: Model) -> str:
     roots: list[Expression] = []
     _collect([getattr(model, f.name) for f in fields(model)], roots)
     places: dict[Expression, int] = {}
-    rows = []
+    rows: list[list[Any]] = []
     for node in postorder(roots):
         places[node] = len(rows)
         rows.append(_row(node, places))
