@@ -202,8 +202,11 @@ def _origin(
     bend = np.zeros_like(scale) if seed.curvature is None else seed.curvature
 
     if sense in seed.beside:
-        length = float(oriented.tangent @ ((seed.beside[sense] - start.z) / scale))
-        return problem.probe(oriented, length, seed.beside[sense], frame, settings)
+        offset = (seed.beside[sense] - start.z) / scale
+        found = problem.probe(oriented, float(oriented.tangent @ offset), seed.beside[sense], frame, settings)
+        if found is None or float(found.tangent @ offset) > 0.0:
+            return found
+        return _oriented(found, -1)  # at a cusp both arms leave to one side
 
     def beside(size: float) -> Sample | None:
         guess = start.z + scale * (size * oriented.tangent + 0.5 * elementary.square(size) * bend)

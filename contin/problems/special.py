@@ -361,7 +361,7 @@ def _tangents(local: ScaledSystem, y: Array) -> list[Array]:
         return crossing_tangents(local, y) or [right[-1]]
 
     try:
-        return [t for t, _ in reduced_branches(local, y, np.zeros(local.n + 1), corank)] or [right[-1]]
+        return [o.direction for o in reduced_branches(local, y, np.zeros(local.n + 1), corank)] or [right[-1]]
     except np.linalg.LinAlgError:  # the zero eigenvalue is defective: the reduction has no basis
         return [right[-1]]
 

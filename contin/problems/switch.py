@@ -15,13 +15,12 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems import defining, special
+from contin.problems.branching.outset import Outset
 from contin.problems.describe import sheets_at
-from contin.problems.fine_directions import DISTANCE
 from contin.problems.maps.switch import doubled
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
 
-FAR = 0.5 * DISTANCE  # where branches set out that only their higher orders tell apart
 PARALLEL = 0.9999  # cosine between tangents from which two branches are the same
 
 
@@ -50,12 +49,12 @@ def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         local, own = problem.scaled(point.scale), np.zeros_like(own)
     seeds = []
     kernel = int(point.vectors.get("kernel", 1))
-    for direction, curvature in crossing_branches(local.rated(y), y, own, kernel):
-        scale, d, k = renewed_metric(local, point.z, direction, curvature)
+    for outset in crossing_branches(local.rated(y), y, own, kernel):
+        scale, d, k = renewed_metric(local, point.z, outset.direction, outset.curvature)
         symmetries = reversing_symmetries(problem, point.z, d * scale)
-        arms = (1,) if symmetries else (-1, 1)
-        reach = FAR if point.normal_form.get("continua") else None
-        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, reach))
+        beside = {arm: at * point.scale for arm, at in outset.beside.items()}
+        arms = (1,) if symmetries else tuple(sorted(beside)) or (-1, 1)
+        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, beside=beside))
     if not seeds:
         raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
     return seeds
@@ -74,14 +73,14 @@ def _touching(problem: Any, point: SpecialPoint, parent: Parent) -> Seed:
     return Seed(problem, point.z, direction, None, point.scale, arms, parent, beside=beside)
 
 
-def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[tuple[Array, Array]]:
-    """Unit tangents and second derivatives z''(0) (scaled) of the branches other than the one with tangent `own`."""
+def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[Outset]:
+    """The branches other than the one with tangent `own`."""
     if corank == 1:
         tangents = special.crossing_tangents(local, y)
         others = [t for t in tangents if abs(float(t @ own)) < PARALLEL]
         if len(others) > 1:  # neither is exactly the branch's own: drop the nearer one
             others = [min(others, key=lambda t: abs(float(t @ own)))] if np.any(own) else others
-        return [(_oriented(t), simple_curvature(local, y, _oriented(t))) for t in others]
+        return [Outset(_oriented(t), simple_curvature(local, y, _oriented(t))) for t in others]
     from contin.problems.multiple import reduced_branches
 
     return reduced_branches(local, y, own, corank)

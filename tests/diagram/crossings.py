@@ -21,11 +21,12 @@ def explore(equations, states, parameters, range, symmetries=None, **options) ->
 def solutions(diagram: Diagram, value: float) -> np.ndarray:
     """States at the crossings of parameter = value, solved to full precision; one row for each passage of a branch."""
     found = []
+    size = max(np.abs(branch.z[:, :-1]).max() for branch in diagram) or 1.0  # of the states, in their units
     for branch in diagram:
         p = branch.z[:, -1] - value
         for k in np.flatnonzero(p[:-1] * p[1:] < 0):
             guess = branch.z[k] + (branch.z[k + 1] - branch.z[k]) * p[k] / (p[k] - p[k + 1])
-            exact = branch.problem.at_parameter(guess, value, np.ones(len(guess)))
+            exact = branch.problem.at_parameter(guess, value, size * np.ones(len(guess)))
             assert exact is not None
             found.append(wrapped(exact, branch.problem.angle_periods)[:-1])
     return np.array(found)

@@ -37,7 +37,7 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
         crossing = crossing_branches(local, point.z / point.scale, own / np.linalg.norm(own), 1)
         if not crossing:
             raise InputError(f"{point.branch}.{point.label}: no doubled cycles were found here") from None
-        d, k = crossing[0]
+        d, k = crossing[0].direction, crossing[0].curvature
     else:
         direction = np.append(predictor.q, 0.0)
         bend = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2)
