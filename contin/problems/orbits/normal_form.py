@@ -29,6 +29,7 @@ from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
+from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
 from contin.problems.orbits.bordered import Bordered, factors
 from contin.problems.orbits.defining import SolvedOrbit
@@ -38,27 +39,9 @@ from contin.problems.orbits.symmetry import halves_alike
 
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
 VERTICAL: Final = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
-ROUNDING: Final = 1e-10  # error of a coefficient beside the sum of the moduli of its terms
-SAFETY: Final = 2.0  # the finer mesh has an error of its own
 NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 Values = NDArray[Any]  # of a function at the Gauss points, (N, m, n)
-
-
-@dataclass(frozen=True)
-class Coefficient:
-    """A coefficient, and the sum of the moduli of the terms that it is the sum of."""
-
-    value: complex
-    size: float
-    signed: bool = True  # False where the sign of the coordinate is arbitrary, and with it that of the coefficient
-
-    def error(self, finer: Coefficient) -> float:
-        """From the same coefficient on a finer mesh."""
-        moved = abs(self.value - finer.value)
-        if not self.signed:
-            moved = min(moved, abs(self.value + finer.value))
-        return ROUNDING * max(self.size, finer.size) + SAFETY * moved
 
 
 def normal_form(problem: Any, point: Verified, solved: SolvedOrbit) -> Verified:

@@ -79,13 +79,11 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
 
 
 def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    """Of a PD and NS the criticality; of a branch point: does the flow have corners on the orbit, and on which side do
+    """The coefficient; of a branch point: does the flow have corners on the orbit, and on which side do
     the new orbits lie?"""
-    if point.type in ("PD", "NS"):
+    if point.type != "BPC":
         return with_normal_form(problem, point, scale)
-    if point.type == "BPC":
-        form = side_of_branch(problem, point.z, scale)
-        if not form:
-            return replace(point, remark="BPC: its kind is not known: no crossing family was found beside it")
-        return replace(point, normal_form=form)
-    return replace(point, remark="LPC: the coefficient b is not computed for orbits by shooting")
+    form = side_of_branch(problem, point.z, scale)
+    if not form:
+        return replace(point, remark="BPC: its kind is not known: no crossing family was found beside it")
+    return replace(point, normal_form=form)

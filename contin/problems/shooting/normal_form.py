@@ -1,8 +1,17 @@
-"""Criticality of period doublings and torus bifurcations of orbits by shooting.
+"""Normal forms of folds, period doublings and torus bifurcations of orbits by shooting, in those of the periodic orbit.
 
-The normal form of the return map, w -> -w + c' w^3 or w -> e^{i theta} w (1 + d' |w|^2), gives that of the periodic
-orbit (`contin.problems.orbits.normal_form`): c = -c' k^2 / T and Re d = Re d' k^2 / T, where k is the factor that the
-eigenfunction of mean square 1 has over w's eigenvector.
+The return map P has, in coordinates along its critical eigenvector q,
+
+    LPC   w -> w + a' w^2,   PD   w -> -w + c' w^3,   NS   w -> e^{i theta} w (1 + d' |w|^2),
+
+and a time of return T(y). With the orbit's own normal forms (`contin.problems.orbits.normal_form`), whose phase tau
+runs at a rate that depends on xi, the time to come round is T (1 - a |xi|^2), so that
+
+    PD    c = -c' k / T,      NS   d = (Re d' + i Im d') k / T + i a theta / T,  a = -(DT h11 + D^2T[q, q*]) k / T,
+    LPC   b = a' / DT q, where DT q != 0;  b = a' sqrt(k) / T in forced systems, and where the period does not change,
+
+where sqrt(k) is the factor that the eigenfunction of mean square 1 has over q's. Every coefficient is computed twice,
+by differences with steps h and 2 h, whose distance is its error.
 """
 
 from __future__ import annotations
@@ -14,40 +23,71 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
+from contin.normalforms.coefficient import Coefficient
+from contin.normalforms.homological import CentreManifold
+from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.normalforms.result import sense
 from contin.problems.shooting.return_map import NoDerivatives, ReturnMap
 
-UNDECIDED: Final = 1e-5  # error of a coefficient beside the terms it is the sum of: derivatives are by differences
+SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
+NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 
-def period_doubling(problem: Any, z: Array, sizes: Array) -> tuple[float, float]:
-    """c, and the size of the terms that it is made of; raises `NoDerivatives`."""
-    returns = ReturnMap(problem, z, sizes)
-    manifold = flip_manifold(returns.jet())
-    factor = returns.unit(manifold.right[0]) / returns.nodes.period
-    return float(-factor * manifold.g((3,), 0).real), factor * manifold.magnitude((3,), 0)
+def fold(returns: ReturnMap, factor: int = 1) -> Coefficient:
+    """b; raises `NoDerivatives`."""
+    jet = returns.jet(factor)
+    pair = null_pair(jet.A - np.eye(jet.n), 1.0, jet.scale)
+    manifold = CentreManifold(jet, [pair])
+    q, value, size = pair.right.real, manifold.g((2,), 0).real, manifold.magnitude((2,), 0)
+    period = returns.nodes.period
+    slope = returns.slope_of_time(q).real
+    drifts = abs(slope) > SHEARLESS * period * float(np.linalg.norm(q))
+    unit = 1.0 / slope if drifts else np.sqrt(returns.unit(q)) / period
+    noise = returns.noise * float(np.linalg.norm(pair.left)) * abs(unit)
+    return Coefficient(value * unit, size * abs(unit), drifts, noise)
 
 
-def torus(problem: Any, z: Array, sizes: Array, theta: float) -> tuple[float, float]:
-    """Re d, and the size of the terms that it is made of; raises `NoDerivatives`."""
-    returns = ReturnMap(problem, z, sizes)
-    manifold = circle_manifold(returns.jet(), theta)
-    factor = returns.unit(manifold.right[0]) / returns.nodes.period
-    return float(factor * (manifold.g((2, 1), 0) / manifold.values[0]).real), factor * manifold.magnitude((2, 1), 0)
+def period_doubling(returns: ReturnMap, factor: int = 1) -> Coefficient:
+    """c; raises `NoDerivatives`."""
+    manifold = flip_manifold(returns.jet(factor))
+    unit = returns.unit(manifold.right[0]) / returns.nodes.period
+    noise = returns.noise * float(np.linalg.norm(manifold.left[0])) * unit
+    return Coefficient(float(-unit * manifold.g((3,), 0).real), unit * manifold.magnitude((3,), 0), noise=noise)
+
+
+def torus(returns: ReturnMap, theta: float, factor: int = 1) -> Coefficient:
+    """d; raises `NoDerivatives`."""
+    manifold = circle_manifold(returns.jet(factor), theta)
+    q, period = manifold.right[0], returns.nodes.period
+    unit = returns.unit(q) / period
+    d = unit * (manifold.g((2, 1), 0) / manifold.values[0])
+    if returns.problem.autonomous:
+        turned = returns.slope_of_time(manifold.h(1, 1)).real + returns.bend_of_time(q, factor)
+        d -= 1j * turned * unit * theta / period
+    noise = returns.noise * float(np.linalg.norm(manifold.left[0])) * unit
+    return Coefficient(complex(d), unit * manifold.magnitude((2, 1), 0), noise=noise)
+
+
+def coefficient(returns: ReturnMap, type_: str, theta: float, factor: int = 1) -> Coefficient:
+    """b of LPC, c of PD or d of NS."""
+    if type_ == "LPC":
+        return fold(returns, factor)
+    return period_doubling(returns, factor) if type_ == "PD" else torus(returns, theta, factor)
 
 
 def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
-    """The point with {c, criticality} of a PD, {criticality} of a NS; what cannot be computed is a remark."""
-    sizes = problem.sizes(point.z, scale)
+    """The point with b, c or d, its error, and the criticality of PD and NS; what cannot be computed is a remark."""
+    returns = ReturnMap(problem, point.z, problem.sizes(point.z, scale))
+    theta = float(point.vectors["theta"])
     try:
-        if point.type == "PD":
-            value, size = period_doubling(problem, point.z, sizes)
-        else:
-            value, size = torus(problem, point.z, sizes, float(point.vectors["theta"]))
+        fine, coarse = (coefficient(returns, point.type, theta, factor) for factor in (1, 2))
     except (NoDerivatives, np.linalg.LinAlgError, ZeroDivisionError) as error:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({error})")
-    form: dict[str, Any] = {"criticality": sense(value, UNDECIDED * size)}
-    if point.type == "PD":
-        form = {"c": value, **form, "errors": {"c": UNDECIDED * size}}
-    return replace(point, normal_form=form)
+    name, value, error_ = NAMES[point.type], complex(fine.value), fine.error(coarse)
+    if not np.isfinite(error_):
+        return replace(point, remark=f"{point.type}: its normal form is not finite")
+    form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
+    if point.type != "LPC":
+        form["criticality"] = sense(value.real, error_)
+    return replace(point, normal_form={**form, "errors": {name: error_}})

@@ -2,8 +2,10 @@
 
 The map takes the section of the first node to itself (a forced system: the states after a period), in coordinates y of
 unit vectors in the metric of the states' sizes. Its Jacobian is made of variations with their jumps at the crossings,
-so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none. Cost:
-four Jacobians for every direction, each some two trajectories over a period with n variations.
+so that the map has the derivatives of its smooth pieces; where two surfaces are crossed together it has none. The time
+of return is one more function of y, whose gradient is the last row. Differences with steps h and, as a measure of
+their error, 2 h: `jet(1)` and `jet(2)`. Cost: six Jacobians for every direction, each some two trajectories over a
+period with n variations.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from contin.simulate.flight import fly
 
 ACCURACY: Final = 1e-13  # of the trajectories
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
+NOISE: Final = 10.0  # trajectories' errors beside their accuracy
 TOGETHER: Final = 1e-7  # of the period: crossings this close are one
 RETURNS: Final = 8  # Newton steps for the time of return
 SAMPLES: Final = 256  # of a variation over a period
@@ -38,7 +41,8 @@ class ReturnMap:
     problem: Any
     z: Array
     sizes: Array
-    _lines: dict[bytes, tuple[Array, ...]] = field(default_factory=dict)
+    _lines: dict[tuple[bytes, int], tuple[Array, ...]] = field(default_factory=dict)
+    _beside: dict[tuple[bytes, int], Array] = field(default_factory=dict)
 
     @cached_property
     def nodes(self) -> Nodes:
@@ -65,7 +69,7 @@ class ReturnMap:
         return np.asarray(self.problem.system.value(u, self.problem.full_parameters(self.z)))
 
     def jacobian(self, y: Array) -> Array:
-        """dP at y, in the coordinates."""
+        """dP at y in the coordinates, and as a last row the gradient of the time of return."""
         problem, nodes, n = self.problem, self.nodes, self.problem.n
         u, time = nodes.u[0] + self.sizes * (self.basis @ y), nodes.period
         flight = self._fly(u, time, variations=np.eye(n))
@@ -79,19 +83,28 @@ class ReturnMap:
                 time -= step
                 flight = self._fly(u, time, variations=np.eye(n))
             f = self._slope(flight.end[:n])
-            through = np.eye(n) - np.outer(f, nodes.normal) / float(nodes.normal @ f)
+            rate = float(nodes.normal @ f)
+            through = np.eye(n) - np.outer(f, nodes.normal) / rate
+            times = -(nodes.normal @ flight.variations) * self.sizes / rate
         else:
-            through = np.eye(n)
+            through, times = np.eye(n), np.zeros(n)
         scaled = (through @ flight.variations) * self.sizes / self.sizes[:, None]
-        return np.asarray(self.basis.T @ scaled @ self.basis)
+        return np.vstack([self.basis.T @ scaled, times]) @ self.basis
 
-    def _line(self, direction: Array) -> tuple[Array, ...]:
-        """First and second derivative of the Jacobian along a unit direction."""
-        key = direction.tobytes()
+    def _at(self, direction: Array, k: int) -> Array:
+        key = direction.tobytes(), k
+        if key not in self._beside:
+            self._beside[key] = self.jacobian(k * STEP * direction)
+        return self._beside[key]
+
+    def _line(self, direction: Array, factor: int) -> tuple[Array, ...]:
+        """First and second derivative of `jacobian` along a unit direction, by steps of `factor` STEP."""
+        key = direction.tobytes(), factor
         if key not in self._lines:
-            g = {k: self.jacobian(k * STEP * direction) for k in (-2, -1, 1, 2)}
-            first = (8.0 * (g[1] - g[-1]) - (g[2] - g[-2])) / (12.0 * STEP)
-            second = (16.0 * (g[1] + g[-1]) - (g[2] + g[-2]) - 30.0 * self._centre) / (12.0 * elementary.square(STEP))
+            g = {k: self._at(direction, factor * k) for k in (-2, -1, 1, 2)}
+            h = factor * STEP
+            first = (8.0 * (g[1] - g[-1]) - (g[2] - g[-2])) / (12.0 * h)
+            second = (16.0 * (g[1] + g[-1]) - (g[2] + g[-2]) - 30.0 * self._centre) / (12.0 * elementary.square(h))
             self._lines[key] = first, second
         return self._lines[key]
 
@@ -99,26 +112,45 @@ class ReturnMap:
     def _centre(self) -> Array:
         return self.jacobian(np.zeros(self.basis.shape[1]))
 
-    def _derivative(self, directions: tuple[Array, ...]) -> Array:
-        """D^k P along real directions, k = 2 or 3; of three at least two are alike."""
+    def _derivative(self, directions: tuple[Array, ...], factor: int) -> Array:
+        """D^k (P, time of return) along real directions, k = 2 or 3; of three at least two are alike."""
         if not all(np.any(d) for d in directions):
-            return np.zeros(len(directions[0]))
+            return np.zeros(len(directions[0]) + 1)
         if len(directions) == 3:
             a, b, c = directions
             along, other = (a, c) if np.array_equal(a, b) else (a, b) if np.array_equal(a, c) else (b, a)
             size = float(np.linalg.norm(along))
-            return np.asarray(self._line(along / size)[1] @ other * elementary.square(size))
-        along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in self._lines)
+            return np.asarray(self._line(along / size, factor)[1] @ other * elementary.square(size))
+        known = {line for line, _ in self._lines}
+        along, other = sorted(directions, key=lambda d: (d / np.linalg.norm(d)).tobytes() not in known)
         size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
-        return np.asarray(self._line(along / size)[0] @ other * size)
+        return np.asarray(self._line(along / size, factor)[0] @ other * size)
 
-    def jet(self) -> DerivativeJet:
+    def slope_of_time(self, direction: Any) -> complex:
+        """Derivative of the time of return."""
+        return complex(self._centre[-1] @ direction)
+
+    def bend_of_time(self, q: Any, factor: int = 1) -> float:
+        """D^2 of the time of return along q and its conjugate."""
+        parts = [part for part in (np.real(q), np.imag(q)) if np.any(part)]
+        return float(sum(self._derivative((part, part), factor)[-1] for part in parts))
+
+    @property
+    def noise(self) -> float:
+        """Rounding errors of the highest derivatives, in the coordinates."""
+        return NOISE * ACCURACY / STEP**2 * float(np.abs(self._centre).max())
+
+    def jet(self, factor: int = 1) -> DerivativeJet:
         """The derivatives as a normal form wants them; raises `NoDerivatives`."""
         times = self._fly(self.nodes.u[0], self.nodes.period).crossings[:, 0]
         if np.any(np.diff(times) < TOGETHER * self.nodes.period):
             raise NoDerivatives("surfaces are crossed together: the return map is only piecewise smooth")
         sizes = np.ones(self.basis.shape[1])  # of coordinates that are scaled; balancing would amplify rounding
-        return DerivativeJet(self._centre, self._derivative, kind="map", scale=sizes)
+
+        def derivative(directions: tuple[Array, ...]) -> Array:
+            return self._derivative(directions, factor)[:-1]
+
+        return DerivativeJet(self._centre[:-1], derivative, kind="map", scale=sizes)
 
     def unit(self, q: Array) -> float:
         """The square of what q (coordinates) must be multiplied with for its variation to have the mean square 1 over

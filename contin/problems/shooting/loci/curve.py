@@ -19,7 +19,8 @@ from contin.machine import elementary
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.problems.shooting.loci.conditions import Borders, borders, condition, matrix
 from contin.problems.shooting.loci.expansion import Expansion
-from contin.problems.shooting.normal_form import period_doubling, torus
+from contin.problems.shooting.normal_form import coefficient
+from contin.problems.shooting.return_map import ReturnMap
 from contin.problems.shooting.problem import ShootingProblem
 
 
@@ -104,10 +105,9 @@ class ShootingCurve(CurveByShooting):
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
         orbits, orbit = self.at(z), self.orbit(z)
-        sizes = orbits.sizes(orbit, self.orbit(scale))
-        if self.type == "PD":
-            return period_doubling(orbits, orbit, sizes)
-        return torus(orbits, orbit, sizes, float(elementary.acos(np.clip(self.further(z), -1.0, 1.0))))
+        theta = 0.0 if self.type == "PD" else float(elementary.acos(np.clip(self.further(z), -1.0, 1.0)))
+        found = coefficient(ReturnMap(orbits, orbit, orbits.sizes(orbit, self.orbit(scale))), self.type, theta)
+        return float(np.real(found.value)), found.size
 
     def expansion(self, z: Array, scale: Array) -> Expansion | None:
         return Expansion.of(self.at(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))

@@ -1,0 +1,26 @@
+"""A coefficient that was computed twice, with its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+ROUNDING: Final = 1e-10  # error of a coefficient beside the sum of the moduli of its terms
+SAFETY: Final = 2.0  # the better of two approximations has an error of its own
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A coefficient, and the sum of the moduli of the terms that it is the sum of."""
+
+    value: complex
+    size: float
+    signed: bool = True  # False where the sign of the coordinate is arbitrary, and with it that of the coefficient
+    noise: float = 0.0  # what rounding of the derivatives themselves leaves
+
+    def error(self, finer: Coefficient) -> float:
+        """From the same coefficient by another discretisation (a finer mesh, a longer difference)."""
+        moved = abs(self.value - finer.value)
+        if not self.signed:
+            moved = min(moved, abs(self.value + finer.value))
+        return ROUNDING * max(self.size, finer.size) + SAFETY * moved + max(self.noise, finer.noise)
