@@ -20,8 +20,8 @@ from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
 from contin.problems.shooting.loci.conditions import Borders, borders, condition, matrix
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.normal_form import coefficient
-from contin.problems.shooting.return_map import ReturnMap
 from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.return_map import ReturnMap
 
 
 @dataclass(frozen=True, eq=False)
