@@ -100,23 +100,23 @@ def turn_rule(
     For an odd f, f(-x, -y) = -f(x, y), half of the nodes do.
     """
     # the same doubles in all quadrants, so that equal values of f are one node; n is even
-    cosines = [_cosine(k, n) for k in range(2 * n)]
-    sines = [_cosine((k - n // 2) % (2 * n), n) for k in range(2 * n)]
+    cosines = [cosine_of_node(k, n) for k in range(2 * n)]
+    sines = [cosine_of_node((k - n // 2) % (2 * n), n) for k in range(2 * n)]
     count = n if odd else 2 * n
     weight = 1 / count
     with_sin, with_cos, squares = [], [], []
     for c, s in zip(cosines[:count], sines[:count], strict=True):
-        value = _value(function, mul(number(c), radius), mul(number(-s), omega, radius))
+        value = at_state(function, mul(number(c), radius), mul(number(-s), omega, radius))
         with_sin.append(mul(number(weight * s), value))
         with_cos.append(mul(number(weight * c), value))
         squares.append(mul(number(weight), power(value, number(2))))
     return _sum(with_sin), _sum(with_cos), add(*squares)
 
 
-def _cosine(k: int, n: int) -> float:
+def cosine_of_node(k: int, n: int) -> float:
     """cos((2k + 1) pi/(2n)) with all its digits, also next to a quarter turn."""
     if k >= n:
-        return _cosine(2 * n - 1 - k, n)
+        return cosine_of_node(2 * n - 1 - k, n)
     return elementary.sin((n - 2 * k - 1) * math.pi / (2 * n))
 
 
@@ -145,29 +145,31 @@ def arc_rule(
             for xi, w in zip(nodes, weights, strict=True):
                 phi = middle + half * xi
                 c, s = elementary.cos(phi), elementary.sin(phi)
-                value = _value(arc.formula, mul(number(c), radius), mul(number(-s), omega, radius))
+                value = at_state(arc.formula, mul(number(c), radius), mul(number(-s), omega, radius))
                 factor = float(fold * w * half / (2 * math.pi))
                 with_sin.append(mul(number(factor * s), value))
                 with_cos.append(mul(number(factor * c), value))
                 squares.append(mul(number(factor), power(value, number(2))))
             continue
-        start, stop = (_angle(cut, radius) for cut in (arc.start, arc.stop))
+        start, stop = (angle_of(cut, radius) for cut in (arc.start, arc.stop))
         centre, spread = mul(number(0.5), add(start, stop)), mul(number(0.5), stop - start)
         for xi, w in zip(nodes, weights, strict=True):
             angle = add(centre, mul(number(float(xi)), spread))
             cos, sin = call("cos", angle), call("sin", angle)
-            value = _value(arc.formula, mul(radius, cos), mul(number(-1), omega, radius, sin))
+            value = at_state(arc.formula, mul(radius, cos), mul(number(-1), omega, radius, sin))
             with_sin.append(mul(number(float(fold * w / (2 * math.pi))), spread, value, sin))
             with_cos.append(mul(number(float(fold * w / (2 * math.pi))), spread, value, cos))
             squares.append(mul(number(float(fold * w / (2 * math.pi))), spread, power(value, number(2))))
     return add(*with_sin), add(*with_cos), add(*squares)
 
 
-def _angle(cut: Cut, radius: Expression) -> Expression:
+def angle_of(cut: Cut, radius: Expression) -> Expression:
+    """The angle of a cut as a formula."""
     return substitute([from_sympy(cut.phi)], {symbol(RADIUS): radius})[0]
 
 
-def _value(function: Expression, x: Expression, y: Expression) -> Expression:
+def at_state(function: Expression, x: Expression, y: Expression) -> Expression:
+    """The function of `switching_lines.X` and `.Y` at a state."""
     return substitute([function], {symbol(X): x, symbol(Y): y})[0]
 
 

@@ -66,11 +66,15 @@ class Turn:
 Interval = tuple[Expression, Expression]
 
 
+def pieces_of_turn(term: Expression, turn: Turn) -> list[tuple[Interval, Expression]]:
+    """The arcs of the turn, whose ends are formulas in the amplitudes, and the smooth formula on each."""
+    return _pieces(term, (ZERO, TWO_PI), turn)
+
+
 def piecewise_rule(term: Expression, turn: Turn, n: int) -> Complex:
     """<term exp(-i tau)> with n Gauss nodes on every arc."""
-    start, stop = ZERO, TWO_PI
     total: tuple[list[Expression], list[Expression]] = ([], [])
-    for interval, formula in _pieces(term, (start, stop), turn):
+    for interval, formula in pieces_of_turn(term, turn):
         re, im = _on(interval, formula, turn, n)
         total[0].append(re)
         total[1].append(im)

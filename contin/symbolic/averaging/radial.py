@@ -39,7 +39,9 @@ from contin.symbolic.averaging.cells import RADIUS, SAME, Arc, Region, assumptio
 from contin.symbolic.averaging.gauss_rule import (
     Array,
     agreement,
+    angle_of,
     arc_rule,
+    at_state,
     beyond_quadrature,
     next_size,
     rule_size,
@@ -47,6 +49,7 @@ from contin.symbolic.averaging.gauss_rule import (
     turn_rule,
 )
 from contin.symbolic.averaging.parity import arcs_parity
+from contin.symbolic.averaging.rule_values import COS, SIN, Segment, arc_values, turn_values
 from contin.symbolic.averaging.switching_lines import PLANE, X, Y
 from contin.symbolic.averaging.terms import additive_terms, without_kinks
 from contin.symbolic.averaging.tidy import tidy
@@ -189,11 +192,15 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
             return turn_rule(region.arcs[0].formula, setting.omega, R, n, odd)
         return arc_rule(arcs, setting.omega, R, n, fold)
 
-    def values(n: int) -> Any:
-        return sampled_averages(rule(n)[:2], radii, setting.values)
+    segments = [_segment(arc, setting) for arc in arcs]
 
-    def values_everywhere(n: int, corners: Sequence[Mapping[str, float]]) -> Any:
-        return np.hstack([sampled_averages(rule(n)[:2], radii, corner) for corner in corners])
+    def values(n: int, at: Mapping[str, float] = setting.values) -> Array:
+        if _is_whole(region.arcs):
+            return turn_values(segments[0].integrand, n, {**at, RADIUS: radii}, odd)
+        return arc_values(segments, n, {**at, RADIUS: radii}, fold)
+
+    def values_everywhere(n: int, corners: Sequence[Mapping[str, float]]) -> Array:
+        return np.hstack([values(n, corner) for corner in corners])
 
     if closed is not None:
         sin, cos, needs = closed
@@ -210,6 +217,12 @@ def _piece(region: Region, setting: Setting) -> tuple[Piece, list[str]]:
     sin, cos, square = rule(n)
     margin = agreement((sin, cos), rule(next_size(n))[:2], square)
     return Piece(high, bound, sin, cos, region.arcs, n, margin), []
+
+
+def _segment(arc: Arc, setting: Setting) -> Segment:
+    start, stop = (cut.number if cut.exact else angle_of(cut, R) for cut in (arc.start, arc.stop))
+    integrand = at_state(arc.formula, mul(R, COS), mul(number(-1), setting.omega, R, SIN))
+    return Segment(start, stop, integrand)
 
 
 def _lies_inside(region: Region, radii: Any, values: Mapping[str, float]) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -21,11 +22,11 @@ from contin.symbolic.averaging.cells import SAME
 from contin.symbolic.averaging.complex_formulas import Complex
 from contin.symbolic.averaging.gauss_rule import Array, agreement, beyond_quadrature, next_size
 from contin.symbolic.averaging.oscillators import WeakOscillators
-from contin.symbolic.averaging.piecewise_turn import Turn, piecewise_rule
+from contin.symbolic.averaging.piecewise_turn import Turn, pieces_of_turn, piecewise_rule
 from contin.symbolic.averaging.radial import Setting, first_size
+from contin.symbolic.averaging.rule_values import COS, SIN, Segment, arc_values, turn_values
 from contin.symbolic.averaging.terms import without_kinks
 from contin.symbolic.calculus.guards import is_guard
-from contin.symbolic.calculus.sampling import sample
 
 Amplitudes = Sequence[Complex]  # u_j + i v_j
 
@@ -77,10 +78,16 @@ class _Shared:
         """The size of an accurate rule: at random amplitudes, and at the ends of the parameters' ranges if it can."""
         trial = [(symbol(f"@u{i}"), symbol(f"@v{i}")) for i in range(self.oscillators.count)]
         used = {i: trial[i] for i in self.oscillators.members(self.term)}
+        turn = self.turn(trial)
+        if has_conditions(self.term, self.oscillators.mask):
+            pieces = pieces_of_turn(self.term, turn)
+            segments = [Segment(*interval, turn.at(formula, COS, SIN)) for interval, formula in pieces]
+            means = partial(arc_values, segments)
+        else:
+            means = partial(turn_values, turn.at(self.term, COS, SIN))
 
         def values(size: int, corners: Sequence[Mapping[str, float]]) -> Array:
-            formulas = self.rule(size, trial)
-            return np.hstack([np.array(sample(formulas, _samples(used, self.setting, corner))) for corner in corners])
+            return np.hstack([means(size, _samples(used, self.setting, corner)) for corner in corners])
 
         return first_size(values, self.setting.towards_corners())
 
