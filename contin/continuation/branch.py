@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contin import lazy
 from contin.abi import Array
 from contin.continuation.frames import dataframe, dataset
 
@@ -54,14 +55,15 @@ class SpecialPoint:
 
     def switch(self, parameter: str | None = None) -> Any:
         """Where the branches that cross here start: hand it to `contin.continuation`."""
-        return self.problem.switch(self, parameter or self.problem.parameters[0])
+        seeds: list[Any] = lazy.module("births").switch(self.problem, self, parameter or self.problem.parameters[0])
+        return seeds
 
     def locus(self, parameters: Sequence[str] | None = None) -> Any:
         """Where the curves of such points in two parameters start: hand it to `contin.continuation` with the same two.
 
         At a point of codimension two: the other curves through it (its own, where there is no other).
         """
-        return LocusStart(self) if parameters is None else self.problem.loci(self, tuple(parameters))
+        return LocusStart(self) if parameters is None else lazy.module("births").loci(self.problem, self, parameters)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,9 @@ from contin.diagram.orbits import family_through, generation, known_family, left
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
 from contin.problems.images import images, images_through
-from contin.problems.orbits.halved import halved
 from contin.problems.symmetry import apply_symmetry
+from contin.transitions.births import departures
+from contin.transitions.halved import halved
 
 FOUND_ON = ("PD", "BPC", "HOM")  # where families of orbits lead to others
 
@@ -201,7 +202,7 @@ class Explorer:
         base = f"{branch.name}/{point.label}"
         seeds: Sequence[Seed] = ()
         with noted(_teller(diagram, base)):
-            seeds = branch.problem.departures(point, self.parameter, self.orbits)
+            seeds = departures(branch.problem, point, self.parameter, self.orbits)
         return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
 
     def _halves(self, diagram: Diagram, branch: Branch) -> list[tuple[str, Seed]]:

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
-from contin.errors import InputError, NotFiniteError
+from contin.errors import NotFiniteError
 from contin.kernels import algebraic as kernel
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
@@ -31,7 +29,7 @@ from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
 from contin.problems.surfaces import boundary
-from contin.problems.surfaces.switch import Sliding, switched
+from contin.problems.surfaces.sliding import Sliding
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
@@ -370,35 +368,6 @@ class EquilibriumProblem:
 
     def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
         return beyond(self, point, frame, settings)
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Everything that is born at a labelled point, for the explorer."""
-        cycles = orbits and not self.is_map and self.sliding is None
-        born = ("BP", "PD", *(() if self.is_map else ("BE",)), *(("HB",) if cycles else ()))
-        return self.switch(point, parameter) if point.type in born else []
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curve of such points in two parameters."""
-        from contin.problems.loci.start import loci_of_point
-
-        self._refuse_sliding(point)
-        return loci_of_point(self, point, parameters)
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        from contin.problems.switch import switch
-
-        if point.type == "BE":
-            return switched(self, point, parameter)
-        if point.type == "HB":
-            self._refuse_sliding(point)
-        return switch(self, point, parameter)
-
-    def _refuse_sliding(self, point: SpecialPoint) -> None:
-        if self.sliding is not None:
-            raise InputError(
-                f"{point.branch}.{point.label} is a pseudo-equilibrium on {self.sliding.jump.surface.text}; cycles and "
-                "curves in two parameters of the sliding motion are not followed"
-            )
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""

@@ -11,10 +11,9 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.errors import InputError
 from contin.problems.scales import parameter_width
 
 UNBOUNDED = (-np.inf, np.inf)
@@ -47,7 +46,7 @@ class TwoParameterProblem(ABC):
     """The part of `contin.continuation.problem.Problem` and `Planar` that follows from z = (..., q, p) alone.
 
     A subclass adds the metric, the march and the events of its curve. The equations have no corners that anyone looks
-    for, and nothing is born on the curve that an explorer would follow by itself.
+    for,.
     """
 
     curve: Any  # a `TwoParameterCurve`
@@ -123,5 +122,14 @@ class TwoParameterProblem(ABC):
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
         return None
 
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        return []
+
+def indices(system: Any, parameters: Sequence[str]) -> tuple[int, int]:
+    """Places of two parameters among those of the system."""
+    known = list(system.parameter_names)
+    names = list(parameters)
+    if len(names) != 2 or names[0] == names[1]:
+        raise InputError(f"a curve of special points needs two parameters; got {', '.join(names)}")
+    for name in names:
+        if name not in known:
+            raise InputError(f"no parameter {name!r}; the model has {', '.join(known)}")
+    return known.index(names[0]), known.index(names[1])

@@ -8,7 +8,7 @@ division by <w, v> both are smooth through Bogdanov-Takens points, where that pr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.normalforms.branching import branch_point
 from contin.problems.codim2.forms import branching_form, jet_at
 from contin.problems.codim2.functions import function_of, own_critical, scaled_matrix
+from contin.problems.loci.curves import curve_of
 
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 EVEN = 1e-6  # relative size of <w, B(v, v)> above which a point is no pitchfork, where nothing else decides
@@ -126,16 +127,12 @@ class _BranchPoints:
 
 
 def _branch_points(problem: Any, u: Array, p: Array) -> _BranchPoints:
-    from contin.problems.loci.start import seed_of
-
-    curve = problem.curve
-    names = list(problem.system.parameter_names)
-    pair = (names[curve.first], names[curve.second])
-    seed = seed_of(problem.system, "BP", pair, u, p, curve.sizes, problem.state_periods, 0.0, None)
-    other: Any = seed.problem
-    other = other.within(problem.first_bounds, problem.second_bounds)
-    other.curve.settle(seed.z)
-    return _BranchPoints(other, seed.z)
+    own = problem.curve
+    curve = curve_of("BP", problem.system, p, own.first, own.second, own.sizes)
+    other: Any = replace(problem, curve=curve, memory={})
+    start = curve.place(u, p, 0.0)
+    curve.settle(start)
+    return _BranchPoints(other, start)
 
 
 def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float] | None:

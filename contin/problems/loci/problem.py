@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
@@ -227,17 +225,3 @@ class LocusProblem(TwoParameterProblem):
             "The defining system may be singular here (two such curves cross, or the point is more degenerate than its "
             "type). Try a smaller settings.step or min_step."
         )
-
-    # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        """The branch of equilibria through the point, in one parameter."""
-        from contin.problems.loci.start import equilibria_through
-
-        return equilibria_through(self, point, parameter)
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curves of other types through a point of codimension two; its own where there is none."""
-        from contin.problems.loci.start import loci_through
-
-        return loci_through(self, point, parameters)

@@ -213,23 +213,7 @@ class CycleProblem:
     def columns(self, z: Array) -> dict[str, Array]:
         return self.inner.columns(np.column_stack([z[:, : self.n], z[:, -1]]))
 
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Everything that is born at a labelled point, for the explorer; cascades are followed to period 64."""
-        if point.type == "PD" and 2 * self.period > LONGEST:
-            return []
-        return self.switch(point, parameter) if point.type in ("BP", "PD") else []
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curve of such cycles in two parameters: of such fixed points of the iterate."""
-        return self.inner.loci(self._at_first(point), parameters)
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        from contin.problems.switch import switch
-
-        seeds = switch(self.inner, self._at_first(point), parameter)
-        return [s if isinstance(s.problem, CycleProblem) else lifted(s) for s in seeds]
-
-    def _at_first(self, point: SpecialPoint) -> SpecialPoint:
+    def at_first(self, point: SpecialPoint) -> SpecialPoint:
         """The point as a fixed point of the iterate."""
         scale = self._inner_frame(Frame(point.scale)).scale if point.scale.size else point.scale
         return replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis, interpolation
 
+HOPF_INTERVALS = 20  # a small cycle is a sine
 SAMPLES = 17  # points of an interval at which an extremum is looked for
 
 

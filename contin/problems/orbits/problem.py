@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contin import lazy
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.errors import InputError
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits import marched_in_kernel
@@ -104,12 +102,8 @@ class OrbitProblem(FamilyOfOrbits):
 
     def configured(self, seed: Seed, settings: Settings) -> Seed:
         """On the mesh that is asked for; for shooting where that is asked for, or the flow is piecewise smooth."""
-        from contin.problems.orbits.start import configured
-        from contin.problems.shooting.conversion import shooting_seed
-        from contin.problems.shooting.start import shooting_chosen
-
-        chosen = shooting_chosen(self.system, settings.method)
-        return shooting_seed(seed, settings) if chosen else configured(seed, settings)
+        configured: Seed = lazy.module("discretisation").orbits_as_chosen(seed, settings)
+        return configured
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         return branch_tangents(self, z, scale)
@@ -187,24 +181,6 @@ class OrbitProblem(FamilyOfOrbits):
 
         columns = {self.parameters[0]: z[:, -1].copy(), "period": periods(z, self.profile)}
         return columns | orbit_columns(z, names_of(self.system), self.profile, functions)
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Families born at a labelled point, for the explorer; at a homoclinic orbit there may be none."""
-        if point.type == "HOM":
-            with suppress(InputError):
-                return self.switch(point, parameter)
-        return self.switch(point, parameter) if point.type in ("BPC", "PD") else []
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        from contin.problems.orbits.switch import switch
-
-        return switch(self, point, parameter)
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curve of such orbits in two parameters."""
-        from contin.problems.orbits.loci.start import loci_of_orbit
-
-        return loci_of_orbit(self, point, parameters)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

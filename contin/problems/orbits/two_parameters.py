@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import End, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.errors import InputError
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
@@ -146,13 +144,6 @@ class OfPeriodicOrbits(OrbitCurveProblem):
     def describe_failure(self, z: Array) -> str:
         return str(self.curve.at(z).describe_failure(self.curve.orbit(z)))
 
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        """The family of orbits through the point, in one parameter."""
-        names = list(self.system.parameter_names)
-        if parameter not in names:
-            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
-        return [Seed(*self.curve.at(point.z).freed(parameter, self.curve.orbit(point.z)))]
-
 
 class OfOnePeriod(OfPeriodicOrbits):
     """Orbits of one period, of autonomous systems; no special points are looked for."""
@@ -176,6 +167,3 @@ class OfOnePeriod(OfPeriodicOrbits):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        raise InputError(f"{point.branch}.{point.label}: no other curves start from orbits of one period")

@@ -12,10 +12,10 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
+from contin.problems.shooting.crossing import side_of_branch
 from contin.problems.shooting.locate import locate
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
-from contin.problems.shooting.switch import side_of_branch
 from contin.problems.special import nearest_pair
 
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error

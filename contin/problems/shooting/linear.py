@@ -88,7 +88,7 @@ def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two directions of its plane.
 
     At a branch point the second is normal to the first; which directions really are tangents is found out by
-    `contin.problems.shooting.switch`.
+    `contin.problems.shooting.crossing`.
     """
     found = null_space(problem, z, scale)
     positions = moving(len(z), problem.n)

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
@@ -200,21 +198,6 @@ class ShootingProblem(FamilyOfOrbits):
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
         return columns
-
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """Families born at a labelled point, for the explorer."""
-        return self.switch(point, parameter) if point.type in ("BPC", "PD") else []
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        from contin.problems.shooting.switch import switch
-
-        return switch(self, point, parameter)
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curve of such points in two parameters."""
-        from contin.problems.shooting.loci.start import loci_of_orbit
-
-        return loci_of_orbit(self, point, parameters)
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

@@ -16,17 +16,13 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
-from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
 from contin.problems.sparse import special
-from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
@@ -323,33 +319,10 @@ class LargeProblem:
             columns.update({name: recorded[:, k].copy() for k, name in enumerate(self.system.observable_names)})
         return columns
 
-    def departures(self, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
-        """What is born at a labelled point, for the explorer."""
-        if point.type == "HB" and (not orbits or dense_problem(self) is None):
-            return []
-        return self.switch(point, parameter) if point.type in ("BP", "HB") else []
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        dense = dense_problem(self) if point.type == "HB" else None
-        if dense is not None:
-            return dense.switch(point, parameter)
-        if point.type != "BP":
-            raise InputError(
-                f"{point.branch}.{point.label}: of a large system only branch points have another branch; "
-                f"this is {point.type}"
-            )
-        return special.switch(self, point, parameter)
-
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
         text: str | None = self.system.explain_observables(z[:-1], self.full_parameters(z))
         return text
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curve in two parameters through a fold or Hopf point."""
-        from contin.problems.sparse.loci.start import loci_of_point
-
-        return loci_of_point(self, point, parameters)
 
     def describe_failure(self, z: Array) -> str:
         u, p = z[:-1], self.full_parameters(z)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contin
-from contin.problems.loci import start
+from contin.problems.loci import curves
 from tests.problems.loci.planes import BOGDANOV_TAKENS, BOX, DOUBLE_HOPF, assert_points, follow, found, zero_hopf
 
 TANK_BOX = {"p": (0.0, 0.5), "q": (0.5, 5.0)}
@@ -75,7 +75,7 @@ def test_each_arm_alone_finds_the_points_of_its_side(direction):
 def test_minimally_augmented_systems_give_the_same_points_to_1e_minus_10(plane, monkeypatch):
     line = plane.line(6)
     extended = [follow(point) for point in line.points]
-    monkeypatch.setattr(start, "LARGE", 1)
+    monkeypatch.setattr(curves, "LARGE", 1)
     for point, wanted in zip(line.points, extended, strict=True):
         bordered = follow(point)
         assert not bordered.problem.curve.compiled

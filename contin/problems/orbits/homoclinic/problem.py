@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import End, SpecialPoint
-from contin.continuation.departure import Seed
+from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
@@ -231,19 +230,4 @@ class ConnectionProblem(MarchedInPython):
         return (
             "The connecting orbit is not resolved any more (a saddle that loses its hyperbolicity, or an orbit that "
             "comes close to another saddle). Try settings.intervals, or a smaller settings.step."
-        )
-
-    # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def switch(self, point: SpecialPoint, parameter: str) -> list[Seed]:
-        raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The other curve of homoclinic orbits that ends at a non-central one."""
-        from contin.problems.orbits.homoclinic.switch import through_non_central
-
-        if point.type == "NCH":
-            return through_non_central(self, point, parameters)
-        raise InputError(
-            f"{point.branch}.{point.label}: of the points of homoclinic curves, only NCH is the start of another curve"
         )

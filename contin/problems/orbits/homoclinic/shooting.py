@@ -11,11 +11,11 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
-from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.homoclinic.solved import solved_connection
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.two_parameters import indices
 from contin.simulate.natural import natural_metric
 
 LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, relative to the distance of the saddles

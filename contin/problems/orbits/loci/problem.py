@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from contin import lazy
 from contin.abi import Array
-from contin.continuation.branch import End, SpecialPoint
+from contin.continuation.branch import End
 from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
@@ -20,8 +21,6 @@ from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
 from contin.problems.orbits.loci.special import OfSpecialOrbits
-from contin.problems.shooting.conversion import born_by_shooting
-from contin.problems.shooting.start import shooting_chosen
 
 PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
@@ -48,8 +47,8 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def configured(self, seed: Seed, settings: Settings) -> Seed:
         """Of orbits born at an equilibrium: by shooting where that is asked for, or the flow is piecewise smooth."""
-        by_shooting = seed.born and shooting_chosen(self.system, settings.method)
-        return born_by_shooting(seed, settings) if by_shooting else seed
+        configured: Seed = lazy.module("discretisation").loci_as_chosen(seed, settings)
+        return configured
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent."""
@@ -123,11 +122,3 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return on_finer_mesh(self, sample, frame)
-
-    # -- leaving the curve --------------------------------------------------------------------------------------------
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curves of other types through a point where two meet; its own where there is no other."""
-        from contin.problems.orbits.loci.start import loci_through
-
-        return loci_through(self, point, parameters)

@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.branch import SpecialPoint
-from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
@@ -78,12 +76,6 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
             return super().remarks(z)
         surface = self.system.pieces.name(touched)
         return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
-
-    def loci(self, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-        """The curves of other types through a point where two meet; its own where there is no other."""
-        from contin.problems.shooting.loci.start import loci_through
-
-        return loci_through(self, point, parameters)
 
 
 def ones(values: NDArray[np.complex128]) -> float:

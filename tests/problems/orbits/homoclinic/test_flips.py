@@ -12,7 +12,7 @@ import contin
 from contin import api
 from contin.model.model import Model
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.homoclinic.solved import solved_connection
 from contin.problems.orbits.problem import OrbitProblem
 
 PARAMETERS = {"a": 0.25, "b": 1, "c": -2, "alpha": 0.5, "beta": 1, "mu": 0, "m": 1e-4}

@@ -1,4 +1,4 @@
-"""Seeds that are made for collocation (at a Hopf point, from an orbit) as seeds for shooting."""
+"""Seeds as the settings want them discretised: made for collocation, on another mesh or for shooting."""
 
 from __future__ import annotations
 
@@ -12,14 +12,29 @@ from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.on_mesh import on_mesh
 from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
 from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import orbit_from_return
+from contin.problems.shooting.start import orbit_from_return, shooting_chosen
 
 REACH = 3e-2  # (arclength) from an equilibrium to the first special orbit
 NEARBY = 1e-4  # scaled time after which the direction of a small cycle is looked at again
+
+
+def orbits_as_chosen(seed: Seed, settings: Settings) -> Seed:
+    """Of an `OrbitProblem`: for shooting where that is asked for, or the flow is piecewise smooth, else on a mesh."""
+    problem: Any = seed.problem
+    chosen = shooting_chosen(problem.system, settings.method)
+    return shooting_seed(seed, settings) if chosen else on_mesh(seed, settings)
+
+
+def loci_as_chosen(seed: Seed, settings: Settings) -> Seed:
+    """Of an `OrbitLocusProblem` whose orbits are born at an equilibrium, likewise."""
+    problem: Any = seed.problem
+    chosen = seed.born and shooting_chosen(problem.system, settings.method)
+    return born_by_shooting(seed, settings) if chosen else seed
 
 
 @dataclass(frozen=True, eq=False)

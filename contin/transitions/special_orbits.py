@@ -1,4 +1,4 @@
-"""Where curves of special orbits start: at a labelled LPC, PD, NS or BPC of a family, and where two curves meet."""
+"""Curves of special orbits through a given one, and through points where two such curves meet."""
 
 from __future__ import annotations
 
@@ -11,37 +11,13 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.errors import InputError
-from contin.machine import elementary
-from contin.problems.loci.start import indices
-from contin.problems.orbits.loci.beside import folds_of_doubled, tori_beside
-from contin.problems.orbits.loci.curve import OrbitCurve
-from contin.problems.orbits.loci.problem import OrbitLocusProblem
+from contin.problems.two_parameters import indices
+from contin.transitions.found_beside import tori_beside
 
-CURVES = ("LPC", "PD", "NS", "BPC")
 MEETING = {  # curves that pass through a point of codimension two
     "R1": ("LPC", "NS"), "R2": ("PD", "NS"), "LPPD": ("LPC", "PD"), "LPNS": ("LPC", "NS"), "PDNS": ("PD", "NS"),
     "NSNS": ("NS",),
 }  # fmt: skip
-
-
-def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve in two parameters through a fold, period doubling or torus bifurcation of a family of orbits."""
-    if point.type == "HOM":
-        from contin.problems.orbits.homoclinic.start import connections_of_family
-
-        return connections_of_family(problem, point, parameters)
-    if point.type == "UZ" and problem.autonomous:
-        from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
-
-        return [seed_of(PeriodCurve, SamePeriodProblem, problem, point.z, point, parameters)]
-    if point.type not in CURVES:
-        raise InputError(
-            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LPC, PD, NS, BPC, HOM have. "
-            "With one other parameter the orbit itself is followed from here"
-        )
-    further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
-    return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]
 
 
 def seed_of(
@@ -60,21 +36,15 @@ def seed_of(
     return Seed(problem_of(curve), z, parent=Parent(point.branch, point.label))
 
 
-def loci_through(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curves of other types through a point of a curve of special orbits; its own where there is no other.
-
-    Curves of tori go on, beyond R1 and R2, as curves of neutral saddles.
-    """
-    return seeds_through(OrbitCurve, OrbitLocusProblem, problem, point, parameters)
-
-
 def seeds_through(
     curve_of: Callable[[str, Any, int], Any], problem_of: Callable[[Any], Any], problem: Any, point: SpecialPoint,
     parameters: Sequence[str],
 ) -> list[Seed]:  # fmt: skip
-    """As `loci_through`; `curve_of` takes the type of the curve first, else as `seed_of`."""
-    if point.type == "GPD":
-        return folds_of_doubled(problem, point, parameters)
+    """The curves of other types through a point where two meet; its own where there is no other.
+
+    Curves of tori go on, beyond R1 and R2, as curves of neutral saddles. `curve_of` takes the type of the curve first,
+    else as `seed_of`.
+    """
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)
     seeds: list[Seed] = []
     for type_ in meeting(point.type, problem.locus):

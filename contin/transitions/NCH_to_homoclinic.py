@@ -19,16 +19,18 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.loci.start import indices
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.homoclinic.saddle_node import critical_direction
+from contin.problems.two_parameters import indices
+from contin.transitions.registry import born
 
 BESIDE: Final = (1e-4, 1e-5, 1e-3)  # arclengths at which the side of the new curve is looked for
 NEWTON: Final = 1e-10
 NCH: Final = 3  # place of its test among those of a sample
 
 
+@born(ConnectionProblem, "NCH", "the other curve of homoclinic orbits", parameters=2)
 def through_non_central(problem: ConnectionProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of saddle-node loops that begins at the end of one of loops of a saddle, and the other way round."""
     source = f"{point.branch}.{point.label}"

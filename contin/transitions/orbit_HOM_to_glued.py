@@ -7,7 +7,7 @@ follow one and then the other exist too (gluing bifurcation). One of them, with 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -18,20 +18,27 @@ from contin.continuation.problem import Frame
 from contin.errors import InputError
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.marched_in_kernel import probe
+from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.symmetry import states_moved
 from contin.problems.symmetry import symmetry_names
+from contin.transitions.orbits_at_point import along_own_parameter
+from contin.transitions.registry import Explored, born
 
 AT_SADDLE = 1e-2  # distance of the orbit's slowest point from its image (relative to the extent) where they are joined
 DISTINCT = 0.1  # ... and of the loop from its image
 ROUGH, EXACT = 1e-4, 1e-9  # (scaled) of the joined orbit: a first step closes the gap, then Newton starts anew
 LONGEST_MOVE = 0.3  # (scaled) from the joined loops to the orbit
 
+GLUED: Final = Explored(generation=True, uncertain=True)
 
-def glued(problem: Any, point: SpecialPoint) -> list[Seed]:
+
+@born(OrbitProblem, "HOM", "the orbits that follow both loops", explored=GLUED)
+def glued(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the family of joined orbits, which begins with a long period and runs to shorter ones.
 
     Raises InputError where no symmetry keeps the saddle and moves the loop, or where no orbit is found.
     """
+    along_own_parameter(problem, point, parameter)
     profile = _from_the_saddle(problem.profile(point.z))
     p = problem.full_parameters(point.z)
     extent = float(np.ptp(profile.u, axis=0).max())

@@ -17,26 +17,18 @@ from contin.machine import elementary
 from contin.problems import defining, special
 from contin.problems.branching.outset import Outset
 from contin.problems.describe import sheets_at
-from contin.problems.maps.switch import doubled
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
+from contin.transitions.registry import Explored, born
 
 PARALLEL = 0.9999  # cosine between tangents from which two branches are the same
 
 
-def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+@born(EquilibriumProblem, "BP", "the branches that cross", explored=Explored())
+def branches(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
-    if point.type == "PD" and problem.is_map:
-        return doubled(problem, point, parameter)
-    if point.type == "HB":
-        from contin.problems.orbits.start import hopf_seeds
-
-        return hopf_seeds(problem, point, parameter)
-    if point.type != "BP":
-        raise InputError(
-            f"{point.branch}.{point.label}: only branch points and period doublings of maps have another branch of "
-            f"equilibria; this is {point.type}"
-        )
     parent = Parent(point.branch, point.label)
     if "beside" in point.vectors and parameter == problem.parameters[0]:
         return [_touching(problem, point, parent)]
@@ -81,8 +73,6 @@ def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) ->
         if len(others) > 1:  # neither is exactly the branch's own: drop the nearer one
             others = [min(others, key=lambda t: abs(float(t @ own)))] if np.any(own) else others
         return [Outset(_oriented(t), simple_curvature(local, y, _oriented(t))) for t in others]
-    from contin.problems.multiple import reduced_branches
-
     return reduced_branches(local, y, own, corank)
 
 

@@ -1,4 +1,4 @@
-"""Where curves by shooting start: at a labelled LPC, PD, NS or BPC of a family, and where two curves meet."""
+"""The curves in two parameters through special orbits of a family by shooting."""
 
 from __future__ import annotations
 
@@ -10,34 +10,35 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
-from contin.problems.loci.start import indices
-from contin.problems.orbits.loci.start import CURVES, seed_of, seeds_through
 from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
 from contin.problems.shooting.loci.same_period import ShotPeriodCurve, ShotPeriodProblem
 from contin.problems.shooting.loci.touching import laid_out, touches
+from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.two_parameters import indices
+from contin.transitions.registry import born
+from contin.transitions.special_orbits import seed_of
 
 
-def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve in two parameters through a fold, branch point, period doubling or torus bifurcation of a family."""
-    name = f"{point.branch}.{point.label}"
-    if point.type == "UZ" and problem.autonomous:
-        return [seed_of(ShotPeriodCurve, ShotPeriodProblem, problem, point.z, point, parameters)]
-    if point.type not in CURVES:
+@born(ShootingProblem, "UZ", "the orbits of this period", parameters=2)
+def isoperiodic_by_shooting(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve of orbits of the same period, of autonomous systems."""
+    if not problem.autonomous:
         raise InputError(
-            f"{name}: {point.type} of orbits by shooting has no curve in two parameters; LPC, PD, NS, BPC have. "
-            "With one other parameter the orbit itself is followed from here"
+            f"{point.branch}.{point.label}: UZ of orbits by shooting has no curve in two parameters where the period "
+            "is that of the forcing; with one other parameter the orbit itself is followed from here"
         )
+    return [seed_of(ShotPeriodCurve, ShotPeriodProblem, problem, point.z, point, parameters)]
+
+
+@born(ShootingProblem, "LPC PD NS BPC", "the curve of such orbits", parameters=2)
+def loci_of_shot_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]
     further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, problem, point.z, point, parameters, further)]
-
-
-def loci_through(problem: ShotLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curves of other types through a point of a curve; its own where there is no other."""
-    return seeds_through(ShootingCurve, ShotLocusProblem, problem, point, parameters)
 
 
 def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:

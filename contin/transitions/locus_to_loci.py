@@ -1,22 +1,22 @@
-"""Where curves in two parameters start: at folds, Hopf and branch points, and at points of codimension two on them."""
+"""Curves through a point of codimension two on a curve of special points of equilibria."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems import newton_fixed
-from contin.problems.loci.bordered import BorderedCurve
-from contin.problems.loci.extended import ExtendedCurve
 from contin.problems.loci.problem import LocusProblem
+from contin.transitions.curve_through import seed_of
+from contin.transitions.registry import born
+from contin.transitions.zero_hopf_crossing import hopf_curves
 
 CURVES: Final = {  # the curves that pass through a point
     "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("LP", "BP"),
@@ -25,72 +25,16 @@ CURVES: Final = {  # the curves that pass through a point
 }  # fmt: skip
 SAME = 1e-6  # (of its typical size) values of kappa nearer than this belong to one curve
 BESIDE = (1e-3, 1e-4, 1e-2)  # scaled distances from a DP at which the curve of folds is solved for
-LARGE = 50  # states beyond which minimally augmented systems take the place of extended ones
 
 
-def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """The curve in two parameters through a fold, Hopf or branch point (maps: also PD.
-
-    NS) of a branch of equilibria.
-    """
-    if point.type not in ("LP", "HB", "BP", "PD", "NS"):
-        raise InputError(
-            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters; LP, BP, HB, PD and NS have"
-        )
-    if point.normal_form.get("kind") == "nonsmooth":
-        raise InputError(f"{point.branch}.{point.label} is a corner of piecewise equations; its curve is not followed")
-    if int(point.vectors.get("kernel", 1)) > 1:
-        raise InputError(
-            f"{point.branch}.{point.label} has a kernel of dimension {point.vectors['kernel']}: "
-            "its curve is not followed"
-        )
-    p = problem.full_parameters(point.z)
-    sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
-    scalar = 0.0
-    if point.type == "HB":
-        scalar = elementary.square(float(point.vectors["omega"]))
-    elif point.type == "NS":
-        scalar = float(elementary.cos(point.vectors["omega"]))
-    parent = Parent(point.branch, point.label)
-    return [
-        seed_of(problem.system, point.type, parameters, point.z[:-1], p, sizes, problem.angle_periods, scalar, parent)
-    ]
-
-
-def seed_of(
-    system: Any, type_: str, parameters: Sequence[str], u: Array, p: Array, sizes: Array, periods: Array, scalar: float,
-    parent: Parent | None,
-) -> Seed:  # fmt: skip
-    first, second = indices(system, parameters)
-    extended = system.kind != "map" and system.n <= LARGE and system.jacobian_address != NO_FUNCTION
-    make = ExtendedCurve if extended else BorderedCurve
-    curve = make(type_, system, p.copy(), first, second, sizes.copy())
-    return Seed(LocusProblem(curve, periods), curve.place(u, p, scalar), parent=parent)
-
-
-def indices(system: Any, parameters: Sequence[str]) -> tuple[int, int]:
-    """Places of two parameters among those of the system."""
-    known = list(system.parameter_names)
-    names = list(parameters)
-    if len(names) != 2 or names[0] == names[1]:
-        raise InputError(f"a curve of special points needs two parameters; got {', '.join(names)}")
-    for name in names:
-        if name not in known:
-            raise InputError(f"no parameter {name!r}; the model has {', '.join(known)}")
-    return known.index(names[0]), known.index(names[1])
-
-
+@born(LocusProblem, "", "the curve itself", parameters=2)
+@born(LocusProblem, "CP BT ZH HH DP R1 R2 LPPD LPNS PDNS GPD CH NSNS", "the other curves through it", parameters=2)
 def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Curves through a point of a locus: those of other types first; its own only where there is no other."""
     own = problem.locus
     curve = problem.curve
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
     parent = Parent(point.branch, point.label)
-    with_orbits = problem.system.kind != "map" and problem.system.jacobian_address != NO_FUNCTION
-    if point.type == "GH" and with_orbits:
-        from contin.problems.orbits.loci.born import folds_at_generalised_hopf
-
-        return [folds_at_generalised_hopf(problem, point, parameters)]
     if point.vectors.get("plane"):
         return _across_plane(problem, point, parameters)
     types = CURVES.get(point.type, (own,))
@@ -106,15 +50,6 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
         seed_of(problem.system, type_, parameters, u, p, curve.sizes, problem.state_periods, scalar, parent)
         for type_, scalar in chosen
     ]
-    if point.type in ("HH", "ZH") and with_orbits:
-        from contin.problems.orbits.loci.born import tori_at_double_hopf, tori_at_zero_hopf
-
-        born = tori_at_double_hopf if point.type == "HH" else tori_at_zero_hopf
-        seeds += born(problem, point, parameters)
-    if point.type == "BT" and with_orbits:
-        from contin.problems.orbits.homoclinic.born import homoclinic_at_bogdanov_takens
-
-        seeds += homoclinic_at_bogdanov_takens(problem, point, parameters)
     if point.type == "DP":
         kind = str(problem.memory.get("kind", ""))
         return [_beside_branch_points(seed, point, kind) if seed.problem.locus == "LP" else seed for seed in seeds]
@@ -126,8 +61,6 @@ def _across_plane(problem: LocusProblem, point: SpecialPoint, parameters: Sequen
 
     From the branch points both Hopf curves.
     """
-    from contin.problems.loci.crossing import hopf_curves
-
     own, curve = problem.locus, problem.curve
     u, p, parent = point.z[: problem.n], curve.full_parameters(point.z), Parent(point.branch, point.label)
 
@@ -174,21 +107,3 @@ def _scalars(point: SpecialPoint, type_: str) -> list[float]:
     if type_ == "HB":
         return [elementary.square(float(v.imag)) for v in pairs]
     return [elementary.cos(elementary.angle(v)) for v in pairs]
-
-
-def equilibria_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """The branch of equilibria (fixed points) through a point of a locus, with one parameter free."""
-    from contin.problems.equilibrium import EquilibriumProblem
-
-    names = list(problem.system.parameter_names)
-    if parameter not in names:
-        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
-    p = problem.curve.full_parameters(point.z)
-    active = names.index(parameter)
-    branch = EquilibriumProblem(problem.system, p, active, problem.state_periods)
-    scale = None
-    if point.scale.size:  # at a singular point the branch itself does not tell typical sizes
-        widths = dict(zip(problem.parameters, point.scale[[-1, -2]], strict=True))
-        scale = np.append(point.scale[: problem.n], widths.get(parameter, max(1.0, abs(float(p[active])))))
-    z = np.append(point.z[: problem.n], p[active])
-    return [Seed(branch, z, scale=scale, parent=Parent(point.branch, point.label))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,41 +13,17 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.lowering import compile_system
 from contin.lowering.sliding import sliding_model
-from contin.problems.surfaces.jumps import Jump, jumps_of
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.surfaces.jumps import jumps_of
+from contin.problems.surfaces.sliding import Sliding
+from contin.transitions.registry import Explored, born
 
 FASTER: Final = 4.0  # the normal rate beside the largest eigenvalue at the point
 STEP: Final = 1e-6  # scaled, along the new branch
 DIGITS: Final = 3  # of the normal rate
 
 
-@dataclass(frozen=True, eq=False)
-class Sliding:
-    """The surface that pseudo-equilibria lie on, and the problem of the equilibria beside it."""
-
-    regular: Any
-    jump: Jump
-
-    def weights(self, problem: Any, z: Array) -> Array:
-        """Of the field above the surface in the sliding motion, at rows z (k, n + 1): in (0, 1) where motion slides."""
-        p = np.array([problem.full_parameters(row) for row in z])
-        observed = problem.system.observables(np.ascontiguousarray(z[:, : problem.n]), p)
-        return np.asarray(observed[:, -1])
-
-    def drive(self, problem: Any, z: Array) -> Array:
-        """L f- - L f+ at rows z, relative to the lengths of the fields and of grad h.
-
-        Positive where both fields lead to the surface, zero where they are tangent to it.
-        """
-        n, found = problem.n, []
-        for row in z:
-            p = problem.full_parameters(row)
-            below, above = self.jump.lower.value(row[:n], p), self.jump.upper.value(row[:n], p)
-            normal = self.jump.height(row[:n], p)[1][:n]
-            size = np.linalg.norm(normal) * (np.linalg.norm(below) + np.linalg.norm(above))
-            found.append(float(normal @ (below - above)) / max(float(size), 1e-300))
-        return np.array(found)
-
-
+@born(EquilibriumProblem, "BE", "the pseudo-equilibria", explored=Explored(when=lambda problem: not problem.is_map))
 def switched(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The branch that goes on at a boundary equilibrium.
 

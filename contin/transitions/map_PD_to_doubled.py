@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -11,9 +11,18 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
+from contin.normalforms.maps import flip_predictor
+from contin.problems.describe import jet_at
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.maps.cycle import HALF_PERIOD, lifted
 from contin.problems.maps.iterate import iterate
+from contin.transitions.equilibrium_BP_to_branches import crossing_branches, renewed_metric
+from contin.transitions.registry import Explored, born
+
+DOUBLED: Final = Explored(cascade=True)
 
 
+@born(EquilibriumProblem, "PD", "the cycles of twice the period", explored=DOUBLED)
 def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The seed of the doubled cycles at a PD point of `problem`, with `parameter` free.
 
@@ -21,11 +30,6 @@ def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     Direction and curvature come from the predictor of the flip's normal form; where the multiplier -1 is double with
     one eigenvector (area-preserving maps), from the branch point of the map applied twice.
     """
-    from contin.normalforms.maps import flip_predictor
-    from contin.problems.describe import jet_at
-    from contin.problems.maps.cycle import HALF_PERIOD, lifted
-    from contin.problems.switch import crossing_branches, renewed_metric  # which imports this module
-
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
     born = replace(problem, system=iterate(problem.system, 2))

@@ -12,11 +12,17 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.problems.loci.start import indices
+from contin.normalforms.homoclinic import bogdanov_takens_unfolding
+from contin.normalforms.result import NO_FORM
+from contin.normalforms.sources import compiled_jet
+from contin.problems.loci.problem import LocusProblem
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
-from contin.problems.orbits.homoclinic.start import solved_connection
+from contin.problems.orbits.homoclinic.solved import solved_connection
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.two_parameters import indices
+from contin.transitions.registry import born
+from contin.transitions.small_cycles import follows_cycles
 
 INTERVALS = 60
 EPS = (0.1, 0.3, 0.03, 0.01, 0.003, 0.001)  # tried extents of the predicted orbit, relative to the states' sizes
@@ -24,12 +30,11 @@ HALF_TIME = 6.0  # half of the time interval in units of the predicted orbit's o
 ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its prediction
 
 
+@born(LocusProblem, "BT", "the curve of homoclinic orbits", parameters=2, order=1)
 def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
-    from contin.normalforms.homoclinic import bogdanov_takens_unfolding
-    from contin.normalforms.result import NO_FORM
-    from contin.normalforms.sources import compiled_jet
-
+    if not follows_cycles(problem):
+        return []
     first, second = indices(problem.system, parameters)
     u, p = point.z[: problem.n], problem.curve.full_parameters(point.z)
     try:

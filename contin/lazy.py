@@ -1,0 +1,20 @@
+"""The one table of modules that are imported when something in them is first asked for, with the reason for each.
+
+A row stands here where an import on top of a file would be a circle (a room is asked for what only a higher one knows)
+or would make every start of the program wait for what few runs use. Everything else is imported on top.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any, Final
+
+MODULES: Final = {
+    "births": "contin.transitions.births",  # a special point is asked what starts there: only the top floor knows
+    "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other
+}
+
+
+def module(name: str) -> Any:
+    """The module of this name in the table."""
+    return import_module(MODULES[name])

@@ -1,0 +1,34 @@
+"""The curves of tori that start at a double Hopf point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.machine import elementary
+from contin.normalforms.hopf_hopf import torus_predictors
+from contin.problems.loci.problem import LocusProblem
+from contin.transitions.registry import born
+from contin.transitions.small_cycles import Place, follows_cycles, seed_of_cycles
+
+
+@born(LocusProblem, "HH", "the curves of tori", parameters=2, order=1)
+def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The two curves of tori (NS) at a double Hopf point: of the cycles of one pair, the other being critical."""
+    if not follows_cycles(problem):
+        return []
+    place = Place.of(problem, point, parameters)
+    try:
+        omegas = float(point.normal_form["omega1"]), float(point.normal_form["omega2"])
+        found = torus_predictors(place.jet(problem.system), omegas)
+    except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
+        return []
+    parent = Parent(point.branch, point.label)
+    return [
+        seed_of_cycles("NS", problem.system, place, cycles, float(elementary.cos(angle)), parent)
+        for cycles, angle in found
+    ]

@@ -1,0 +1,57 @@
+"""What starts at a special point: branches in one parameter, curves in two, and what the explorer follows by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.transitions.registry import Explored, at_point, known_labels
+
+
+def switch(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seeds of the branches that start at a point of this problem's branch, with `parameter` free."""
+    rows = at_point(problem, point.type, 1)
+    if not rows:
+        raise InputError(
+            f"{point.branch}.{point.label}: nothing is known to be born at points of type {point.type} here"
+            + _where(problem, 1)
+        )
+    return [seed for row in rows for seed in row.make(problem, point, parameter)]
+
+
+def loci(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Seeds of the curves in two parameters that pass through a point of this problem's branch."""
+    rows = at_point(problem, point.type, 2)
+    if not rows:
+        raise InputError(
+            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters" + _where(problem, 2)
+        )
+    return [seed for row in rows for seed in row.make(problem, point, tuple(parameters))]
+
+
+def explored(problem: Any, point: SpecialPoint) -> Explored | None:
+    """What the explorer does about a point; None where it leaves it alone."""
+    rows = [row for row in at_point(problem, point.type, 1) if row.explored is not None]
+    rule = rows[0].explored if rows else None
+    return None if rule is None or (rule.when is not None and not rule.when(problem)) else rule
+
+
+def departures(problem: Any, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+    """Everything that is born at a labelled point, for the explorer."""
+    rule = explored(problem, point)
+    if rule is None or (rule.orbits and not orbits):
+        return []
+    if not rule.uncertain:
+        return switch(problem, point, parameter)
+    with suppress(InputError):
+        return switch(problem, point, parameter)
+    return []
+
+
+def _where(problem: Any, parameters: int) -> str:
+    labels = known_labels(problem, parameters)
+    return f"; {', '.join(labels)} have" if labels else ""

@@ -1,0 +1,56 @@
+"""The branch of a large system that crosses its own branch at a branch point."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.vectors import norm
+from contin.errors import InputError
+from contin.machine import elementary
+from contin.problems.sparse.problem import LargeProblem
+from contin.problems.sparse.special import reduction
+from contin.problems.symmetry import reversing_symmetries
+from contin.transitions.registry import Explored, born
+
+
+@born(LargeProblem, "BP", "the branch that crosses", explored=Explored())
+def sparse_branches(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seeds of the branches that cross the point's own there."""
+    own = point.tangent / point.scale
+    own = own / norm(own)
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    reduced, _ = reduction(problem, point.z, own, point.scale)
+    curves = reduced.crossing(point.z)
+    if not curves:
+        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    cosines = [abs(float((d / point.scale) @ own)) / norm(d / point.scale) for d, _ in curves]
+    direction, bend = curves[int(np.argmin(cosines))]
+    scaled = direction / point.scale
+    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
+    if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
+        direction = -direction
+    scale = _metric(point.z, direction, bend, point.scale)
+    d, c = direction / scale, bend / scale
+    length = norm(d)
+    d, c = d / length, c / elementary.square(length)
+    symmetries = reversing_symmetries(problem, point.z, d * scale)
+    seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
+    return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]
+
+
+def _metric(z: Array, direction: Array, bend: Array, old: Array) -> Array:
+    """States get the size that they reach when the parameter crosses its range along the new branch."""
+    n = len(z) - 1
+    unit = old[:-1] / float(np.max(old[:-1]))
+    slope, curve = abs(float(direction[-1] / old[-1])), abs(float(bend[-1] / old[-1]))
+    reaches = ([1.0 / slope] if slope > 1e-9 else []) + ([float(np.sqrt(2.0 / curve))] if curve > 1e-12 else [])
+    amplitude = min(reaches) * float(np.max(np.abs(direction[:-1]) / unit)) if reaches else 0.0
+    size = max(float(np.max(np.abs(z[:-1]) / unit)), amplitude)
+    return np.append(np.sqrt(n) * size * unit, old[-1]) if size > 0.0 and np.isfinite(size) else old

@@ -1,0 +1,27 @@
+"""The family of orbits through a point of a curve of orbits, in one parameter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.problems.orbits.homoclinic.problem import ConnectionProblem
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.transitions.registry import born
+
+
+@born(OfPeriodicOrbits, "", "the family of orbits")
+def orbits_through(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seed of the family."""
+    names = list(problem.system.parameter_names)
+    if parameter not in names:
+        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(names)}")
+    return [Seed(*problem.curve.at(point.z).freed(parameter, problem.curve.orbit(point.z)))]
+
+
+@born(ConnectionProblem, "", "nothing")
+def no_connection(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Raises InputError: there is no family."""
+    raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")

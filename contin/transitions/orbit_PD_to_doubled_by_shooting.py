@@ -1,0 +1,50 @@
+"""The orbits of twice the period at a period doubling of orbits found by shooting."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.machine import elementary
+from contin.problems.shooting.layout import Nodes, make_scale
+from contin.problems.shooting.problem import ShootingProblem
+from contin.transitions.orbit_PD_to_doubled import CASCADE
+from contin.transitions.orbits_at_point import in_another, unstable_count
+from contin.transitions.registry import born
+
+
+@born(ShootingProblem, "PD", "the orbits of twice the period", explored=CASCADE)
+def doubled_by_shooting(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Seed of the doubled orbits, with any parameter free that moves the point."""
+    return [_doubled(*in_another(problem, point, parameter))]
+
+
+def _doubled(problem: Any, point: SpecialPoint) -> Seed:
+    """The doubled orbits: twice the segments, along the eigenvector of the multiplier -1."""
+    nodes, n = Nodes.of(point.z, problem.n), problem.n
+    segments = problem.segments(point.z)
+    monodromy = np.eye(n)
+    for matrix in segments.transitions:
+        monodromy = matrix @ monodromy
+    values, vectors = np.linalg.eig(monodromy)
+    v = np.real(vectors[:, int(np.argmin(np.abs(values + 1.0)))])
+    moved = [v]
+    for matrix in segments.transitions[:-1]:
+        moved.append(matrix @ moved[-1])
+    half = np.array(moved)
+    u = np.vstack([nodes.u, nodes.u + problem.winding])
+    doubled = replace(nodes, u=u, period=2.0 * nodes.period)
+    sizes = problem.sizes(point.z, point.scale)
+    scale = make_scale(sizes, 2 * nodes.count, 2.0 * float(point.scale[-n - 3]), float(point.scale[-1]))
+    direction = np.zeros(len(scale))
+    direction[: u.size] = np.vstack([half, -half]).ravel() / scale[: u.size]
+    direction /= np.linalg.norm(direction)
+    family = replace(problem, count=2 * nodes.count, winding=2.0 * problem.winding, multiple=2 * problem.multiple)
+    return Seed(
+        family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
+        measured=(unstable_count(point), elementary.square(np.asarray(point.eigenvalues))),
+    )  # fmt: skip

@@ -1,0 +1,35 @@
+"""The curves in two parameters through special orbits of a family by collocation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.machine import elementary
+from contin.problems.orbits.loci.curve import OrbitCurve
+from contin.problems.orbits.loci.problem import OrbitLocusProblem
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.same_period import PeriodCurve, SamePeriodProblem
+from contin.transitions.registry import born
+from contin.transitions.special_orbits import seed_of
+
+
+@born(OrbitProblem, "UZ", "the orbits of this period", parameters=2)
+def isoperiodic(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve of orbits of the same period, of autonomous systems."""
+    if not problem.autonomous:
+        raise InputError(
+            f"{point.branch}.{point.label}: UZ has no curve in two parameters where the period is that of the forcing"
+        )
+    return [seed_of(PeriodCurve, SamePeriodProblem, problem, point.z, point, parameters)]
+
+
+@born(OrbitProblem, "LPC PD NS BPC", "the curve of such orbits", parameters=2)
+def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
+    further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
+    return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]

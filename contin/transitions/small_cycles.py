@@ -1,0 +1,79 @@
+"""Curves of special orbits that shrink to a point of codimension two of equilibria, from predictors of small cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contin.abi import NO_FUNCTION, Array
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.settings import Settings
+from contin.machine import elementary
+from contin.normalforms.sources import compiled_jet
+from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
+from contin.problems.orbits.loci.curve import OrbitCurve
+from contin.problems.orbits.loci.problem import OrbitLocusProblem
+from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
+from contin.problems.two_parameters import indices
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A point of a Hopf curve: states, all parameters, their order, typical sizes and widths of both parameters."""
+
+    u: Array
+    p: Array
+    first: int
+    second: int
+    sizes: Array
+    widths: tuple[float, float]
+
+    @classmethod
+    def of(cls, problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Place:
+        first, second = indices(problem.system, parameters)
+        widths = dict(zip(problem.parameters, (float(x) for x in point.scale[[-1, -2]]), strict=True))
+        chosen = [widths.get(name, 1.0) for name in parameters]
+        p = problem.curve.full_parameters(point.z)
+        return cls(point.z[: problem.n], p, first, second, problem.curve.sizes, (chosen[0], chosen[1]))
+
+    def jet(self, system: Any) -> Any:
+        return compiled_jet(system, self.u, self.p, (self.first, self.second), "flow", self.sizes)
+
+
+def seed_of_cycles(
+    type_: str, system: Any, place: Place, cycles: Any, further: float, parent: Parent, further2: float = 0.0
+) -> Seed:
+    """A curve of orbits that shrink to the point, from the second-order predictor of small cycles.
+
+    further, further2 : the further unknown at the point, and its second derivative by rho.
+    """
+    n, m = len(place.u), Settings().points
+    h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
+    period = 2.0 * np.pi / cycles.omega
+    rest = Profile(m, np.tile(place.u, (HOPF_INTERVALS * m + 1, 1)), period, h, float(place.p[place.first]))
+    phases = 2.0 * np.pi * rest.times
+    first = 2.0 * (elementary.exp(1j * phases)[:, None] * cycles.q).real
+    second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
+    orbits = OrbitProblem(system, place.p.copy(), place.first, np.zeros(n), m)
+    curve = OrbitCurve(type_, orbits, place.second)
+    metric = make_scale(h, m, place.sizes, PERIOD_SCALE * period, place.widths[0])
+    scale = curve.join(metric, place.widths[1], 1.0)
+    zeros = np.zeros(len(h))
+    d = curve.join(np.concatenate([first.ravel(), [0.0], zeros, [0.0]]), 0.0, 0.0) / scale
+    shift = -2.0 * period * cycles.omega2 / cycles.omega
+    bend = np.concatenate([second.ravel(), [shift], zeros, [2.0 * cycles.p2[0]]])
+    k = curve.join(bend, 2.0 * float(cycles.p2[1]), further2) / scale
+    norm = float(np.linalg.norm(d))
+    d, k = d / norm, k / elementary.square(norm)
+    k = k - float(k @ d) * d
+    z = curve.join(rest.vector(), float(place.p[place.second]), further)
+    return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent)
+
+
+def follows_cycles(problem: Any) -> bool:
+    """True for curves of equilibria of compiled flows, whose periodic orbits can be followed."""
+    return bool(problem.system.kind != "map" and problem.system.jacobian_address != NO_FUNCTION)
