@@ -133,5 +133,5 @@ def test_branch_points_of_large_systems_say_that_they_have_no_curve():
         jacobian=lambda u, p: sp.diags_array(np.array([p["a"] - 3 * u[0] ** 2, -1.0])).tocsc(),
     )  # fmt: skip
     point = contin.continuation(problem, "a", (-1, 1.5))["BP1"]
-    with pytest.raises(InputError, match="folds and Hopf points have curves"):
+    with pytest.raises(InputError, match="BP has no curve in two parameters; LP, HB have"):
         contin.continuation(point.locus(), ["a", "b"], {"a": (-1, 1), "b": (-1, 1)})
