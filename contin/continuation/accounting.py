@@ -26,12 +26,14 @@ def moved(point: Verified) -> int:
 
 
 def unexplained(
-    unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = ()
-) -> list[int]:
+    unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = (),
+    jumps: Iterable[int] = (),
+) -> list[int]:  # fmt: skip
     """Rows before which `unstable` changes by more than the labels since the last unlabelled row explain.
 
     unstable (rows,) : critical values not counted at labelled rows.  labels : (row, point).  born : rows at special
-    points of other branches, whose critical values are not counted either.
+    points of other branches, whose critical values are not counted either.  jumps : rows before which the equations are
+    not smooth and any number of values changes.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
     corners: set[int] = set()  # rows beside a corner of the equations: of either side, whatever their place
@@ -39,6 +41,8 @@ def unexplained(
         allowed[row] = allowed.get(row, 0) + moved(point)
         if point.normal_form.get("kind") == "nonsmooth":
             corners.update(range(row - BESIDE, row + BESIDE + 1))
+    for row in jumps:
+        corners.update(range(row - BESIDE, row + BESIDE + 1))
     found, last, slack = [], None, 0
     for row, count in enumerate(unstable.tolist()):
         if row in allowed:

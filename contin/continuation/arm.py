@@ -29,7 +29,7 @@ from contin.continuation.problem import (
 )
 from contin.continuation.vectors import dot
 
-JUMP: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 TURNS: Final = "the parameter turns at a corner, where the function is not smooth; the branch goes on"
 BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
@@ -216,8 +216,9 @@ class Arm:
             turns = beyond.tangent[-1] * chunk.tangents[-1][-1] < 0.0
             notes = (f"{TURNS if turns else BENDS} near {course.position(point.z)}",)
         elif chunk.unstable[-1] != beyond.unstable:
-            notes = (f"{JUMP} near {course.position(beyond.z)}",)
-        return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes)
+            notes = (f"{JUMPS} near {course.position(beyond.z)}",)
+        jumps = () if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
+        return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
 
     def _forget(self, corner: tuple[Sample, Piece] | None) -> None:
         """Forget a corner that the arm has not come to."""

@@ -19,7 +19,7 @@ from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
 from contin.continuation.looking_again import is_linear, points_between, rounding, told_apart
 from contin.continuation.march import is_dip
-from contin.continuation.problem import Sample, Verified, is_adaptive, is_planar
+from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
 from contin.continuation.vectors import dot
 from contin.errors import InputError, NotFiniteError
 
@@ -52,6 +52,7 @@ class Note:
 
     text: str
     suspect: bool = False
+    jump: float | None = None  # arclength at which unstable values change for want of smoothness: no riddle
 
 
 def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
@@ -267,6 +268,8 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
             yield Found(length, _anchored(item, stretch.base), _at_point(stretch, a, item))
+        elif isinstance(item, Jump):
+            yield Note(_where(stretch, a, item.text), jump=stretch.length_of(b))
         elif item:
             yield Note(_where(stretch, a, item), "not verified" in item)
 

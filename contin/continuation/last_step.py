@@ -82,7 +82,8 @@ def resolve(
             piece = piece.ending_in(step.last)
         if step.halt is not None:  # the labelled point itself is the last row
             piece = piece.cut(rows - 1)
-        piece = replace(piece, notes=(*notes, *step.notes))
+        jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
+        piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps)
         marked += [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in step.found]
     if end is None and not corner:
         end = _failure(course, chunk)
@@ -103,6 +104,7 @@ class _LastStep:
     end: End | None = None
     found: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    jumps: list[float] = field(default_factory=list)  # arclengths, see `Note.jump`
     halt: Found | None = None  # the labelled point that the arm ends at
 
     def __post_init__(self) -> None:
@@ -127,6 +129,7 @@ class _LastStep:
         for item in items:
             if isinstance(item, Note):
                 self.notes.append(item.text)
+                self.jumps += [] if item.jump is None else [item.jump]
             elif not self._is_labelled(item.point):
                 self.found.append(item)
         self.found.sort(key=lambda f: f.length)
@@ -187,7 +190,7 @@ class _LastStep:
             for f in self.found
             if f.length < image.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
         ]
-        self.notes = []  # they are about what the branch passes there
+        self.notes, self.jumps = [], []  # they are about what the branch passes there
         if self.course.foundling and not halves(self.problem, image, self.scale):
             self.found.append(image)
             self.halt = image

@@ -33,6 +33,7 @@ class Piece:
     scale: Array
     found: tuple[Row, ...] = ()
     notes: tuple[str, ...] = ()
+    jumps: tuple[int, ...] = ()  # numbers of rows, as of `Row.before`: unstable values change before them, see `Jump`
     evaluations: int = 0
 
     @classmethod
@@ -53,7 +54,7 @@ class Piece:
         kept = tuple(mark for mark in self.found if mark.before <= rows) if found is None else tuple(found)
         return replace(
             self, z=self.z[:rows], tangents=self.tangents[:rows], unstable=self.unstable[:rows],
-            eigenvalues=self.eigenvalues[:rows], found=kept,
+            eigenvalues=self.eigenvalues[:rows], found=kept, jumps=tuple(k for k in self.jumps if k <= rows),
         )  # fmt: skip
 
     def ending_in(self, last: Sample) -> Piece:

@@ -116,6 +116,13 @@ class Corner:
     z: Array
 
 
+@dataclass(frozen=True)
+class Jump:
+    """Unstable values change by any number, for the equations are not smooth there: no special point, and no riddle."""
+
+    text: str  # why
+
+
 @dataclass(frozen=True, eq=False)
 class Renewal:
     """A new metric (and mesh) and the samples of an arm in it; or why the arm ends here, and its last row."""
@@ -291,7 +298,7 @@ class Problem(Protocol):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         """Events that coincide: a and b are indistinguishably close, on either side."""
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
 
     def cross_corner(

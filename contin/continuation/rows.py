@@ -23,6 +23,7 @@ class Rows:
         self._blocks: list[Block] = []
         self._length = 0
         self.labelled: list[tuple[int, Verified, Array]] = []  # row, point, the metric it was found in
+        self.jumps: list[int] = []  # rows before which unstable values change for want of smoothness
 
     def __len__(self) -> int:
         return self._length
@@ -44,6 +45,7 @@ class Rows:
     def add_piece(self, piece: Piece) -> None:
         raw = piece.tangents * piece.scale
         done = 0
+        self.jumps += [self._length + sum(m.before <= k for m in piece.found) + k - 1 for k in piece.jumps]
         for mark in piece.found:
             k = min(max(mark.before - 1, done), len(piece.z))
             self.add_block(piece.z[done:k], raw[done:k], piece.unstable[done:k], piece.eigenvalues[done:k])
@@ -55,6 +57,7 @@ class Rows:
         """Turn the order round, tangents included."""
         self._blocks = [(z[::-1], -t[::-1], u[::-1], e[::-1]) for z, t, u, e in reversed(self._blocks)]
         self.labelled = [(self._length - 1 - row, point, scale) for row, point, scale in reversed(self.labelled)]
+        self.jumps = [self._length - row for row in reversed(self.jumps)]
 
     def joined(self, start_row: int) -> tuple[Block, int]:
         """All rows as four arrays, each point once, and the row of the start among them."""
@@ -65,6 +68,7 @@ class Rows:
             return block, start_row
         moved = np.searchsorted(kept, stands_for)
         self.labelled = [(int(moved[row]), point, scale) for row, point, scale in self.labelled]
+        self.jumps = [int(moved[min(row, len(moved) - 1)]) for row in self.jumps]
         z, tangents, unstable, eigenvalues = block
         return (z[kept], tangents[kept], unstable[kept], eigenvalues[kept]), int(moved[start_row])
 

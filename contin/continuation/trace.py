@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.accounting import MET, unexplained
-from contin.continuation.arm import JUMP, Arm
+from contin.continuation.arm import Arm
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.continuation.closed import until_closed
 from contin.continuation.defects import DEFECT, contained
@@ -188,9 +188,9 @@ def _assemble(
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
     told = is_planar(problem) and bool(notes)  # a curve along which eigenvalues stay critical: their signs are rounding
-    changes = [] if told else unexplained(unstable, [(row, point) for row, point, _ in rows.labelled], born)
-    jumps = any(note.startswith(JUMP) for note in notes)  # said already
-    notes += [*([] if jumps else _changes(changes, unstable, z, problem)), *unrecorded(columns, z, problem)]
+    labels = [(row, point) for row, point, _ in rows.labelled]
+    changes = [] if told else unexplained(unstable, labels, born, rows.jumps)
+    notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
     if seed.scale is None and is_guessing(problem):
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]

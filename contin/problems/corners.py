@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 
 BUDGET = 30
@@ -20,11 +20,11 @@ APART = 1e-6  # two surfaces crossed in one step are told apart where they are t
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
-def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
     """A fold at a corner between a and b: f = 0 on the switching surface, with the parameter turning there.
 
     a and b are so close that only a switching function can separate them. None where no switching function changes sign
-    (the point is smooth); a string where the stability jumps without the parameter turning.
+    (the point is smooth); a jump where the stability changes without the parameter turning.
     """
     system = problem.system
     if not system.n_switches:
@@ -45,7 +45,7 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
             stable = min(a.unstable, b.unstable)
             return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
         if a.unstable != b.unstable:
-            return "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
+            return Jump("the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on")
         return ""
     return None
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin.abi import NO_FUNCTION, Array
 from contin.continuation import march as python_march
 from contin.continuation.metric import far_from_zero
-from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Renewal, Sample, Stop, Verified
+from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Jump, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels import algebraic as kernel
@@ -332,9 +332,11 @@ class EquilibriumProblem:
         turns = corner.before[-1] * corner.beyond[-1] < 0.0
         return f"the parameter turns at a corner {place}" if turns else f"the branch bends at a corner {place}"
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
         words = self._corner_beside(a, frame)
-        return words if words is not None else corners.verify_corner(self, a, b, frame)
+        if words is None:
+            return corners.verify_corner(self, a, b, frame)
+        return words if a.unstable == b.unstable else Jump(words)
 
     def columns(self, z: Array) -> dict[str, Array]:
         n, names = self.n, self.system.parameter_names

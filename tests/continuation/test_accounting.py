@@ -1,10 +1,16 @@
 """Between neighbouring rows the change of `unstable` is explained by the labels between them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+import contin
 from contin.continuation.accounting import unexplained
+from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Verified
+from contin.continuation.rows import Rows
+from contin.model.model import Model
 
 
 def label(type_: str, **vectors: object) -> Verified:
@@ -28,6 +34,43 @@ def label(type_: str, **vectors: object) -> Verified:
 )
 def test_every_change_needs_a_label(unstable, labels, expected):
     assert unexplained(np.array(unstable), labels) == expected
+
+
+def test_a_corner_explains_the_jump_there_and_no_other_change():
+    unstable = np.array([0] * 10 + [2] * 10 + [3] * 10)
+    assert unexplained(unstable, [], [], [10]) == [20]
+    assert unexplained(unstable, [], [], [20]) == [10]
+    assert unexplained(unstable, [], [], [10, 20]) == []
+
+
+def piece(*unstable: int, marks: tuple[int, ...] = (), jumps: tuple[int, ...] = ()) -> Piece:
+    count, zeros = len(unstable), np.zeros((len(unstable), 2))
+    z = zeros + np.arange(count)[:, None]
+    found = tuple(Row(k, 0.0, replace(label("LP"), z=np.array([k - 1.5, 0.0])), np.zeros(2)) for k in marks)
+    values = np.zeros((count, 1), complex)
+    return Piece(z, zeros, np.array(unstable), values, np.ones(2), found, jumps=jumps)
+
+
+def test_jumps_keep_their_place_among_labelled_rows_and_when_the_order_turns_round():
+    rows = Rows()
+    rows.add_piece(piece(0, 0, 0))
+    rows.add_piece(piece(0, 1, 1, 3, marks=(2,), jumps=(4,)))  # labelled between 0 and 1; a jump before the last row
+    jumped = rows.joined(0)[0][2]
+    assert np.flatnonzero(np.diff(jumped) == 2).tolist() == [rows.jumps[0] - 1]
+    rows.reverse()
+    jumped = rows.joined(0)[0][2]
+    assert np.flatnonzero(np.diff(jumped) == -2).tolist() == [rows.jumps[0] - 1]
+
+
+def test_a_jump_at_a_corner_needs_no_label():
+    model = Model(
+        "corner", states={"x": -1.0, "y": 0.0}, parameters={"p": -1.0},
+        equations={"x": "p - x", "y": "(1 if x > 0.3 else -1)*y"},
+    )  # fmt: skip
+    branch = contin.continuation(contin.equilibrium(model), "p", (-1.0, 1.0))
+    assert branch.unexplained == 0
+    assert any("jumps at a corner" in note for note in branch.notes)
+    assert branch.columns["unstable"][[0, -1]].tolist() == [0, 1]
 
 
 def test_the_critical_values_of_a_birth_are_not_counted():

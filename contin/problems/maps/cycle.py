@@ -20,7 +20,7 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.machine import elementary
@@ -186,10 +186,10 @@ class CycleProblem:
         sides = self._inner_sample(a), self._inner_sample(b)
         return [self._lifted(item) for item in self.inner.verify_compound(*sides, self._inner_frame(frame))]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
         sides = self._inner_sample(a), self._inner_sample(b)
         found = self.inner.verify_corner(*sides, self._inner_frame(frame))
-        return None if found is None else self._lifted(found)
+        return found if found is None or isinstance(found, Jump) else self._lifted(found)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
         return None

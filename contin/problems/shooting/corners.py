@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Jump, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving
@@ -23,7 +23,7 @@ BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is t
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 TOGETHER = 1e-6  # of the period: crossings this close have no order
-JUMP = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
+JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
 def signature(problem: Any, z: Array) -> tuple[int, ...] | None:
@@ -45,7 +45,7 @@ def signature(problem: Any, z: Array) -> tuple[int, ...] | None:
     return tuple(surfaces + sorted(group))
 
 
-def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
     """A fold at a corner between a and b, which are very close; None where they cross the same surfaces."""
     if not problem.system.n_switches:
         return None
@@ -56,7 +56,7 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
         near, arm, other = (a, before, after) if len(before) < len(after) else (b, after, before)
         corner, width = grazing(problem, near, arm, other, frame) or _locate(problem, a, before, frame, b)
         return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
-    return JUMP if a.unstable != b.unstable else ""
+    return Jump(JUMPS) if a.unstable != b.unstable else ""
 
 
 def at_corner(problem: Any, z: Array, tangent: Array, scale: Array) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.model.evaluate import evaluate
@@ -181,7 +181,7 @@ class ShootingProblem(FamilyOfOrbits):
             return found
         return ["" if isinstance(item, str) else item for item in found]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
         return verify_corner(self, a, b, frame)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
