@@ -119,10 +119,7 @@ def fly(
     ring, counts = np.zeros((CROSSINGS, 2)), np.zeros(7, np.int64)
     controls = np.array([start, start + duration, 0.0, max_step, rtol, start, 0.0, 0.0, 0.0])
     sensitive = None if columns is None else np.array([p[k - n] if n <= k < n + system.m else 0.0 for k in columns])
-    if atol is not None and np.ndim(atol) == 0:  # one tolerance, the caller's, for states and variations alike
-        errors = np.full(y.size, float(atol))
-    else:
-        errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
+    errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
     started, stiff, left = False, 0, 0.0
     while True:
         status = kernel.fly(

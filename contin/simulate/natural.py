@@ -87,7 +87,8 @@ def with_variations(
     allowed : of u, these (`relative`) parts of the natural sizes.  A sensitivity begins at 0: its tolerance is that of
     the states, divided by its parameter's value in `parameters` (k,).
     """
-    parts = [np.asarray(allowed, dtype=float)]
+    allowed = np.maximum(np.asarray(allowed, dtype=float), np.finfo(float).tiny)  # of an orbit at rest in the origin: 0
+    parts = [allowed]
     for j, column in enumerate([] if variations is None else np.asarray(variations, dtype=float).T):
         factor = relative * float((np.abs(column) / allowed).max())
         if factor == 0.0:

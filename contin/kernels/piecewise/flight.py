@@ -8,8 +8,9 @@ import math
 from contin.kernels.compile import allocating, kernel
 from contin.kernels.dense import assign
 from contin.kernels.dop853 import STAGES
+from contin.kernels.piecewise.crossing import cross
 from contin.kernels.piecewise.flow import rates, settle, slope_at
-from contin.kernels.piecewise.landing import cross, earliest, land
+from contin.kernels.piecewise.landing import earliest, land
 from contin.kernels.piecewise.step import attempt, prepare_dense
 from contin.kernels.runge_kutta import COLLAPSED, GROW, SAFETY, SHRINK, interpolate
 

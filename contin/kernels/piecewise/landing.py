@@ -1,22 +1,15 @@
-"""Landing on a switching surface, and what happens there: new modes, and the jump of the variations (saltation).
+"""Landing on a switching surface: the step is shortened so that it ends on the first one met."""
 
-Crossing h = 0 with speed dh/dt = h_u f- + h_t, a variation v becomes v + (f+ - f-) (h_u v + h_q) / (dh/dt): the
-saltation matrix (di Bernardo, Budd, Champneys and Kowalczyk, Piecewise-smooth Dynamical Systems, 2008, sec. 2.5), with
-the sensitivity h_q where v is one to a parameter q. Surfaces met together are crossed one after the other.
-"""
-
-from contin.kernels.compile import allocating, call3, kernel, part
-from contin.kernels.dense import assign
+from contin.kernels.compile import kernel, part
 from contin.kernels.dop853 import STAGES
-from contin.kernels.piecewise.flow import crossing_speed, rates, set_mode, slope_at
+from contin.kernels.piecewise.flow import rates, slope_at
 from contin.kernels.piecewise.step import attempt, first_zero, prepare_dense, short_step
 
 BUDGET = 40
 TRIES = 6  # at the place of a minimum that may be negative
 CLOSE = 3e-3  # of the step: from here a step of order 4 lands on the surface to rounding
 TINY = 1e-7  # of the step: ... and from here a step of order 1 does
-TOGETHER = 1e-12  # of the step: surfaces met within this time are met together
-GRAZING = 1e-9  # relative speed below which the surface is touched, not crossed: no saltation
+TOGETHER = 1e-8  # of the step: surfaces met within this time are met together, at an error of its square
 
 
 @part
@@ -86,7 +79,21 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
     landing[0] = length
     if next_sample <= t + length + CLOSE * h:  # now: the short steps take the slopes that it needs
         prepare_dense(flow, m, t, length)
-    total, before = 0.0, h
+    total = 0.0
+    for _ in range(flow.surface_count + 1):
+        total = refine(flow, m, t + length, total, h, j, landing)
+        passed = earlier_by_little(flow, m, h, j)  # the cubics do not tell crossings apart that are this close
+        if passed < 0 or landing[2] > 0.0:
+            break
+        j = passed
+    landing[1] = total
+    return j, length + total
+
+
+@kernel("Flow, FlightMemory, f, f, f, i, f1 -> f")
+def refine(flow, m, t, total, h, j, landing):
+    """Land on surface j to rounding from m.trial at t + total, which is very near it; returns the new total."""
+    before = h
     for _ in range(8):
         if not m.d1[j] < 0.0:
             landing[2] = 1.0
@@ -99,12 +106,26 @@ def land(flow, m, t, h, j, place, rtol, atol, next_sample, landing):
         if before < TINY * h:
             for k in range(m.trial.size):
                 m.trial[k] += rest * m.slopes[STAGES, k]
-            slope_at(flow, m, t + length + total, m.trial, STAGES)
+            slope_at(flow, m, t + total, m.trial, STAGES)
         else:
-            short_step(flow, m, t + length + total - rest, rest)
-        rates(flow, m, t + length + total, m.trial, m.slopes[STAGES], m.g1, m.d1)
-    landing[1] = total
-    return j, length + total
+            short_step(flow, m, t + total - rest, rest)
+        rates(flow, m, t + total, m.trial, m.slopes[STAGES], m.g1, m.d1)
+    return total
+
+
+@kernel("Flow, FlightMemory, f, i -> i")
+def earlier_by_little(flow, m, h, j):
+    """The surface that was passed the longest before m.trial, on surface j, where that is near; -1 for none.
+
+    Only in the order in which they are met has the flow the derivatives that the saltations give it.
+    """
+    best, place = -1, -TOGETHER * h
+    for i in range(flow.surface_count + 1):
+        if i != j and m.g1[i] < 0.0 and m.d1[i] < 0.0 and wanted(flow, m, i):
+            x = -m.g1[i] / m.d1[i]
+            if -CLOSE * h < x < place:
+                best, place = i, x
+    return best
 
 
 @kernel("Flow, FlightMemory, f, i -> (i, f)")
@@ -117,58 +138,3 @@ def earliest_negative(flow, m, length, j):
             if x < place:
                 best, place = i, x
     return best, place
-
-
-@allocating("Flow, FlightMemory, f, i, b -> i")
-def cross(flow, m, h, met, touched):
-    """New modes at m.trial, which lies on surface `met`, and the saltation of its variations; repairs m.g1.
-
-    Surfaces that lie there too (the two of two equal oscillators) are crossed if the flow goes out through them in the
-    modes that hold by then. Returns -1; the surface where the flow returns from the far side at once (sliding); or -2
-    where the modes do not settle. m.d0 is 1 for the surfaces crossed. The slope in row STAGES is then out of date.
-    """
-    n, surfaces = flow.n, flow.surface_count + 1
-    old, new = m.point[:n], m.begin[:n]  # free now
-    assign(old, m.slopes[STAGES])
-    for i in range(surfaces):
-        on = i == met or m.g1[i] <= TOGETHER * h * abs(m.d1[i])
-        m.g0[i] = 1.0 if on and (i < flow.surface_count or i == met) else 0.0
-        m.d0[i] = 0.0
-    section = flow.surface_count
-    if met == section:
-        m.sigma[section] = -m.sigma[section]
-    forced = touched  # the sign behind a touched surface cannot be told from the speed
-    for _ in range(2 * surfaces + 2):
-        changed = False
-        for i in range(flow.surface_count):
-            if m.g0[i] == 0.0:
-                continue
-            speed = crossing_speed(flow, m, i, old)
-            if not (speed * m.sigma[i] < 0.0 or (forced and i == met)):
-                continue
-            set_mode(flow, m, i, -m.sigma[i])
-            assign(m.u, m.trial)
-            call3(flow.value, m.u, m.p, m.f)
-            assign(new, m.f)
-            after = crossing_speed(flow, m, i, new)
-            if after * m.sigma[i] <= 0.0 and not forced:
-                return i
-            size = 0.0
-            for k in range(n):
-                size += abs(m.dh[i, k] * old[k])
-            if abs(speed) > GRAZING * size:
-                for c in range(flow.columns.size):
-                    at = (c + 1) * n
-                    column = flow.columns[c]
-                    s = m.dh[i, column] if column >= 0 else 0.0
-                    for k in range(n):
-                        s += m.dh[i, k] * m.trial[at + k]
-                    for k in range(n):
-                        m.trial[at + k] += (new[k] - old[k]) * s / speed
-            assign(old, new)
-            m.d0[i] = 1.0
-            changed = True
-            forced = False
-        if not changed:
-            return -1
-    return -2

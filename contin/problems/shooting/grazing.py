@@ -24,6 +24,7 @@ SHORT_OF: Final = 1e-3  # part of a secant step that is left out: beyond the zer
 BUDGET: Final = 12
 NEARLY: Final = 1e-6  # clearance, relative to that at the beginning, from which the zero may be extrapolated to
 REACHED: Final = 1e-12  # clearance, relative to that at the beginning
+BACK: Final = (0.0, 1e-3, 1e-2, 0.1, 0.5)  # parts of the last step that are left out where it ends on the other arm
 FAR: Final = 0.05  # (arclength) the corner is not that far from the samples beside it
 
 
@@ -57,7 +58,7 @@ def _secant(
         found = problem.probe(base, sense * s1, z0 + (s1 - s0) * along, frame, Settings())
         if found is None or signature(problem, found.z) != arm:
             if e0 <= NEARLY * beginning:  # Newton's steps cross the surface, and the solution slides along it
-                return z0 - e0 / slope * along, -e0 / slope
+                return _on_arm(problem, z0, -e0 / slope * along, arm), -e0 / slope
             s1 = 0.5 * (s0 + s1)
             continue
         e1 = clearance(problem, found.z, missing)
@@ -66,12 +67,26 @@ def _secant(
         slope = (e1 - e0) / (s1 - s0)
         rest = -e1 / slope
         if e1 <= REACHED * beginning or rest <= 1e-13:
-            return found.z + (found.z - z0) * (rest / (s1 - s0)), rest + 10.0 * problem.accuracy
+            last = _on_arm(problem, found.z, (found.z - z0) * (rest / (s1 - s0)), arm)
+            return last, rest + 10.0 * problem.accuracy
         if s1 + rest > FAR:
             return None
         along = (found.z - z0) / (s1 - s0)
         s0, e0, z0, s1 = s1, e1, found.z, s1 + rest * (1.0 - SHORT_OF)
     return None
+
+
+def _on_arm(problem: Any, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
+    """z + step, or a little less where rounding has taken that across the surface: there solutions may slide along it.
+
+    The error that is stated covers the whole step.
+    """
+    from contin.problems.shooting.corners import signature
+
+    for short in BACK:
+        if signature(problem, z + (1.0 - short) * step) == arm:
+            return np.asarray(z + (1.0 - short) * step)
+    return np.asarray(z + step)
 
 
 def _raw(sample: Sample, frame: Frame) -> Array:
