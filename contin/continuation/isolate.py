@@ -20,6 +20,7 @@ from contin.continuation.digits import unresolved
 from contin.continuation.looking_again import is_linear, points_between, rounding, told_apart
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
+from contin.continuation.sameness import same_point
 from contin.continuation.vectors import dot
 from contin.errors import InputError, NotFiniteError
 
@@ -336,12 +337,17 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             return
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
-            yield from _pair(stretch, [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])])
+            items = list(_pair(stretch, [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])]))
+            if not items and is_planar(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
+                items = [Note(_where(stretch, trial, TOUCHES))]
+            yield from items
             return
         if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
             yield from _touching(stretch, low, high, test, a)
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
+            if f[1] <= 1e-6 * size(here):  # all that is left is rounding
+                yield from _touching(stretch, low, high, test, a)
             return  # an ordinary minimum, resolved
         if target < s[1]:
             low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
@@ -356,7 +362,8 @@ def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]
     points = [item.point for item in items if isinstance(item, Found)]
     if len(points) == 2 and points[0].type == points[1].type:
         errors = points[0].error + points[1].error
-        if errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors:
+        vague = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
+        if vague or (is_planar(stretch.problem) and same_point(stretch.problem, *points, stretch.frame.scale)):
             yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
             items = [item for item in items if isinstance(item, Note)]
     if len(points) == 1 and not points[0].touches and len(items) > 1:  # the second zero was not told from the first
@@ -367,6 +374,13 @@ def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]
 
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sample) -> Iterator[Found | Note]:
     """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
+    if is_planar(stretch.problem):
+        turned = high.tests.copy()
+        turned[test] = -np.copysign(1.0, low.tests[test])
+        low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
+        if any(_together(stretch, low, replace(high, tests=turned))):  # '' : no event of the type, a neutral saddle
+            yield Note(_where(stretch, low, TOUCHES))
+        return
     items = _together(stretch, low, high)
     scale = stretch.frame.scale[-1]
     points = [

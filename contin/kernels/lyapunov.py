@@ -64,9 +64,21 @@ def dot(p_re, p_im, x_re, x_im):
     return total
 
 
+@kernel("f1, f1 -> f")
+def length(x_re, x_im):
+    """Of a complex vector."""
+    total = 0.0
+    for i in range(x_re.size):
+        total += x_re[i] * x_re[i] + x_im[i] * x_im[i]
+    return math.sqrt(total)
+
+
 @allocating("i, i, f1, f1, f1, f2, f, f1, f1, f1 -> b")
 def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
-    """terms[0] = Re G21 and terms[1] = the sum of the moduli of its three terms, in scaled states with |q| = 1.
+    """terms[0] = Re G21 and terms[1] > 0, a size to compare it with, in scaled states with |q| = 1.
+
+    terms[1] = omega + |p| (|C(q,q,q*)| + |B(q*,h20)| + 2 |B(q,h11)|) does not vanish with G21, where that has one term
+    only: the ratio is smooth along a curve, so that two of its zeros between two points show as a minimum.
 
     matrix : f_u in scaled states, eigenvector v - i w/omega to i omega.  form2, form3 : addresses of the second and
     third derivatives of f.  Kuznetsov, Elements, 3rd ed., (5.62):
@@ -101,9 +113,12 @@ def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
         return False
     p_re = np.empty(n)
     p_im = np.empty(n)
+    weight = 0.0
     for i in range(n):
         p_re[i] = left[i].real
         p_im[i] = left[i].imag
+        weight += p_re[i] * p_re[i] + p_im[i] * p_im[i]
+    weight = math.sqrt(weight)
     x = np.zeros(width)
     y = np.zeros(width)
     aa = np.empty(n)
@@ -144,9 +159,11 @@ def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
         t_im[i] -= bb[i]
         h_re[i] = h11[i].real
     through_20 = dot(p_re, p_im, t_re, t_im)
+    size = length(t_re, t_im)
     second(form2, u, p, scale, a, h_re, x, y, t_re)
     second(form2, u, p, scale, b, h_re, x, y, t_im)
     through_11 = 2.0 * dot(p_re, p_im, t_re, t_im)
+    size += 2.0 * length(t_re, t_im)
     for i in range(n):
         x[i] = scale[i] * a[i]
         y[i] = scale[i] * b[i]
@@ -159,5 +176,5 @@ def lyapunov_terms(form2, form3, u, p, scale, matrix, omega, v, w, terms):
         t_im[i] = (t_im[i] + bb[i]) / scale[i]
     cubic = dot(p_re, p_im, t_re, t_im)
     terms[0] = cubic + through_20 + through_11
-    terms[1] = abs(cubic) + abs(through_20) + abs(through_11)
+    terms[1] = omega + weight * (size + length(t_re, t_im))
     return True

@@ -80,6 +80,10 @@ class Ledger:
         counts["systems"] += 1
         self._complain(counts, "missed", machine, system, f"{type(error).__name__}: {error}")
 
+    def count(self, machine: str, system: str, kind: str, text: str) -> None:
+        """A complaint about something other than a label on the branch that was judged."""
+        self._complain(self.counts.setdefault(machine, Counter()), kind, machine, system, text)
+
     def _complain(self, counts: Counter[str], kind: str, machine: str, system: str, text: str) -> None:
         counts[kind] += 1
         self.complaints.append(f"{machine} {system}: {kind}: {text}")

@@ -54,29 +54,41 @@ NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched 
 RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
+SAFETY = 4.0  # times the largest of a few samples of an error
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
+JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
+JORDAN = 1e-3  # |<psi, v>| of unit null vectors at such points, below which they are nearly orthogonal
 DOUBLE = 1e-6  # w . v of unit null vectors below this: a Jordan block
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
 
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
-    """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too."""
+    """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too.
+
+    drift : estimated errors of all unknowns, scaled, as a multiple of the curve's tangent; None where not known.
+    """
 
     y: Array
     residual: float
     error: float
+    drift: Array | None = None
 
 
-def explain(locus: str, a: Sample, b: Sample, is_map: bool = False) -> tuple[str, ...] | None:
-    """The event that explains what changed between two points of a curve; None where one event does not."""
+def explain(
+    locus: str, a: Sample, b: Sample, is_map: bool = False, apart: Callable[[], bool] = lambda: False
+) -> tuple[str, ...] | None:
+    """The event that explains what changed between two points of a curve; None where one event does not.
+
+    apart : whether the points are so far from each other that tests may pass through zero where they seem to jump.
+    """
     events = (MAP_EVENTS if is_map else EVENTS)[locus]
     crossed = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
     moved = abs(b.unstable - a.unstable)
     if locus == "LP" and crossed == [2, 3] and moved == 1 and _orientation_jumps(a, b):
-        return ("double zero",)
+        return None if apart() else ("double zero",)
     if not crossed:
         touching = any(a.tests[i] == 0.0 or b.tests[i] == 0.0 for i in events)
         return () if moved == 0 or touching else None
@@ -97,6 +109,8 @@ def _orientation_jumps(a: Sample, b: Sample) -> bool:
     adjugate of f_u, which is zero there: both tests that they enter change sign without passing through zero.
     """
     first, second = a.tests[2:4], b.tests[2:4]
+    if min(abs(first[1]), abs(second[1])) < JORDAN:  # a Bogdanov-Takens point, with a cusp as near on its other side
+        return False
     return bool(np.all(np.abs(first + second) <= JUMP * np.maximum(np.abs(first), np.abs(second))))
 
 
@@ -150,7 +164,8 @@ def _point(problem: Any, type_: str, solved: _Solution, frame: Frame) -> Verifie
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     point = Verified(type_, z, solved.residual, error, values, unstable)
     plane = type_ == "ZH" and problem.locus != "LP" and crossing.is_forced(problem, z, frame.scale, crossing.EXACT)
-    return described(problem, point, values[critical], plane)
+    drift = None if solved.drift is None or plane else solved.drift * frame.scale
+    return described(problem, point, values[critical], plane, drift)
 
 
 def _is_double_zero(problem: Any, z: Array) -> bool:
@@ -205,17 +220,19 @@ def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale:
         return None
     g, jacobian = residual(y)
     try:
-        row = np.linalg.solve(np.vstack([jacobian, gradient]).T, np.append(np.zeros(count - 1), 1.0))
+        inverse = np.linalg.inv(np.vstack([jacobian, gradient]))
     except np.linalg.LinAlgError:
         return None
     generator = np.random.default_rng(12345)
     estimates = []
     for _ in range(defining.SAMPLES):
         shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
-        estimates.append(float(shift[-1] - row @ residual(y + shift)[0]))
-    scatter = 2.0 * float(np.max(np.abs(estimates)))
+        estimates.append(shift - inverse @ residual(y + shift)[0])
+    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
-    return _Solution(y, float(np.max(np.abs(g))), scatter + lacking)
+    along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
+    drift = (float(np.max(scatter)) + lacking) * along
+    return _Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
 
 
 def eigenvalues(problem: Any, z: Array) -> Any:

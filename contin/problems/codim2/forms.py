@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Verified
@@ -11,8 +14,10 @@ from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.point import normal_form
-from contin.normalforms.result import NO_FORM
+from contin.normalforms.result import NO_FORM, TRUST
 from contin.normalforms.sources import compiled_jet
+
+BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 
 
 def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
@@ -22,10 +27,13 @@ def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
     return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
 
 
-def described(problem: Any, point: Verified, critical: Any, plane: bool = False) -> Verified:
+def described(
+    problem: Any, point: Verified, critical: Any, plane: bool = False, drift: Array | None = None
+) -> Verified:
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 
-    `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.
+    `plane` : a ZH at which no parameter unfolds the vanishing eigenvalue.  `drift` : estimated errors of all unknowns,
+    by which the coefficients are less well known than they are at the point itself.
     """
     frequencies = sorted(float(v.imag) for v in critical if v.imag > 0.0)
     frequency = frequencies[-1] if point.type in ("GH", "ZH") and frequencies else None
@@ -39,11 +47,37 @@ def described(problem: Any, point: Verified, critical: Any, plane: bool = False)
         elif plane:
             form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
-            form = normal_form(point.type, jet_at(problem, point.z, active), frequency=frequency)
+            lengths = None if drift is None else np.abs(drift[: problem.n])
+            form = normal_form(
+                point.type, jet_at(problem, point.z, active), frequency=frequency, state_error=lengths
+            )  # fmt: skip
     except NO_FORM as reason:
         return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
-    errors = {"errors": dict(form.errors)} if form.errors else {}
+    known = dict(form.errors)
+    if drift is not None and point.type != "DP":
+        for key, change in _changes(lambda z: normal_form(point.type, jet_at(problem, z), frequency=frequency),
+                                    form, point.z, drift, problem.curve.sizes).items():  # fmt: skip
+            known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
+    errors = {"errors": known} if known else {}
     return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | dict(form.vectors))
+
+
+def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, sizes: Array) -> dict[str, float]:
+    """By how much each real coefficient changes over the drift: of what order its error from that of the point is."""
+    length = float(np.linalg.norm(drift[: len(sizes)] / sizes))
+    if not 0.0 < length < np.inf:
+        return {}
+    step = BESIDE / length
+    try:
+        beside = form_at(z + step * drift).coefficients
+    except NO_FORM:
+        return {}
+    found = {}
+    for key, value in form.coefficients.items():
+        if isinstance(value, float) and isinstance(beside.get(key), float):
+            other = float(beside[key])  # signs depend on that of an eigenvector
+            found[key] = min(abs(other - value), abs(abs(other) - abs(value))) / step
+    return found
 
 
 def branching_form(problem: Any, z: Array) -> Any:

@@ -143,7 +143,11 @@ class LocusProblem(TwoParameterProblem):
         return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return events.explain(self.locus, a, b, self.system.kind == "map")
+        def apart() -> bool:
+            scale = self.initial_scale(a.z, self.first_bounds)
+            return float(np.linalg.norm(((a.z - b.z) / scale)[self.identifying])) > events.JUMPING
+
+        return events.explain(self.locus, a, b, self.system.kind == "map", apart)
 
     def watch(self, type_: str) -> int | None:
         return events.TEST_OF[self.locus][type_]
