@@ -363,7 +363,8 @@ def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]
     if len(points) == 2 and points[0].type == points[1].type:
         errors = points[0].error + points[1].error
         vague = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
-        if vague or (is_planar(stretch.problem) and same_point(stretch.problem, *points, stretch.frame.scale)):
+        one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
+        if vague or (one and is_planar(stretch.problem)):
             yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
             items = [item for item in items if isinstance(item, Note)]
     if len(points) == 1 and not points[0].touches and len(items) > 1:  # the second zero was not told from the first
