@@ -17,12 +17,13 @@ fault, so problems and branches hold the compiled system, and processes and pick
 again.
 """
 
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = NDArray[Any]  # real or complex: numpy's types have no arithmetic for "one of the two"
 Address: TypeAlias = int
 
 NO_FUNCTION: Final[Address] = 0  # an optional function that this system does not have

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin import lazy
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.frames import dataframe, dataset
 
 ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
@@ -100,7 +100,7 @@ class Branch:
     name: str
     kind: str  # equilibrium | fixed-point | orbit | bvp | locus
     parameters: tuple[str, ...]
-    columns: Mapping[str, NDArray[Any]]
+    columns: Mapping[str, Vector]
     points: tuple[SpecialPoint, ...]
     ends: tuple[End, End]
     z: Array

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.abi import Vector
 from contin.continuation.problem import Problem
 
 
-def unresolved(problem: Problem, multipliers: NDArray[Any]) -> NDArray[np.bool_]:
+def unresolved(problem: Problem, multipliers: Vector) -> NDArray[np.bool_]:
     """(rows,) from multipliers (rows, k), of fixed points and cycles of maps; those of a cycle of length k are products
     of k matrices, which grow like the k-th power where a cycle goes to infinity. False for other problems."""
     if problem.kind != "fixed-point" or multipliers.shape[1] < 2:

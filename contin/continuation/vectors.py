@@ -7,22 +7,22 @@ each other.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from contin.abi import Vector
 
 LONG = 1000  # numbers; up to here BLAS stays on one thread
 
 
-def dot(a: NDArray[Any], b: NDArray[Any]) -> float:
+def dot(a: Vector, b: Vector) -> float:
     """sum a_i b_i of real vectors."""
     if a.size <= LONG:
         return float(a.dot(b))
     return float(np.einsum("i,i->", a, b))
 
 
-def norm(a: NDArray[Any]) -> float:
+def norm(a: Vector) -> float:
     """Euclidean norm of a real or complex vector."""
     if a.size <= LONG:
         return math.sqrt(np.vdot(a, a).real)

@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from contin.diagram.identity import is_known
 from contin.diagram.orbits import family_through, generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
+from contin.problems.contracts import InOneParameter
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
 from contin.transitions.births import departures
@@ -168,7 +169,7 @@ class Explorer:
             return
         for mirror in [b for b in diagram.branches if b.image_of and branch.parent]:
             if mirror.image_of and branch.parent and mirror.image_of.branch == branch.parent.branch:
-                born_at = apply_symmetry(seed.problem, mirror.image_of.symmetry, seed.z)[0]
+                born_at = apply_symmetry(cast(InOneParameter, seed.problem), mirror.image_of.symmetry, seed.z)[0]
                 diagram.branches.extend(images_through(branch, born_at, diagram.branches))
 
     def _known(self, diagram: Diagram, seed: Seed) -> Branch | None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contin.abi import NO_FUNCTION, Address, Array
+from contin.abi import NO_FUNCTION, Address, Array, Vector
 from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.llvm_text import Routine
 from contin.lowering.machine import MachineCode, compile_routines
@@ -19,6 +19,7 @@ from contin.lowering.routines import Layout, form_routine, gradient_routine, jac
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
+from contin.model.model import Model
 from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
 from contin.symbolic.calculus.remove_singularities import remove_singularities
 
@@ -27,28 +28,7 @@ COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions 
 BASIC: Final = ("value", "jacobian", "observe", "switches")
 
 
-class Equations(Protocol):
-    """What lowering needs of a model."""
-
-    @property
-    def kind(self) -> Any: ...
-    @property
-    def state_names(self) -> tuple[str, ...]: ...
-    @property
-    def parameter_names(self) -> tuple[str, ...]: ...
-    @property
-    def equations(self) -> tuple[Expression, ...]: ...
-    @property
-    def observables(self) -> Mapping[str, Expression]: ...
-    @property
-    def forcing(self) -> Any: ...
-    @property
-    def symmetries(self) -> Sequence[Any]: ...
-    @property
-    def limits(self) -> Sequence[Any]: ...
-
-
-def compile_system(model: Equations, regular: bool = False) -> CompiledSystem:
+def compile_system(model: Model, regular: bool = False) -> CompiledSystem:
     """Machine code of a model: values, Jacobians, observables, switching functions, derivatives of any order.
 
     Removable singularities are removed first (`contin.symbolic.calculus.remove_singularities`), unless `regular` says
@@ -68,7 +48,7 @@ class CompiledSystem:
     Where an equation is not finite, so are the results; `explain` says why. Nothing is raised.
     """
 
-    def __init__(self, model: Equations, regular: bool = False) -> None:
+    def __init__(self, model: Model, regular: bool = False) -> None:
         self.model = model
         self.regular = regular
         self.kind = model.kind
@@ -100,6 +80,14 @@ class CompiledSystem:
 
     def __repr__(self) -> str:
         return f"<CompiledSystem of {getattr(self.model, 'name', 'a model')!r}: n = {self.n}, m = {self.m}>"
+
+    @property
+    def forcing_period(self) -> Expression:
+        """Formula for the period of a forced flow."""
+        forcing = self.model.forcing
+        if forcing is None:
+            raise ValueError(f"{self.model.name} is not forced")
+        return forcing.period
 
     # addresses for kernels (layouts in `contin.abi`)
 
@@ -184,7 +172,7 @@ class CompiledSystem:
         """
         return self._calls.vectors(self._call("switches"), self.switches_address, self.n_switches, u, p)
 
-    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k f(z)[v_1, ..., v_k], (n,): k = len(directions), each (n + p_size,), real or complex.
 
         Complex directions are expanded by multilinearity; real parts that occur twice (q and its conjugate, symmetric
@@ -196,12 +184,12 @@ class CompiledSystem:
         call = self._call(f"form{len(vectors)}", 3 + len(vectors))
         return _multilinear(lambda parts: self._calls.form(call, u, p, parts), vectors)
 
-    def derivatives(self, u: Array, p: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
         """`derivative` at N points, (N, n): u (N, n), p (N, p_size), k >= 1 directions (N, n + p_size)."""
         call = self._call(f"form{len(directions)}", 3 + len(directions))
         return _multilinear(lambda parts: self._calls.forms(call, u, p, parts), directions)
 
-    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2f(z)[v, .], (n, n + p_size), for one direction v (n + p_size,), real or complex."""
         direction = self._direction(v)
         call = self._call("gradient", 5)
@@ -210,13 +198,13 @@ class CompiledSystem:
             return real
         return real + 1j * self._calls.gradient(call, u, p, direction.imag)
 
-    def gradients(self, u: Array, p: Array, v: NDArray[Any]) -> NDArray[Any]:
+    def gradients(self, u: Array, p: Array, v: Vector) -> Vector:
         """`gradient` at N points: u (N, n), p (N, p_size), v (N, n + p_size) real or complex; (N, n, n + p_size)."""
         call = self._call("gradient", 5)
         real = self._calls.gradients(call, u, p, v.real)
         return real + 1j * self._calls.gradients(call, u, p, v.imag) if np.iscomplexobj(v) else real
 
-    def _direction(self, v: ArrayLike) -> NDArray[Any]:
+    def _direction(self, v: ArrayLike) -> Vector:
         vector = np.asarray(v)
         size = self.n + self.p_size
         if vector.shape == (self.n + self.m,) and self.is_forced:
@@ -309,7 +297,7 @@ class CompiledSystem:
         return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
 
 
-def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[Vector]) -> Vector:
     """A symmetric multilinear form of real vectors, at real or complex ones (or rows of them)."""
     if not any(np.iscomplexobj(v) for v in vectors):
         return form(vectors)
@@ -325,7 +313,7 @@ def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[NDA
     return np.asarray(total) if known else 0.0j + form([np.zeros_like(v, dtype=float) for v in vectors])
 
 
-def _parts(v: NDArray[Any], distinct: list[Array]) -> Sequence[tuple[int, complex]]:
+def _parts(v: Vector, distinct: list[Array]) -> Sequence[tuple[int, complex]]:
     """v = sum of factor * distinct[index] over real vectors, entered into `distinct` once up to sign."""
     parts: list[tuple[int, complex]] = []
     for vector, factor in ((np.real(v), 1.0 + 0.0j), (np.imag(v), 1.0j)):

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contin.abi import Vector
 from contin.machine import elementary
-from contin.normalforms.jet import Complex, Real, Vector
+from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors

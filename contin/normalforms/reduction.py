@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from contin.normalforms.jet import Jet, Real, Vector, lift
+from contin.abi import Vector
+from contin.normalforms.jet import Jet, Real, lift
 from contin.normalforms.linear import singular_vectors, solve
 from contin.normalforms.static import state, static_matrix, static_pair
 

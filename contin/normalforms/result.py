@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contin.normalforms.jet import Vector
+from contin.abi import Vector
 
 # A coefficient is zero to its estimated error when it is below this fraction of the sum of the moduli of its summands.
 # Points are located to about 1e-11 relative and derivatives are exact, so eleven digits can cancel and ten can be

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from contin.abi import Vector
 from contin.normalforms.jet import DerivativeJet, Kind, Real
 
 
@@ -16,7 +17,7 @@ class Compiled(Protocol):
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Real, Real]: ...
 
-    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]: ...
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector: ...
 
 
 def compiled_jet(

@@ -6,7 +6,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from contin.normalforms.jet import Jet, Real, Vector, lift
+from contin.abi import Vector
+from contin.normalforms.jet import Jet, Real, lift
 from contin.normalforms.linear import EigenPair, null_pair
 from contin.normalforms.result import STATE_ERROR, TRUST
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.branch import Branch
 from contin.errors import InputError
 
@@ -36,7 +36,7 @@ class Source:
     kind: str
     locus: str | None
     parameters: tuple[str, ...]
-    columns: Mapping[str, NDArray[Any]]
+    columns: Mapping[str, Vector]
     marks: tuple[Mark, ...]
     image_of: str | None = None
 

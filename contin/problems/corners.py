@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Jump, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 BUDGET = 30
 AHEAD = 1e-2  # how far ahead of the last point (arclength) a surface is looked for
@@ -50,7 +53,7 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     return None
 
 
-def one_corner_a_step(problem: Any, chunk: Chunk) -> Chunk:
+def one_corner_a_step(problem: EquilibriumProblem, chunk: Chunk) -> Chunk:
     """The chunk up to the first step that crosses two switching surfaces, with a shorter step to go on with.
 
     Two folds at corners undo each other: neither the direction nor the stability shows them at the ends of such a step.
@@ -69,7 +72,9 @@ def one_corner_a_step(problem: Any, chunk: Chunk) -> Chunk:
     return chunk
 
 
-def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+def cross_corner(
+    problem: EquilibriumProblem, last: Sample, frame: Frame, settings: Settings
+) -> tuple[Sample, Verified | None] | None:
     """Past a corner that turns the branch so sharply that no step along its tangent meets it again.
 
     The nearest switching surface ahead of `last` is solved for together with F = 0; behind it the Jacobian of the other
@@ -129,7 +134,9 @@ def _room(surfaces: Callable[[Array], Array], z: Array, direction: Array, k: int
     return min(BEHIND, 0.5 * float(ahead.min(initial=np.inf)))
 
 
-def _on_surface(problem: Any, k: int, z: Array, side: Sample, frame: Frame) -> tuple[Array, float, float] | None:
+def _on_surface(
+    problem: EquilibriumProblem, k: int, z: Array, side: Sample, frame: Frame
+) -> tuple[Array, float, float] | None:
     """Newton on F = 0, h_k = 0 with the Jacobian of one side."""
     n, scale = problem.n, frame.scale
     system = problem.system

@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine.elementary import cos
 
 NEWTON_BUDGET = 30
@@ -44,7 +43,7 @@ class Local(Protocol):
     def linearise(self, y: Array) -> tuple[Array, Array]:
         """F(y) (n,) and J(y) (n, n + 1)."""
 
-    def hessian(self, y: Array, v: NDArray[Any]) -> NDArray[Any]:
+    def hessian(self, y: Array, v: Vector) -> Vector:
         """The matrix D^2F(y)[v, .] (n, n + 1) for a direction v (n + 1,), real or complex."""
 
 
@@ -168,7 +167,7 @@ def _inverse(matrix: Array) -> Array | None:
         return None
 
 
-def singular_basis(matrix: NDArray[Any], dimension: int) -> tuple[NDArray[Any], NDArray[Any]]:
+def singular_basis(matrix: Vector, dimension: int) -> tuple[Vector, Vector]:
     """Orthonormal bases of the left and right spaces of the `dimension` smallest singular values.
 
     NaN, with which Newton's method ends, where the equations have no value.
@@ -258,8 +257,8 @@ def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
 
 
 def _bordered(
-    matrix: NDArray[Any], b: NDArray[Any], c: NDArray[Any]
-) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    matrix: Vector, b: Vector, c: Vector
+) -> tuple[Vector, Vector, Vector]:
     """Solve [B b; c^* 0] [V; g] = [0; I] and [B b; c^* 0]^* [w; .] = [0; I]; returns V, w, g."""
     rows, columns = matrix.shape
     kernel = c.shape[1]

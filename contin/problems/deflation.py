@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from contin.machine import elementary
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.special import eigenvalues_of
 from contin.problems.start import Equilibrium, converge
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 SINGULAR = 1e-8  # ratio of singular values below which a solution is not isolated
 SAME = 1e-6  # solutions closer than this part of the box are one
@@ -117,7 +120,7 @@ def make_box(names: Sequence[str], given: Mapping[str, Sequence[float]] | Sequen
     return Box(lower, upper, periods)
 
 
-def find(system: Any, box: Box, p: Array, starts: int | None = None) -> list[FoundEquilibrium]:
+def find(system: System, box: Box, p: Array, starts: int | None = None) -> list[FoundEquilibrium]:
     """Isolated solutions in the box, in ascending order of the states; of a continuum, one point."""
     n = system.n
     most = 1000 if system.jacobian_address != NO_FUNCTION else 40  # a call of a Python function takes 100 times as long
@@ -151,7 +154,7 @@ def find(system: Any, box: Box, p: Array, starts: int | None = None) -> list[Fou
     return _linked(system, box, p, known)
 
 
-def _search(system: Any, address: Address, guesses: Array, p: Array, box: Box, known: Array) -> Array:
+def _search(system: System, address: Address, guesses: Array, p: Array, box: Box, known: Array) -> Array:
     """Where Newton converged to, (k, n)."""
     out, status = np.empty_like(guesses), np.zeros(len(guesses), np.bool_)
     centre = 0.5 * (box.lower + box.upper)
@@ -161,19 +164,19 @@ def _search(system: Any, address: Address, guesses: Array, p: Array, box: Box, k
     return out[status]
 
 
-def _is_isolated(system: Any, box: Box, u: Array, p: Array) -> bool:
+def _is_isolated(system: System, box: Box, u: Array, p: Array) -> bool:
     """False where the Jacobian, in units of the box, is singular."""
     matrix = system.jacobian(u, p)[1][:, : system.n] - (np.eye(system.n) if system.kind == "map" else 0.0)
     singular = np.linalg.svd(matrix * box.widths / box.widths[:, None], compute_uv=False)
     return bool(singular[-1] > SINGULAR * singular[0])
 
 
-def _images(system: Any, u: Array, p: Array) -> Iterator[Array]:
+def _images(system: System, u: Array, p: Array) -> Iterator[Array]:
     for symmetry in system.model.symmetries:
         yield system.symmetry(symmetry.name, u[None, :], p)[0]
 
 
-def _linked(system: Any, box: Box, p: Array, known: Sequence[tuple[Array, bool]]) -> list[FoundEquilibrium]:
+def _linked(system: System, box: Box, p: Array, known: Sequence[tuple[Array, bool]]) -> list[FoundEquilibrium]:
     """Polished, sorted, with unstable counts, and mirror images pointing at the first of their kind."""
     solved: list[tuple[Equilibrium, bool]] = []
     for u, isolated in sorted(known, key=lambda item: tuple(np.round(item[0] / box.widths, 6))):
@@ -196,7 +199,7 @@ def _linked(system: Any, box: Box, p: Array, known: Sequence[tuple[Array, bool]]
 
 
 def _link(
-    system: Any, box: Box, p: Array, earlier: Sequence[FoundEquilibrium], u: Array
+    system: System, box: Box, p: Array, earlier: Sequence[FoundEquilibrium], u: Array
 ) -> tuple[int | None, str | None]:
     for index, other in enumerate(earlier):
         if other.image_of is None:
@@ -210,7 +213,7 @@ def _link(
 class _address_of:
     """The Jacobian's address; for a user's function, that of a callback which lives inside the `with` block."""
 
-    def __init__(self, system: Any) -> None:
+    def __init__(self, system: System) -> None:
         self.system = system
         self.error: BaseException | None = None
         self._keep: Callable[..., Any] | None = None

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point
@@ -19,16 +18,19 @@ from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.problems.sheets import Sheets
 
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
-def jet_at(problem: Any, z: Array, scale: Array | None = None) -> DerivativeJet:
+
+def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
-    def derivative(directions: tuple[Array, ...]) -> NDArray[Any]:
+    def derivative(directions: tuple[Array, ...]) -> Vector:
         return np.asarray(problem.form(z, *directions))
 
     return DerivativeJet(problem.linear_part(z), derivative, 1, "map" if problem.is_map else "flow", scale)
 
 
-def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
+def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
     """The point with FORMATS' coefficients, their errors and its vectors; what cannot be computed is a remark."""
     try:
         form = _normal_form(problem, point, scale)
@@ -45,7 +47,7 @@ def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
     return _with_contact(problem, described, scale) if form.coefficients.get("kind") == "tangency" else described
 
 
-def _with_contact(problem: Any, point: Verified, scale: Array) -> Verified:
+def _with_contact(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
     """A tangency with the order of contact of its two branches."""
     contact = sheets_at(problem, point.z, scale).contact()
     if contact is None:
@@ -55,12 +57,12 @@ def _with_contact(problem: Any, point: Verified, scale: Array) -> Verified:
     return replace(point, normal_form={**point.normal_form, "contact": contact}, touches=True, remark=remark)
 
 
-def sheets_at(problem: Any, z: Array, scale: Array) -> Sheets:
+def sheets_at(problem: EquilibriumProblem, z: Array, scale: Array) -> Sheets:
     """The two branches with one tangent through z."""
     return Sheets.at(problem.scaled(scale).rated(z / scale), z / scale)
 
 
-def _normal_form(problem: Any, point: Verified, metric: Array) -> NormalForm | None:
+def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) -> NormalForm | None:
     kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
     if point.type == "BP" and kernel > 1:
         return any_branch_point(jet_at(problem, point.z, scale), kernel=kernel)

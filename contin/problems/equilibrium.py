@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import NO_FUNCTION, Array
+from contin.abi import NO_FUNCTION, Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Jump, Renewal, Sample, Stop, Verified
@@ -35,6 +34,9 @@ from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
 
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
+
 _NO_TANGENT = np.empty(0)
 NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not matter
 
@@ -47,7 +49,7 @@ class EquilibriumProblem:
     kernels get must not outlive it.
     """
 
-    system: Any  # contin.lowering.CompiledSystem
+    system: System  # contin.lowering.CompiledSystem
     base: Array
     active: int
     angle_periods: Array = field(default_factory=lambda: np.zeros(0))
@@ -147,7 +149,7 @@ class EquilibriumProblem:
             matrix[:, : self.n] -= np.eye(self.n)
         return f, matrix
 
-    def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+    def form(self, z: Array, *directions: Vector) -> Vector:
         """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state.
 
         Active parameter), real or complex.
@@ -161,7 +163,7 @@ class EquilibriumProblem:
             wide.append(v)
         return np.asarray(self.system.derivative(z[:n], self.full_parameters(z), *wide))
 
-    def hessian(self, z: Array, v: NDArray[Any]) -> NDArray[Any]:
+    def hessian(self, z: Array, v: Vector) -> Vector:
         """The matrix D^2F(z)[v, .], (n, n + 1), for a direction v (n + 1,) = (state, active parameter)."""
         wide = np.zeros(self.n + len(self.base), v.dtype)
         wide[: self.n] = v[: self.n]
@@ -169,7 +171,7 @@ class EquilibriumProblem:
         matrix = self.system.gradient(z[: self.n], self.full_parameters(z), wide)
         return self._active_columns(matrix)
 
-    def _active_columns(self, matrix: NDArray[Any]) -> NDArray[Any]:
+    def _active_columns(self, matrix: Vector) -> Vector:
         """Derivatives in the states and the active parameter, of those in the states and all parameters."""
         chosen = np.empty((self.n, self.n + 1), matrix.dtype)
         chosen[:, : self.n] = matrix[:, : self.n]

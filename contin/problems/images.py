@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 SAME = 1e-7  # relative difference from which two points are two
 STEP = 1e-6  # of the difference quotient that maps tangents, relative to the point
@@ -65,7 +68,7 @@ def image(branch: Branch, symmetry: str) -> Branch:
     )  # fmt: skip
 
 
-def _mapped_tangents(problem: Any, symmetry: str, z: Array, tangents: Array) -> Array:
+def _mapped_tangents(problem: EquilibriumProblem, symmetry: str, z: Array, tangents: Array) -> Array:
     size = np.nanmax(np.abs(z), axis=1, keepdims=True) / np.maximum(
         np.nanmax(np.abs(tangents), axis=1, keepdims=True), 1e-300
     )
@@ -78,8 +81,9 @@ def _mapped_tangents(problem: Any, symmetry: str, z: Array, tangents: Array) -> 
 
 
 def _mapped_point(
-    problem: Any, symmetry: str, point: SpecialPoint, branch: str, z: Array, tangents: Array, columns: dict[str, Any]
-) -> SpecialPoint:
+    problem: EquilibriumProblem, symmetry: str, point: SpecialPoint, branch: str, z: Array, tangents: Array,
+    columns: dict[str, Any]
+) -> SpecialPoint:  # fmt: skip
     row = point.index
     values = dict(point.values) | {key: column[row].item() for key, column in columns.items()}
     return replace(point, z=z[row], tangent=tangents[row], values=values, branch=branch)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 
+if TYPE_CHECKING:
+    from contin.problems.contracts import Dense
+
 BUDGET = 12
 
 
-def at_parameter(problem: Any, guess: Array, value: float, scale: Array) -> Array | None:
+def at_parameter(problem: Dense, guess: Array, value: float, scale: Array) -> Array | None:
     """Newton on F(u, value) = 0 from a guess, with the problem's `linearise`; None where it does not converge."""
     z = guess.copy()
     z[-1] = value

@@ -8,13 +8,15 @@ their rate, `rated`: F_i / (scale_i rate_i), and F_u - lambda I becomes diag(1 /
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine.elementary import cos, log
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 BESIDE: Final = 1e-2  # scaled
 ALIKE: Final = 0.9  # correlation of the rates' logarithms at a point and around it
@@ -25,7 +27,7 @@ FAR_APART: Final = 100.0  # ratio of the rows' sizes from which equations are di
 class ScaledSystem:
     """`Local` view of a problem for `contin.problems.defining`."""
 
-    problem: Any
+    problem: EquilibriumProblem
     scale: Array
     rates: Array | None = None
 
@@ -60,11 +62,11 @@ class ScaledSystem:
         d = self._rows
         return f / d, jacobian * self.scale / d[:, None]
 
-    def form(self, y: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+    def form(self, y: Array, *directions: Vector) -> Vector:
         """D^kF[d1, .., dk] in scaled unknowns."""
         return np.asarray(self.problem.form(y * self.scale, *(d * self.scale for d in directions)) / self._rows)
 
-    def hessian(self, y: Array, v: NDArray[Any]) -> NDArray[Any]:
+    def hessian(self, y: Array, v: Vector) -> Vector:
         matrix = self.problem.hessian(y * self.scale, v * self.scale)
         return np.asarray(matrix * self.scale / self._rows[:, None])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from contin.problems.defining import Solved
 from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
 from contin.problems.spectrum import noises, spectrum
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
@@ -58,7 +61,7 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     return None
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     frame, tangent = _balanced_frame(problem, near, frame)
     y = near.z / frame.scale
@@ -79,7 +82,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return _oscillatory(problem, local, y, frame, pair, tangent)
 
 
-def _balanced_frame(problem: Any, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
+def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -> tuple[Frame, Array]:
     """The metric in which F_u at the sample is balanced, and the sample's unit tangent in it.
 
     Defining systems are solved there, so that a badly guessed scale of a state costs no accuracy.
@@ -93,7 +96,9 @@ def _balanced_frame(problem: Any, sample: Sample, frame: Frame) -> tuple[Frame, 
     return Frame(frame.scale * units, frame.reference), tangent / np.linalg.norm(tangent)
 
 
-def _opposite_zeros(problem: Any, local: ScaledSystem, y: Array, frame: Frame, tangent: Array) -> Verified | str:
+def _opposite_zeros(
+    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
+) -> Verified | str:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
     here, there = _singular_values(*(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
     if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
@@ -115,8 +120,9 @@ def nearest_pair(values: Any, is_map: bool) -> complex | None:
 
 
 def _oscillatory(
-    problem: Any, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array, corank: int = 1
-) -> Verified | str:
+    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array,
+    corank: int = 1
+) -> Verified | str:  # fmt: skip
     """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
     if _critical_throughout(problem, local, y, pair, tangent, corank):
         return ""
@@ -197,7 +203,7 @@ def _singular_throughout(local: ScaledSystem, y: Array, tangent: Array, corank: 
 
 
 def _critical_throughout(
-    problem: Any, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
+    problem: EquilibriumProblem, local: ScaledSystem, y: Array, pair: complex, tangent: Array, count: int
 ) -> bool:
     """True where `count` pairs stay on the stability boundary along the branch: centres of a conservative system."""
     beside = _beside(local, y, tangent)
@@ -211,7 +217,7 @@ def _critical_throughout(
 
 
 def _branch_point(
-    problem: Any, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
+    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
 ) -> Verified | str:
     solved = defining.branch_point(local, y, corank)
     if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # with borders of its own
@@ -232,7 +238,7 @@ def _branch_point(
     return accepted
 
 
-def _real_critical(problem: Any, flow_value: float) -> Any:
+def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Any:
     target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
     return lambda values: [int(np.argmin(np.abs(values - target)))]
 
@@ -245,7 +251,9 @@ def _nearest(values: Any, targets: Sequence[complex]) -> list[int]:
     return chosen
 
 
-def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, critical: Any) -> Verified | str:
+def _accept(
+    problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Any
+) -> Verified | str:
     """Turn a solution of a defining system into a point in the user's units."""
     if solved is None:
         return f"{type_} not verified: Newton on its defining system did not converge"
@@ -265,12 +273,12 @@ def _accept(problem: Any, type_: str, frame: Frame, solved: Solved | None, criti
     return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
 
 
-def eigenvalues_of(problem: Any, z: Array) -> Any:
+def eigenvalues_of(problem: EquilibriumProblem, z: Array) -> Any:
     """Eigenvalues of f_u at z, by falling real part."""
     return spectrum(problem.linear_part(z))[0]
 
 
-def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Everything that happens at one place: folds, branch points of any corank, several pairs."""
     frame, tangent = _balanced_frame(problem, a, frame)
     y = 0.5 * (a.z + b.z) / frame.scale

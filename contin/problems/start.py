@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.maps.iterate import IteratedSystem
 from contin.simulate.natural import natural_metric
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 BUDGET = 60
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
@@ -30,7 +33,7 @@ ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a 
 class Equilibrium:
     """A solution of f(u, p) = 0 (or f(u, p) = u for a map) at fixed parameters: the start of a continuation."""
 
-    system: Any
+    system: System
     u: Array
     p: Array
     angle_periods: Array
@@ -56,7 +59,7 @@ class Equilibrium:
         return f"{'fixed point' if self.system.kind == 'map' else 'equilibrium'} {states}"
 
 
-def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
+def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     """Newton from u at fixed p, with the step halved while the (scaled) residual does not fall.
 
     Where that stalls, Powell's hybrid method (which may leave the Newton direction for the gradient) looks for a better
@@ -76,7 +79,7 @@ def converge(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibri
         raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
 
 
-def _nearest(system: Any, u: Array, p: Array, angle_periods: Array) -> Array | None:
+def _nearest(system: System, u: Array, p: Array, angle_periods: Array) -> Array | None:
     """The equilibrium closest to u among those that Newton reaches from starts scattered around it."""
     generator = np.random.default_rng(5)
     size = np.where(u == 0.0, float(np.abs(u).max(initial=0.0)) or 1.0, np.abs(u))
@@ -91,19 +94,19 @@ def _nearest(system: Any, u: Array, p: Array, angle_periods: Array) -> Array | N
     return None
 
 
-def _advice(system: Any, nearest: Array | None) -> str:
+def _advice(system: System, nearest: Array | None) -> str:
     if nearest is None:
         return "No equilibrium was found around the start either; give another start, or other parameters."
     return f"The nearest equilibrium found is {_states(system, nearest)}; start there, or give other parameters."
 
 
-def _states(system: Any, u: Array) -> str:
+def _states(system: System, u: Array) -> str:
     names = system.state_names or tuple(f"u{k}" for k in range(len(u)))
     listed = ", ".join(f"{n} = {v:.6g}" for n, v in zip(names[:SHOWN], u[:SHOWN], strict=True))
     return f"{listed}, ..." if len(u) > SHOWN else listed
 
 
-def _newton(system: Any, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
+def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
     problem = EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods)
     n = problem.n
 
@@ -195,7 +198,7 @@ def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:
     return scale * step if np.all(np.isfinite(step)) else None
 
 
-def _failure(system: Any, history: list[float], u: Array, residual: float) -> str:
+def _failure(system: System, history: list[float], u: Array, residual: float) -> str:
     shown = " -> ".join(f"{r:.1e}" for r in ([*history[:3], *history[-2:]] if len(history) > 5 else history))
     return (
         f"no equilibrium found from the start: residual {shown} after {len(history) - 1} Newton steps, smallest at "

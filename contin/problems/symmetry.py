@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
 from contin.abi import Array
 from contin.problems.maps.iterate import IteratedSystem
+
+if TYPE_CHECKING:
+    from contin.problems.contracts import InOneParameter
 
 STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
 CYCLE_STEP = 1e-6  # the same of a cycle's points, which iterates drive apart
@@ -23,13 +26,13 @@ class OrbitMaps(Protocol):
         """Images of rows z."""
 
 
-def symmetry_names(problem: Any) -> tuple[str, ...]:
+def symmetry_names(problem: InOneParameter) -> tuple[str, ...]:
     """The declared symmetries, then their products in pairs (`a*b`: first b, then a), which are symmetries too."""
     declared = tuple(s.name for s in problem.system.model.symmetries)
     return declared + tuple(f"{a}*{b}" for a in declared for b in declared if a != b)
 
 
-def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
+def apply_symmetry(problem: InOneParameter, name: str, z: Array) -> Array:
     """Images of rows z (k, n + 1) under a name of `symmetry_names`: the state part is mapped, the parameter stays."""
     if "*" in name:
         outer, inner = name.split("*")
@@ -44,7 +47,7 @@ def apply_symmetry(problem: Any, name: str, z: Array) -> Array:
     return mapped
 
 
-def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str, ...]:
+def reversing_symmetries(problem: InOneParameter, z: Array, direction: Array) -> tuple[str, ...]:
     """Symmetries that keep z (modulo angle periods) and turn `direction` (unscaled, (n + 1,)) round.
 
     At a branch point they map one half of the new branch onto the other: the point breaks them. A cycle of a map is
@@ -70,7 +73,7 @@ def reversing_symmetries(problem: Any, z: Array, direction: Array) -> tuple[str,
     return tuple(found)
 
 
-def _shifts(problem: Any, rows: Array) -> Iterator[Array]:
+def _shifts(problem: InOneParameter, rows: Array) -> Iterator[Array]:
     """Rows (k, n + 1), and of an iterated map the same cycles from their other points."""
     yield rows
     if isinstance(problem.system, IteratedSystem):
@@ -79,7 +82,7 @@ def _shifts(problem: Any, rows: Array) -> Iterator[Array]:
             yield np.array([np.append(orbit[j], z[-1]) for orbit, z in zip(orbits, rows, strict=True)])
 
 
-def is_fixed_by(problem: Any, name: str, z: Array) -> bool:
+def is_fixed_by(problem: InOneParameter, name: str, z: Array) -> bool:
     """True where the symmetry maps the state to itself (modulo angle periods)."""
     difference = _wrapped(apply_symmetry(problem, name, z)[0] - z, problem.angle_periods)
     return bool(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +10,11 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.describe import sheets_at
 
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
-def beyond(problem: Any, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+
+def beyond(problem: EquilibriumProblem, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
     """A point of the branch on the other side than its anchor `beside`, its tangent leading away."""
     own = point.vectors.get("beside")
     if own is None:

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.scales import parameter_width
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 UNBOUNDED = (-np.inf, np.inf)
 
@@ -27,7 +30,7 @@ class TwoParameterCurve(Protocol):
         """Label of the points on it: LP, HB, LPC, ..."""
 
     @property
-    def system(self) -> Any:
+    def system(self) -> System:
         """The compiled model."""
 
     @property
@@ -60,8 +63,9 @@ class TwoParameterProblem(ABC):
         return str(self.curve.type)
 
     @property
-    def system(self) -> Any:
-        return self.curve.system
+    def system(self) -> System:
+        system: System = self.curve.system
+        return system
 
     @property
     def base(self) -> Array:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.simulate.flight import fly
 from contin.simulate.run import observed
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 FINER: Final = 32  # samples between two samples, around an extreme one
 ALIKE: Final = 0.5  # second differences of neighbours that differ by less are those of a smooth function
@@ -55,7 +58,7 @@ def top(values: Array) -> float:
 
 
 def trajectory_around(
-    system: Any, p: Array, t: Array, states: Array, rtol: float, atol: Array
+    system: CompiledSystem, p: Array, t: Array, states: Array, rtol: float, atol: Array
 ) -> Callable[[int], Array]:
     """`around` for `extremes_between`: the observables on the trajectory through a row's neighbours."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from contin.kernels.piecewise.flow import Flow, new_memory
 from contin.model.evaluate import evaluate
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 RTOL = 1e-10
 CHUNK = 20_000  # steps between two looks at Ctrl-C
@@ -69,7 +72,7 @@ class Flight:
 
 
 def fly(
-    system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
+    system: CompiledSystem, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None,
     columns: NDArray[np.int64] | None = None, rtol: float = RTOL, atol: float | Array | None = None,
     max_step: float = np.inf, box: float | Array = 1e100, budget: int = BUDGET, pieces: Any = None,
@@ -150,7 +153,7 @@ def fly(
     )  # fmt: skip
 
 
-def is_stiff(system: Any, u: Array, p: Array, h: float) -> bool:
+def is_stiff(system: CompiledSystem, u: Array, p: Array, h: float) -> bool:
     """True where the step times the fastest decay rate is near the limit of the method's stability."""
     full = np.append(p[: system.m], p[-1]) if system.is_forced else p[: system.m]
     jacobian = np.asarray(system.jacobian(u, np.ascontiguousarray(full))[1])[:, : system.n]
@@ -160,8 +163,9 @@ def is_stiff(system: Any, u: Array, p: Array, h: float) -> bool:
 
 
 def _leave(
-    system: Any, begin: Array, p: Array, low: float, high: float, box: Array, rtol: float, atol: Array, y: Array
-) -> float:
+    system: CompiledSystem, begin: Array, p: Array, low: float, high: float, box: Array, rtol: float, atol: Array,
+    y: Array
+) -> float:  # fmt: skip
     """When the last step, from `begin` at time `low`, leaves the box; puts the state there into y."""
     start, inside = low, begin.copy()
     for _ in range(50):
@@ -178,10 +182,10 @@ def _leave(
     return high
 
 
-def forcing_period(system: Any, p: Array) -> float:
+def forcing_period(system: CompiledSystem, p: Array) -> float:
     """Period of a forced model at these parameters."""
     values = dict(zip(system.parameter_names, np.asarray(p, dtype=float)[: system.m].tolist(), strict=True))
-    return float(evaluate(system.model.forcing.period, values))
+    return float(evaluate(system.forcing_period, values))
 
 
 def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
@@ -191,7 +195,8 @@ def shifted(columns: NDArray[np.int64], pieces: Any) -> NDArray[np.int64]:
 
 
 def _outcome(
-    system: Any, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array, t: float,
+    system: CompiledSystem, status: int, y: Array, memory: Any, counts: NDArray[np.int64], budget: int, box: Array,
+    t: float,
     left: float,
 ) -> tuple[str, str]:  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -14,11 +14,14 @@ from contin.simulate.condition import condition
 from contin.simulate.flight import DONE
 from contin.simulate.run import EVENT, NO_EVENT, Simulation, observed
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 LONGEST: Final = 10_000_000
 
 
 def iterated(
-    model: Any, system: Any, u: Array, p: Array, time: float, transient: float, box: float, until: str | None
+    model: Any, system: CompiledSystem, u: Array, p: Array, time: float, transient: float, box: float, until: str | None
 ) -> Simulation:
     """Every iterate after the transient, up to the first one (but the start) for which `until` is true."""
     count, skipped = round(time), round(transient)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,6 +20,10 @@ from contin.errors import ContinError
 from contin.machine import elementary
 from contin.model.kept import kept_with
 from contin.model.model import Model
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
+
 
 REMEMBERED: Final = 256  # values of the parameters
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
@@ -41,7 +45,7 @@ class Metric:
         return relative * self.states
 
 
-def natural_metric(system: Any, u: Array, p: Array) -> Metric:
+def natural_metric(system: System, u: Array, p: Array) -> Metric:
     """The metric at a start (u, p) of a compiled model, or of a Python function."""
     n = int(system.n)
     full = np.append(p, 0.0) if system.is_forced else np.asarray(p, dtype=float)
@@ -71,7 +75,7 @@ def natural_metric(system: Any, u: Array, p: Array) -> Metric:
 
 
 def absolute_tolerances(
-    system: Any, u: Array, p: Array, relative: float, given: float | Array | None = None
+    system: System, u: Array, p: Array, relative: float, given: float | Array | None = None
 ) -> Array:
     """Absolute tolerances of the states (n,): as given, for one or all, or these parts of their natural sizes."""
     if given is not None:
@@ -133,7 +137,7 @@ def beyond_rounding(u: Array, usual: Array) -> Array:
     return np.asarray(np.where(size > ROUNDING * usual, size, 0.0))
 
 
-def pure_derivatives(system: Any, u: Array, p: Array) -> tuple[Array, Array]:
+def pure_derivatives(system: System, u: Array, p: Array) -> tuple[Array, Array]:
     """|d^2 F_k / d u_i^2| and |d^3 F_k / d u_i^3|, (n, n) each; p (p_size,)."""
     n = int(system.n)
     directions = np.eye(n, n + len(p))

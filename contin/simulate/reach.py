@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
-def left_reach(system: Any, states: Array, parameters: Array) -> tuple[int, str] | None:
+
+
+def left_reach(system: System, states: Array, parameters: Array) -> tuple[int, str] | None:
     """The first of N points at which the model's equations do not hold, and why; None where they hold at all.
 
     system : compiled.  states : (N, n), parameters : (N, p_size).

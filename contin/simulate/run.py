@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
 from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 from contin.simulate.until import fly_until, with_clock
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
@@ -125,7 +128,7 @@ def simulate(
 
 
 def _flown(
-    model: Any, system: Any, u: Array, p: Array, times: Array, until: str | None, options: dict[str, Any]
+    model: Any, system: CompiledSystem, u: Array, p: Array, times: Array, until: str | None, options: dict[str, Any]
 ) -> tuple[Any, str, str]:
     """(flight, outcome, why) of the compiled integrator."""
     if until is None:
@@ -140,7 +143,7 @@ def _flown(
     return flight, NO_EVENT, f"the event {until} did not come until t = {flight.end_time:.6g}"
 
 
-def observed(system: Any, states: Array, p: Array, t: Array) -> Array:
+def observed(system: CompiledSystem, states: Array, p: Array, t: Array) -> Array:
     """Observables at the states (T, k)."""
     if not system.observable_names or not len(states):
         return np.empty((len(states), len(system.observable_names)))
@@ -148,7 +151,7 @@ def observed(system: Any, states: Array, p: Array, t: Array) -> Array:
     return np.asarray(system.observables(np.ascontiguousarray(states), rows)).reshape(len(states), -1)
 
 
-def over_time(system: Any, p: Array, t: Array) -> Array:
+def over_time(system: CompiledSystem, p: Array, t: Array) -> Array:
     """The parameters at the times t, (T, p_size)."""
     rows = np.tile(np.asarray(p, dtype=float), (len(t), 1))
     return np.column_stack([rows, t]) if system.is_forced else rows

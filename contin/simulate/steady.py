@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from contin.simulate.flight import fly
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.reach import left_reach
 from contin.simulate.run import observed, over_time
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 STATISTICS: Final = ("min", "mean", "max")
 FINEST: Final = 20_000  # samples of the shortest window
@@ -83,7 +86,7 @@ class Settled:
     why: str = ""
 
 
-def settle(system: Any, u: Array, p: Array, criterion: Criterion, metric: Metric | None = None) -> Settled:
+def settle(system: CompiledSystem, u: Array, p: Array, criterion: Criterion, metric: Metric | None = None) -> Settled:
     """Integrate (iterate) until the system's observables have settled.
 
     `system` : compiled, with the quantities to watch as its observables (`contin.simulate.watch`).
@@ -140,7 +143,7 @@ class _Samples:
 Advance = Callable[[Array, int, int], tuple[Array, _Samples, float, str, str]]
 
 
-def _flight(system: Any, p: Array, criterion: Criterion, errors: Array, box: Array) -> Advance:
+def _flight(system: CompiledSystem, p: Array, criterion: Criterion, errors: Array, box: Array) -> Advance:
     """(u, samples so far, samples wanted) -> (u, samples, time, outcome, why) of a flow."""
     step = criterion.window / criterion.samples
 
@@ -159,7 +162,7 @@ def _flight(system: Any, p: Array, criterion: Criterion, errors: Array, box: Arr
     return advance
 
 
-def _iterates(system: Any, p: Array, box: Array) -> Advance:
+def _iterates(system: CompiledSystem, p: Array, box: Array) -> Advance:
     """The same of a map."""
 
     def advance(u: Array, done: int, count: int) -> tuple[Array, _Samples, float, str, str]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 CALLS = 5_000_000  # of the right-hand side
 NONSMOOTH = "a piecewise-smooth flow: corners are stepped over by error control alone, and sliding is not noticed"
@@ -17,7 +20,7 @@ class _TooManyCallsError(Exception):
 
 
 def integrate_stiff(
-    system: Any, u: Array, p: Array, times: Array, method: str, rtol: float, atol: Array, box: float
+    system: CompiledSystem, u: Array, p: Array, times: Array, method: str, rtol: float, atol: Array, box: float
 ) -> tuple[Array, Array, int, str, str]:
     """(t, states, steps, outcome, why) with the states at `times` as far as the solution goes; from t = 0.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from contin.lowering import compile_system
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 STEPS = 60
 LARGEST = 100_000
@@ -111,6 +114,6 @@ def parameters_of(model: Any, start: Any) -> dict[str, Any]:
     return dict(model.start(start).parameters if isinstance(start, str) else start.get("parameters", {}))
 
 
-def default_criterion(system: Any, metric: Metric) -> Criterion:
+def default_criterion(system: CompiledSystem, metric: Metric) -> Criterion:
     """Windows of 30 turns or more of the fastest linear rate at the start (a map: of 200 iterates)."""
     return Criterion(200.0 if system.kind == "map" else 30.0 * 2.0 * np.pi * metric.time)

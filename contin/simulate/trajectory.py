@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from contin.kernels import runge_kutta as kernel
 from contin.simulate.flight import fly
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
 from contin.simulate.section import Section
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 __all__ = ["Section", "Trajectory", "integrate"]
 
@@ -38,7 +41,7 @@ class Trajectory:
 
 
 def integrate(
-    system: Any, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
+    system: CompiledSystem, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None, rtol: float = RTOL,
     atol: float | Array | None = None, max_step: float = np.inf, budget: int = 5_000_000,
 ) -> Trajectory:  # fmt: skip
@@ -100,13 +103,13 @@ def integrate(
     )  # fmt: skip
 
 
-def _largest(system: Any, u: Array) -> str:
+def _largest(system: CompiledSystem, u: Array) -> str:
     """The state of largest modulus and its value."""
     k = int(np.argmax(np.abs(u)))
     return f"{system.state_names[k]} = {u[k]:.3g}"
 
 
-def _in_pieces(system: Any, u: Array, p: Array, duration: float, **options: Any) -> Trajectory:
+def _in_pieces(system: CompiledSystem, u: Array, p: Array, duration: float, **options: Any) -> Trajectory:
     flight = fly(system, u, p, duration, **options).finished()
     n, taken = system.n, len(flight.t)
     carried = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 from contin.transitions.small_cycles import follows_cycles
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 INTERVALS = 60
 EPS = (0.1, 0.3, 0.03, 0.01, 0.003, 0.001)  # tried extents of the predicted orbit, relative to the states' sizes
@@ -54,7 +57,9 @@ def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters:
     return []
 
 
-def _seed(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: Any, eps: float, parent: Parent) -> Seed:
+def _seed(
+    system: CompiledSystem, u: Array, p: Array, active: tuple[int, int], unfolding: Any, eps: float, parent: Parent
+) -> Seed:
     """The predicted orbit, about the exact fold of equilibria nearby, corrected.
 
     The linear map of the parameters leaves an error of the order of b1 = -4 eps^4 / a itself; counted from the fold
@@ -85,7 +90,7 @@ def _seed(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: A
     return seed
 
 
-def _fold(system: Any, u: Array, p: Array, active: tuple[int, int], unfolding: Any) -> tuple[Array, Array]:
+def _fold(system: CompiledSystem, u: Array, p: Array, active: tuple[int, int], unfolding: Any) -> tuple[Array, Array]:
     """The fold near u with the parameters moved along K[:, 0] from p: f = 0, f_u v = 0, <q0, v> = 1."""
     from scipy.optimize import root
 

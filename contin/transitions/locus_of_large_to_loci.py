@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
@@ -28,7 +27,7 @@ def loci_through(problem: LargeLocus, point: SpecialPoint, parameters: Sequence[
     parent = Parent(point.branch, point.label)
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
     known = point.vectors
-    found: list[tuple[str, float, NDArray[Any]]] = []
+    found: list[tuple[str, float, Vector]] = []
     for type_ in dict.fromkeys(CURVES.get(point.type, (own,))):
         if type_ == "LP":
             found.append(("LP", 0.0, np.real(known["null"])))

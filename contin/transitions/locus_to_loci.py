@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.problems.loci.problem import LocusProblem
 from contin.transitions.curve_through import seed_of
 from contin.transitions.registry import born
 from contin.transitions.zero_hopf_crossing import hopf_curves
+
+if TYPE_CHECKING:
+    pass
 
 CURVES: Final = {  # the curves that pass through a point
     "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("LP", "BP"),

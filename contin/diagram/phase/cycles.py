@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.problems.maps.cycle import CycleProblem
 from contin.problems.maps.iterate import iterate
 from contin.problems.start import converge
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 FIRST, LAST = 600, 6_000  # steps after which a point is looked at, and after which it is wandering for good
 LONGEST: Final = 64  # period up to which a cycle is looked for
@@ -90,7 +93,7 @@ def _is_shifted(problem: Any, z: Array, other: Array) -> bool:
     return any(float(np.abs(wrapped((one - other)[:-1], problem.angle_periods)).max()) <= size for one in shifted)
 
 
-def _settled(system: Any, u: Array, p: Array, periods: Array) -> tuple[Array | None, int]:
+def _settled(system: System, u: Array, p: Array, periods: Array) -> tuple[Array | None, int]:
     """Where a point settles, and the period: 0 where it has none, (None, 0) where it escapes."""
     x = np.array(u, dtype=float)
     size = max(1.0, float(np.abs(x).max()))

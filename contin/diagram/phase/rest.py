@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.diagram.phase.states import State
 from contin.errors import ContinError
 from contin.problems.orbits.simulation import time_scale
 from contin.simulate.trajectory import integrate
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 NEAR: Final = (1e-4, 1e-6)  # of the states' sizes: where the rates must fall in proportion
 PROPORTIONAL: Final = 3.0  # ... up to this factor
@@ -76,7 +79,7 @@ def _beside(problem: Any, moving: Any) -> list[Array]:
     return found
 
 
-def _falls(system: Any, u: Array, p: Array, moving: Any, size: float) -> bool:
+def _falls(system: CompiledSystem, u: Array, p: Array, moving: Any, size: float) -> bool:
     """True where the rates of all but angles fall in proportion to the distance from rest."""
     rates = []
     for near in NEAR:
@@ -88,7 +91,7 @@ def _falls(system: Any, u: Array, p: Array, moving: Any, size: float) -> bool:
     return rates[1] <= PROPORTIONAL * rates[0]
 
 
-def _grows(system: Any, start: Array, p: Array, moving: Any) -> bool | None:
+def _grows(system: CompiledSystem, start: Array, p: Array, moving: Any) -> bool | None:
     """Whether a trajectory from beside rest leaves it; None where it neither does nor comes nearer."""
     before = float(np.linalg.norm(start[moving]))
     with suppress(ContinError, np.linalg.LinAlgError):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample
 from contin.machine import elementary
 from contin.problems import defining
+
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
 
 FORCED: Final = 1e-2  # slope |psi . F_p| near a point, relative to F_u and F_p, up to which it is looked for here
 STEP: Final = 1e-6  # scaled, of the derivatives of the conditions beside the curve's equations
@@ -37,12 +40,12 @@ class Crossing:
     error: float
 
 
-def is_forced(problem: Any, z: Array, scale: Array, limit: float = FORCED) -> bool:
+def is_forced(problem: LocusProblem, z: Array, scale: Array, limit: float = FORCED) -> bool:
     """True where neither parameter unfolds the vanishing eigenvalue at z (by more than `limit`)."""
     return float(np.max(np.abs(_slopes(problem, z, scale, _left(problem, z))))) < limit
 
 
-def solve(problem: Any, eigenvalue: Callable[[Array], float], near: Sample, frame: Frame) -> Crossing | None:
+def solve(problem: LocusProblem, eigenvalue: Callable[[Array], float], near: Sample, frame: Frame) -> Crossing | None:
     """The point next to `near`, with eigenvalue(z) = 0; None where the equations have no regular solution there."""
     curve, scale = problem.curve, frame.scale
     parameters = curve.parameters(near.z)
@@ -84,7 +87,7 @@ def solve(problem: Any, eigenvalue: Callable[[Array], float], near: Sample, fram
     return Crossing(y, float(np.max(np.abs(g))), scatter)
 
 
-def other_tangents(problem: Any, z: Array, scale: Array, own: Array | None = None) -> list[Array]:
+def other_tangents(problem: LocusProblem, z: Array, scale: Array, own: Array | None = None) -> list[Array]:
     """Unit tangents (scaled) of the curves through a crossing, without that of `own`.
 
     On the kernel of the curve's Jacobian, tangents are the zeros of the quadratic form psi . D^2G.
@@ -121,12 +124,12 @@ def _zeros(form: Array) -> list[Array]:
     return [vectors[:, 0] * np.sqrt(high) + sign * vectors[:, 1] * np.sqrt(-low) for sign in (1.0, -1.0)]
 
 
-def _matrix(problem: Any, z: Array) -> Array:
+def _matrix(problem: LocusProblem, z: Array) -> Array:
     d = problem.curve.sizes
     return np.asarray(problem.curve.matrix(z) * d / d[:, None])
 
 
-def _left(problem: Any, z: Array) -> Array:
+def _left(problem: LocusProblem, z: Array) -> Array:
     """The left null vector of f_u (scaled), roughly: of the smallest real eigenvalue."""
     values, vectors = np.linalg.eig(_matrix(problem, z).T)
     size = float(np.abs(values).max())
@@ -137,7 +140,7 @@ def _left(problem: Any, z: Array) -> Array:
     return np.asarray(psi / np.linalg.norm(psi))
 
 
-def _slopes(problem: Any, z: Array, scale: Array, near: Array) -> Array:
+def _slopes(problem: LocusProblem, z: Array, scale: Array, near: Array) -> Array:
     """psi . F_p of both parameters, relative to the sizes of F_u and F_p; psi is followed from `near`."""
     curve, n, d = problem.curve, problem.n, problem.curve.sizes
     full = curve.system.jacobian(z[:n], curve.full_parameters(z))[1]

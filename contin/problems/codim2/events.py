@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from contin.problems.codim2.forms import described
 from contin.problems.codim2.functions import critical_indices, function_of, scaled_matrix
 from contin.problems.codim2.monitors import null_pair
 from contin.problems.codim2.triple_zero import triple_zero
+
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
 
 TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
     "LP": {"CP": 2, "BT": 3, "R1": 3, "double zero": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
@@ -114,7 +117,7 @@ def _orientation_jumps(a: Sample, b: Sample) -> bool:
     return bool(np.all(np.abs(first + second) <= JUMP * np.maximum(np.abs(first), np.abs(second))))
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a type from a nearby point of the curve; '' where there is nothing to report."""
     if type_ == "neutral":
         return ""
@@ -126,7 +129,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return triple_zero(problem, near, frame) or verified
 
 
-def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     function = function_of(problem, type_, near)
     if isinstance(function, str):
         return f"{type_} not verified: {function}"
@@ -150,7 +153,7 @@ def _verified(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified 
     return _point(problem, type_, solved, frame)
 
 
-def _point(problem: Any, type_: str, solved: _Solution, frame: Frame) -> Verified | str:
+def _point(problem: LocusProblem, type_: str, solved: _Solution, frame: Frame) -> Verified | str:
     """The point with its eigenvalues and normal form; '' for a neutral saddle, a sentence where it is another type."""
     z = solved.y * frame.scale
     if is_neutral(problem, type_, z) or (type_ == "DP" and _is_double_zero(problem, z)):
@@ -168,14 +171,14 @@ def _point(problem: Any, type_: str, solved: _Solution, frame: Frame) -> Verifie
     return described(problem, point, values[critical], plane, drift)
 
 
-def _is_double_zero(problem: Any, z: Array) -> bool:
+def _is_double_zero(problem: LocusProblem, z: Array) -> bool:
     """True where the coefficient of a DP vanishes with w . v: at a Bogdanov-Takens point, which has its own test."""
     shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
     v, w = null_pair(scaled_matrix(problem, z) - shift, np.zeros(problem.n))
     return problem.n > 1 and abs(float(w @ v)) < DOUBLE
 
 
-def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
+def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
@@ -235,14 +238,14 @@ def solve(problem: Any, function: Callable[[Array], float], near: Sample, scale:
     return _Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
 
 
-def eigenvalues(problem: Any, z: Array) -> Any:
+def eigenvalues(problem: LocusProblem, z: Array) -> Any:
     """Eigenvalues of f_u at z by falling real part."""
     d = problem.curve.sizes
     values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
     return values[np.lexsort((-values.imag, -values.real))]
 
 
-def with_degeneracy(problem: Any, chunk: Chunk) -> Chunk:
+def with_degeneracy(problem: LocusProblem, chunk: Chunk) -> Chunk:
     """A chunk along a curve of branch points with the test of DP filled in, cut after its first sign change."""
     previous = 0.0
     for row in range(len(chunk)):
@@ -254,7 +257,7 @@ def with_degeneracy(problem: Any, chunk: Chunk) -> Chunk:
     return chunk
 
 
-def is_neutral(problem: Any, type_: str, z: Array) -> bool:
+def is_neutral(problem: LocusProblem, type_: str, z: Array) -> bool:
     """True where the curve's own critical eigenvalues are real, so that there is no Hopf (Neimark-Sacker) point."""
     if type_ in ("BT", "R1", "R2") or problem.locus not in ("HB", "NS"):
         return False
@@ -262,7 +265,7 @@ def is_neutral(problem: Any, type_: str, z: Array) -> bool:
     return bool(scalar <= 0.0 if problem.locus == "HB" else abs(scalar) >= 1.0)
 
 
-def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
     is_map = problem.system.kind == "map"
     events = (MAP_EVENTS if is_map else EVENTS)[problem.locus]

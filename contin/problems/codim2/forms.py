@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,10 +17,14 @@ from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST
 from contin.normalforms.sources import compiled_jet
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 
 
-def jet_at(problem: Any, z: Array, active: tuple[int, ...] = ()) -> Any:
+
+def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Any:
     """Derivatives of the model at z, in the states and the parameters `active`."""
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"

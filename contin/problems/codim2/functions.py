@@ -7,7 +7,7 @@ point, null vectors come from borders that are fixed there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,12 +19,15 @@ from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
 from contin.problems.codim2.forms import jet_at
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 Function = Callable[[Array], float]
 COSINES = {"R1": 1.0, "R2": -1.0, "R3": -0.5, "R4": 0.0}
 REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
-def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
+def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | str:
     """The function whose zero on the curve is a point of this type; a string says why there is none."""
     locus = problem.locus
     if type_ == "BT" and locus == "HB":
@@ -47,20 +50,20 @@ def function_of(problem: Any, type_: str, near: Sample) -> Function | str:
     return _eigenvalue_function(problem, type_, near)
 
 
-def scaled_matrix(problem: Any, z: Array) -> Array:
+def scaled_matrix(problem: LocusProblem, z: Array) -> Array:
     """f_u in units of the states' sizes."""
     d = problem.curve.sizes
     return np.asarray(problem.curve.matrix(z) * d / d[:, None])
 
 
-def _shift(problem: Any) -> float:
+def _shift(problem: LocusProblem) -> float:
     """The critical eigenvalue of the curve: 0, or of maps 1 (LP, BP) and -1 (PD)."""
     if problem.locus == "PD":
         return -1.0
     return 1.0 if problem.system.kind == "map" else 0.0
 
 
-def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
+def _border_function(problem: LocusProblem, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
     """value(z, v, psi) of null vectors from [A b.
 
     C^T 0], b and c the singular vectors at z0, with v along the curve's.
@@ -85,7 +88,7 @@ def _border_function(problem: Any, z0: Array, value: Callable[[Array, Array, Arr
     return function
 
 
-def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
+def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
     """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
     curve = problem.curve
     wide = np.zeros(problem.n + len(problem.base))
@@ -96,7 +99,7 @@ def _quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
     return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
 
 
-def _flip_function(problem: Any, z: Array) -> float:
+def _flip_function(problem: LocusProblem, z: Array) -> float:
     """c / (1 + |c|) with c the cubic coefficient of a period doubling: bounded, where c itself has poles."""
     from contin.problems.codim2.monitors import flip_coefficient
 
@@ -104,7 +107,7 @@ def _flip_function(problem: Any, z: Array) -> float:
     return c / (1.0 + abs(c))
 
 
-def lyapunov(problem: Any, z: Array) -> float:
+def lyapunov(problem: LocusProblem, z: Array) -> float:
     """Re G21 of the first Lyapunov coefficient (`kernels.lyapunov`); l1 itself for user functions."""
     curve, n = problem.curve, problem.n
     kappa = curve.scalar(z)
@@ -126,7 +129,7 @@ def lyapunov(problem: Any, z: Array) -> float:
     return float(terms[0])
 
 
-def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
+def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float) -> float:
     """Re d of a Neimark-Sacker point."""
     if abs(cosine) >= 1.0:
         return 0.0
@@ -139,7 +142,7 @@ def _map_lyapunov(problem: Any, z: Array, cosine: float) -> float:
     return value if abs(value) > float(form.errors["d"]) else 0.0
 
 
-def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | str:
+def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | str:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
     own = own_critical(problem, near.z, values)  # type: ignore[arg-type]
@@ -162,7 +165,7 @@ def _eigenvalue_function(problem: Any, type_: str, near: Sample) -> Function | s
     return lambda z: _followed(problem, z, reference).real / size
 
 
-def _real_target(problem: Any, type_: str) -> float | None:
+def _real_target(problem: LocusProblem, type_: str) -> float | None:
     """Where a further real eigenvalue crosses at a point of this type; None where a pair does."""
     if type_ == "ZH" and problem.locus == "HB":
         return 0.0
@@ -173,12 +176,12 @@ def _real_target(problem: Any, type_: str) -> float | None:
     return None
 
 
-def _followed(problem: Any, z: Array, reference: complex) -> complex:
+def _followed(problem: LocusProblem, z: Array, reference: complex) -> complex:
     values = np.linalg.eigvals(scaled_matrix(problem, z))
     return complex(values[int(np.argmin(np.abs(values - reference)))])
 
 
-def own_critical(problem: Any, z: Array, values: Array) -> list[int]:
+def own_critical(problem: LocusProblem, z: Array, values: Array) -> list[int]:
     """Indices of the eigenvalues that are critical along the curve."""
     if problem.locus in ("LP", "BP", "PD"):
         return [int(np.argmin(np.abs(values - _shift(problem))))]
@@ -191,7 +194,7 @@ def own_critical(problem: Any, z: Array, values: Array) -> list[int]:
     return list(pairs[int(np.argmin(gaps))])
 
 
-def critical_indices(problem: Any, type_: str, z: Array, values: Array) -> list[int] | None:
+def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Array) -> list[int] | None:
     """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
     own = own_critical(problem, z, values)
     rest = [i for i in range(len(values)) if i not in own]

@@ -8,7 +8,7 @@ Used where there is no kernel: maps, large systems and user functions. Maps:
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,13 @@ from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
 from contin.problems.spectrum import count_and_tests
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 NOISE = 1e-9  # a relative size below this is a zero that stays: degenerate along the whole curve
 
 
-def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+def tests_at(problem: LocusProblem, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests from index 2 on, the number of eigenvalues on the unstable side without the critical ones.
 
     All eigenvalues.
@@ -60,7 +63,7 @@ def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
     return v, psi if np.linalg.slogdet(bordered)[0] < 0.0 else -psi
 
 
-def quadratic(problem: Any, z: Array, v: Array, psi: Array) -> float:
+def quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
     """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
     curve = problem.curve
     wide = np.zeros(problem.n + len(problem.base))
@@ -85,7 +88,7 @@ def pair_test(values: Any, is_map: bool) -> float:
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0
 
 
-def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
+def _map_tests(problem: LocusProblem, z: Array, matrix: Array, others: Any) -> Array:
     pairs = pair_test(others, True) if len(others) > 1 else 1.0
     if problem.locus == "NS":
         cosine = problem.curve.scalar(z)
@@ -108,7 +111,7 @@ def _map_tests(problem: Any, z: Array, matrix: Array, others: Any) -> Array:
     return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])
 
 
-def flip_coefficient(problem: Any, z: Array) -> float:
+def flip_coefficient(problem: LocusProblem, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
     try:
         form = period_doubling(jet_at(problem, z))

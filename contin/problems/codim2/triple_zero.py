@@ -7,7 +7,7 @@ systems are singular, so it is located by symmetric functions of the two other e
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,11 +15,14 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.codim2.functions import own_critical, scaled_matrix
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 VANISHING = 1e-4  # relative size of eigenvalues that vanish together: the root (or cube root) of rounding
 APART = 1e-3  # scaled distance from where it was suspected
 
 
-def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
+def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified | None:
     """The point near a sample of a curve of folds or branch points of a flow; None where there is none."""
     if problem.locus not in ("LP", "BP") or problem.system.kind == "map" or problem.n < 3:
         return None
@@ -42,7 +45,7 @@ def triple_zero(problem: Any, near: Sample, frame: Frame) -> Verified | None:
     return min(found, key=lambda point: point.error) if found else None
 
 
-def _others(problem: Any, z: Array) -> Any:
+def _others(problem: LocusProblem, z: Array) -> Any:
     """The two smallest eigenvalues without the curve's own, relative to the size of f_u (which is not zero there)."""
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)
@@ -50,5 +53,5 @@ def _others(problem: Any, z: Array) -> Any:
     return others[np.argsort(np.abs(others))[:2]] / max(float(np.linalg.norm(matrix)), 1e-300)
 
 
-def _vanish(problem: Any, z: Array, limit: float) -> bool:
+def _vanish(problem: LocusProblem, z: Array, limit: float) -> bool:
     return bool(np.abs(_others(problem, z)).max() <= limit)

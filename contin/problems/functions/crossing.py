@@ -8,7 +8,7 @@ h there, and with it the corner to second order in the distances used.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.abi import Array
 from contin.continuation.problem import Corner, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import dot, norm
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 BESIDE: Final = 3e-5  # distance from the corner (scaled) at which either formula is looked at
 KINK: Final = 1e-3  # relative change of the Jacobian across that distance that only a corner makes
@@ -35,12 +38,12 @@ class Bend:
     beyond: Array
 
 
-def unnamed_corner(problem: Any, last: Sample, frame: Frame) -> Bend | None:
+def unnamed_corner(problem: EquilibriumProblem, last: Sample, frame: Frame) -> Bend | None:
     """The corner near `last`, ahead or behind; None where there is none, or several surfaces meet."""
     return _searched(problem, last, frame, BESIDE) or _searched(problem, last, frame, FURTHER)
 
 
-def _searched(problem: Any, last: Sample, frame: Frame, first: float) -> Bend | None:
+def _searched(problem: EquilibriumProblem, last: Sample, frame: Frame, first: float) -> Bend | None:
     """The corner, looked for at the distance `first`, and then at BESIDE."""
     scale = frame.scale
     n = len(scale) - 1
@@ -82,7 +85,9 @@ def _searched(problem: Any, last: Sample, frame: Frame, first: float) -> Bend | 
     return Bend(corner, ahead, beyond if rate * dot(gradient, ahead) > 0.0 else -beyond)
 
 
-def cross_unnamed_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Corner] | None:
+def cross_unnamed_corner(
+    problem: EquilibriumProblem, last: Sample, frame: Frame, settings: Settings
+) -> tuple[Sample, Corner] | None:
     """A point just beyond the corner near `last`, and the corner."""
     bend = unnamed_corner(problem, last, frame)
     if bend is None:

@@ -17,9 +17,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine import elementary
 
 COMPLEX_STEP = 1e-30
@@ -31,7 +30,7 @@ NARROWER = (1.0, 0.1, 1e-2, 1e-3, 1e-4)  # stencils of the first derivative, whe
 ROUGH = 1e-4  # relative difference of a stencil and its inner pair, beyond which the function is not smooth across it
 AGREEMENT = 1e-5  # relative difference of a complex step and a real one, beyond which F is not analytic
 
-Function = Callable[[NDArray[Any], NDArray[Any]], NDArray[Any]]
+Function = Callable[[Vector, Vector], Vector]
 
 
 @cache

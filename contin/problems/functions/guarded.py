@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contin.abi import Vector
 from contin.errors import UserFunctionError
 
 
@@ -24,7 +24,7 @@ def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         raise UserFunctionError(f"the {what} raised {type(error).__name__}: {error}{place}") from error
 
 
-def vector(what: str, value: Any, n: int) -> NDArray[Any]:
+def vector(what: str, value: Any, n: int) -> Vector:
     """`value` as an array (n,); UserFunctionError where it is something else."""
     array = np.asarray(value)
     if array.shape != (n,):

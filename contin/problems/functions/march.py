@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.problems.spectrum import count_and_tests, spectrum
+
+if TYPE_CHECKING:
+    from contin.problems.contracts import Dense
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +22,7 @@ class DenseLinearisation:
     """Scaled residual (n,) and LU factors of M = [J; t^T] (n + 1, n + 1)."""
 
     residual: Array
-    factors: tuple[Array, NDArray[Any]]
+    factors: tuple[Array, Vector]
     sign: float
     log_determinant: float
 
@@ -52,7 +55,7 @@ def dense_linearisation(f: Array, jacobian: Array, tangent: Array, scale: Array)
 class DenseMarch:
     """A problem with `linearise`, `linear_part`, `is_map`, `angle_periods`, as `contin.continuation.march` takes it."""
 
-    problem: Any
+    problem: Dense
 
     @property
     def angle_periods(self) -> Array:

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.errors import InputError, NotFiniteError
 from contin.model.expression import number
 from contin.model.parts import Expectation
@@ -74,7 +74,7 @@ class FunctionProblem:
 
     def __init__(
         self,
-        residual: Callable[[NDArray[Any], Any], ArrayLike],
+        residual: Callable[[Vector, Any], ArrayLike],
         u0: ArrayLike,
         parameters: Values,
         jacobian: Callable[[Array, Any], Any] | None = None,

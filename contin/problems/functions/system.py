@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from contin.abi import NO_FUNCTION, Array
+from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError, InputWarning, NotFiniteError, UserFunctionError
 from contin.normalforms.jet import expand_complex
 from contin.problems.functions.derivatives import Lines, is_analytic
@@ -20,6 +20,7 @@ from contin.problems.functions.trials import not_analytic, real, try_function
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
+    from contin.systems.protocol import Limit
 
 LOOK_AGAIN = 8  # Jacobians by complex steps after which these are compared with differences
 NEAR = 2e-2  # relative distance (that of the widest difference) up to which a failure explains why a branch ends
@@ -37,12 +38,13 @@ class FunctionSystem:
     jacobian_address = NO_FUNCTION
     is_forced = False
     n_switches = 0
-    limits: tuple[Any, ...] = ()
+    limits: tuple[Limit, ...] = ()
 
     def __init__(self, model: FunctionProblem) -> None:
         self.model = model
         self.kind = model.kind
         self.n, self.m = model.n, len(model.parameter_names)
+        self.p_size = self.m
         self.state_names, self.parameter_names = model.state_names, model.parameter_names
         self._trouble: tuple[str, Array, Array] | None = None  # the last failure, and where: u, p
         self._worked: set[str] = set()
@@ -68,10 +70,10 @@ class FunctionSystem:
         if shape != (self.n, self.n):
             raise InputError(f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {shape}")
 
-    def _named(self, p: NDArray[Any]) -> dict[str, Any]:
+    def _named(self, p: Vector) -> dict[str, Any]:
         return dict(zip(self.parameter_names, p.tolist(), strict=True))
 
-    def attempt(self, what: str, evaluate: Callable[[], Any], failed: Any, u: NDArray[Any], p: NDArray[Any]) -> Any:
+    def attempt(self, what: str, evaluate: Callable[[], Any], failed: Any, u: Vector, p: Vector) -> Any:
         """evaluate(); where it raises UserFunctionError, `failed`, and the reason is kept. The first one must work."""
         try:
             value = evaluate()
@@ -85,13 +87,13 @@ class FunctionSystem:
 
     # values ---------------------------------------------------------------------------------------------------------
 
-    def raw(self, u: NDArray[Any], p: NDArray[Any]) -> NDArray[Any]:
+    def raw(self, u: Vector, p: Vector) -> Vector:
         """F(u, p) (n,), real or complex, as the user's function gives it."""
 
-        def evaluate() -> NDArray[Any]:
+        def evaluate() -> Vector:
             return vector("residual", called("residual", self.model.residual, u, self._named(p)), self.n)
 
-        value: NDArray[Any] = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
+        value: Vector = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
         return value
 
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
@@ -141,6 +143,10 @@ class FunctionSystem:
         """Images of N states, (N, n)."""
         chosen = next(s for s in self.model.symmetries if s.name == name)
         return np.array([chosen.map(row) for row in np.atleast_2d(np.asarray(u, dtype=float))], dtype=float)
+
+    def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Functions hold everywhere."""
+        return np.empty((len(np.atleast_2d(np.asarray(u))), 0))
 
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Functions are taken to be smooth."""
@@ -274,7 +280,7 @@ class FunctionSystem:
             matrix = np.column_stack([self.state_jacobian(states, others), *columns])
         return self.value(states, others), matrix
 
-    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k F(z)[d1, ..., dk], (n,), directions (n + m,), real or complex."""
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
 
@@ -287,7 +293,7 @@ class FunctionSystem:
 
         return expand_complex(real, tuple(np.asarray(d) for d in directions), self.n)
 
-    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2F(z)[v, .], (n, n + m), v real or complex."""
         direction = np.asarray(v)
         if np.iscomplexobj(direction):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.errors import UserFunctionError
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ DIRECTIONS: Final = 2
 SEARCHED: Final = 200  # states among which the wrong entry is searched for
 
 
-def real(what: str, array: NDArray[Any]) -> Array:
+def real(what: str, array: Vector) -> Array:
     """Numbers in double precision; UserFunctionError for complex ones."""
     if array.dtype.kind == "c":
         if np.any(array.imag != 0.0):
@@ -54,7 +54,7 @@ def try_function(system: FunctionSystem, u0: Array, p0: Array) -> None:
         _try_parameters(system, u, p, direction)
 
 
-def _value(system: FunctionSystem, u: Array, p: Array) -> NDArray[Any] | None:
+def _value(system: FunctionSystem, u: Array, p: Array) -> Vector | None:
     """F as the function gives it; None where it fails, or is not real and finite."""
     try:
         value = system.raw(u, p)
@@ -63,7 +63,7 @@ def _value(system: FunctionSystem, u: Array, p: Array) -> NDArray[Any] | None:
     return value if np.all(np.isfinite(value)) and not np.any(np.imag(value)) else None
 
 
-def _in_double_precision(value: NDArray[Any]) -> None:
+def _in_double_precision(value: Vector) -> None:
     floats = value.dtype in (np.float32, np.float16, np.complex64)
     numbers = np.real(value).astype(float)
     with np.errstate(over="ignore"):

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.machine import elementary
 from contin.problems.defining import _bordered as solve
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 FORCED = 1e-9  # an unfolding parameter below this is zero
 
@@ -45,7 +48,7 @@ class BorderedCurve:
     """z = (u, [kappa or unfolding], second parameter, first parameter), N - 1 equations."""
 
     type: str
-    system: Any
+    system: System
     base: Array
     first: int
     second: int

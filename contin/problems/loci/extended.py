@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -15,6 +15,9 @@ from contin.lowering import compile_system
 from contin.machine import elementary
 from contin.symbolic.passes import loci
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
 VECTOR = 2.0  # how much a turn of a null vector counts in the metric: 1 / VECTOR of its angle
 ORTHOGONAL = 1e-7
@@ -22,7 +25,7 @@ ORTHOGONAL = 1e-7
 _systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary()
 
 
-def extended_system(system: Any, type_: str, first: str, second: str) -> Any:
+def extended_system(system: CompiledSystem, type_: str, first: str, second: str) -> CompiledSystem:
     """The compiled defining system of a type's curve, made once per model and second parameter."""
     passes: dict[str, Callable[[], Any]] = {
         "LP": lambda: loci.fold_system(system.model, second),
@@ -31,7 +34,7 @@ def extended_system(system: Any, type_: str, first: str, second: str) -> Any:
         "NS": lambda: loci.hopf_system(system.model, second),
         "BP": lambda: loci.branch_point_system(system.model, first, second),
     }
-    known = _systems.setdefault(system, {})
+    known: dict[tuple[str, ...], CompiledSystem] = _systems.setdefault(system, {})
     key = (type_, first, second) if type_ == "BP" else (type_, second)
     if key not in known:
         known[key] = compile_system(passes[type_]())
@@ -53,7 +56,7 @@ class ExtendedCurve:
     """
 
     type: str
-    system: Any
+    system: CompiledSystem
     base: Array
     first: int
     second: int

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,15 @@ from contin.continuation.settings import Settings
 from contin.problems.codim2.monitors import tests_at
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 
 @dataclass(frozen=True, eq=False)
 class LocusMarch:
     """A `LocusProblem` as the Python march takes it."""
 
-    problem: Any
+    problem: LocusProblem
 
     @property
     def angle_periods(self) -> Array:
@@ -54,7 +57,7 @@ class LocusMarch:
 
 
 def march(
-    problem: Any, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+    problem: LocusProblem, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     settings: Settings, loop: Sample | None,
 ) -> Chunk:  # fmt: skip
     """`Problem.march`; the borders were renewed at origin."""
@@ -62,6 +65,8 @@ def march(
     return python_march.march(LocusMarch(problem), origin, before, length, frame, step, limit, bounds, settings, loop)
 
 
-def probe(problem: Any, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+def probe(
+    problem: LocusProblem, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings
+) -> Sample | None:
     """`Problem.probe`."""
     return python_march.probe(LocusMarch(problem), base, length, guess, frame, settings)

@@ -114,7 +114,7 @@ class LocusProblem(TwoParameterProblem):
     @cached_property
     def _functions(self) -> tuple[int, int, int, int]:
         """Address of the extended system, the kernel's kind, addresses of the second and third derivatives."""
-        system = self.system
+        system = self.curve.system
         third = system.form(3) if self.locus == "HB" else system.form(2)
         return self.curve.extended.jacobian_address, _KINDS[self.locus], system.form(2), third
 

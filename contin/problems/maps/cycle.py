@@ -14,9 +14,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
@@ -49,8 +48,8 @@ class CycleProblem:
 
     @property
     def system(self) -> IteratedSystem:
-        iterated: IteratedSystem = self.inner.system
-        return iterated
+        assert isinstance(self.inner.system, IteratedSystem)
+        return self.inner.system
 
     @property
     def period(self) -> int:
@@ -234,7 +233,7 @@ def carried(problem: CycleProblem, z: Array, *path: Array) -> list[Array]:
     """
     base, p, n = problem.system.base, problem.inner.full_parameters(z), problem.n
     x = z[:-1]
-    current: list[NDArray[Any]] = []
+    current: list[Vector] = []
     for v in path:
         wide = np.zeros(n + base.m)
         wide[:n], wide[n + problem.active] = v[:-1], v[-1]

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from contin.abi import NO_FUNCTION, Array
+from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import Described, Limit, System
 
 PERIOD = "period"  # the column that says how many steps a cycle has
 
@@ -22,16 +25,16 @@ class IteratedSystem:
     Observables are those of the first point of the cycle, and `period`.
     """
 
-    base: Any
+    base: System
     times: int
 
     jacobian_address = NO_FUNCTION
     kind = "map"
     is_forced = False
-    limits: tuple[Any, ...] = ()
+    limits: tuple[Limit, ...] = ()
 
     @property
-    def model(self) -> Any:
+    def model(self) -> Described:
         """The model of the map itself; its symmetries are symmetries of the iterates."""
         return self.base.model
 
@@ -42,6 +45,10 @@ class IteratedSystem:
     @property
     def m(self) -> int:
         return int(self.base.m)
+
+    @property
+    def p_size(self) -> int:
+        return self.m
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -92,6 +99,10 @@ class IteratedSystem:
         repeated = np.ascontiguousarray(np.repeat(others, points, axis=0))
         return np.asarray(self.base.symmetry(name, rows.reshape(-1, self.n), repeated)).reshape(rows.shape)
 
+    def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Maps hold everywhere."""
+        return np.empty((len(np.atleast_2d(np.asarray(u))), 0))
+
     def switches(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Switching functions of the map at every point of the cycle."""
         if not self.base.n_switches:
@@ -127,7 +138,7 @@ class IteratedSystem:
             slope = _after(matrix, slope)
         return x, slope
 
-    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> NDArray[Any]:
+    def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k of the iterate along k directions (n + m,), real or complex.
 
         With g_j the j-th iterate on (u, p), D^k g_j[V] = sum over partitions of V of D^r f [D g_{j-1}[block], ...]
@@ -135,15 +146,15 @@ class IteratedSystem:
         """
         given = [np.asarray(d) for d in directions]
         subsets = _subsets(len(given))
-        known: dict[tuple[int, ...], NDArray[Any]] = {
+        known: dict[tuple[int, ...], Vector] = {
             s: given[s[0]] if len(s) == 1 else np.zeros(self.n + self.m) for s in subsets
         }
         x = np.array(u, dtype=float)
         for _ in range(self.times):
             value, matrix = self.base.jacobian(x, p)
-            fresh: dict[tuple[int, ...], NDArray[Any]] = {}
+            fresh: dict[tuple[int, ...], Vector] = {}
             for s in subsets:
-                total: NDArray[Any] = matrix @ known[s]
+                total: Vector = matrix @ known[s]
                 for blocks in _partitions(s):
                     if len(blocks) > 1:
                         total = total + self.base.derivative(x, p, *(known[b] for b in blocks))
@@ -152,12 +163,12 @@ class IteratedSystem:
             known, x = fresh, value
         return known[tuple(range(len(given)))][: self.n]
 
-    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> NDArray[Any]:
+    def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2 f^times [v, .], (n, n + m)."""
-        along: NDArray[Any] = np.asarray(v)
+        along: Vector = np.asarray(v)
         x = np.array(u, dtype=float)
         slope = np.eye(self.n, self.n + self.m)
-        second: NDArray[Any] = np.zeros((self.n, self.n + self.m))
+        second: Vector = np.zeros((self.n, self.n + self.m))
         for _ in range(self.times):
             value, matrix = self.base.jacobian(x, p)
             bent = self.base.gradient(x, p, along)
@@ -169,7 +180,7 @@ class IteratedSystem:
         return second
 
 
-def iterate(system: Any, times: int) -> Any:
+def iterate(system: System, times: int) -> System:
     """The system of the map's `times`-th iterate (of an iterate: of the map itself, so that nothing nests)."""
     if system.kind != "map":
         raise InputError("only a map can be iterated; this is a flow")
@@ -180,11 +191,11 @@ def iterate(system: Any, times: int) -> Any:
     return system if times == 1 else IteratedSystem(system, times)
 
 
-def _after(matrix: NDArray[Any], slope: Array) -> NDArray[Any]:
+def _after(matrix: Vector, slope: Array) -> Vector:
     """[f_u f_p] applied to (A, parameters as they are): f_u A + [0 f_p]."""
     n = len(matrix)
     with np.errstate(over="ignore", invalid="ignore"):  # a point that escapes has no derivatives, and says so
-        result: NDArray[Any] = matrix[:, :n] @ slope
+        result: Vector = matrix[:, :n] @ slope
         result[:, n:] += matrix[:, n:]
     return result
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,12 +11,15 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+
 STEPS: Final = 12  # secants to the point
 ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
 TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
 
 
-def cut_at_birth(problem: Any, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+def cut_at_birth(problem: OfPeriodicOrbits, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the point at which the amplitude of its orbits passes zero, which becomes the last row."""
     if len(chunk) < 2 or problem.curve.orbits.winding.any():
         return chunk
@@ -30,7 +33,7 @@ def cut_at_birth(problem: Any, chunk: Chunk, frame: Frame, settings: Settings) -
     return chunk
 
 
-def _deviations(problem: Any, z: Array, scale: Array) -> Array:
+def _deviations(problem: OfPeriodicOrbits, z: Array, scale: Array) -> Array:
     """u - mean of u, relative to the states' sizes."""
     curve = problem.curve
     u = curve.profile(z).at(TIMES)
@@ -38,7 +41,7 @@ def _deviations(problem: Any, z: Array, scale: Array) -> Array:
 
 
 def _smallest(
-    problem: Any, base: Sample, shape: Array, length: float, frame: Frame, settings: Settings
+    problem: OfPeriodicOrbits, base: Sample, shape: Array, length: float, frame: Frame, settings: Settings
 ) -> Sample | None:
     """The point within this arclength of the base at which the amplitude, negative beyond zero, vanishes."""
     near = float(np.sum(shape * shape))

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 
 if TYPE_CHECKING:
     from contin.problems.orbits.linear import OrbitLinear
@@ -42,8 +41,8 @@ class Bordered:
 
     columns: int
     rows: int
-    b: NDArray[Any]
-    c: NDArray[Any]
+    b: Vector
+    c: Vector
     factors: Any
 
     @classmethod
@@ -63,7 +62,7 @@ class Bordered:
         return bordered
 
     @classmethod
-    def with_borders(cls, matrix: Any, b: NDArray[Any], c: NDArray[Any]) -> Bordered:
+    def with_borders(cls, matrix: Any, b: Vector, c: Vector) -> Bordered:
         from scipy import sparse
 
         blocks = [[matrix, sparse.csc_matrix(b)], [sparse.csc_matrix(c.conj().T), None]]
@@ -72,7 +71,7 @@ class Bordered:
         whole = sparse.bmat(blocks, format="csc")
         return cls(matrix.shape[1], matrix.shape[0], b, c, factors(whole))
 
-    def solve(self) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    def solve(self) -> tuple[Vector, Vector, Vector]:
         """Right vectors V (columns, kernel), g (corank, kernel), left vectors W (rows, corank)."""
         kernel, corank = self.c.shape[1], self.b.shape[1]
         right = np.zeros((self.rows + kernel, kernel), self.c.dtype)
@@ -86,11 +85,11 @@ class Bordered:
         return solution[: self.columns], solution[self.columns :], adjoint[: self.rows]
 
 
-def _orthonormal(columns: NDArray[Any]) -> NDArray[Any]:
+def _orthonormal(columns: Vector) -> Vector:
     return np.asarray(np.linalg.qr(columns)[0]) if columns.shape[1] else columns
 
 
-def _near(new: NDArray[Any], old: NDArray[Any]) -> bool:
+def _near(new: Vector, old: Vector) -> bool:
     """True where the orthonormal columns `new` lie nearly in the span of those of `old`."""
     return bool(np.linalg.norm(new - old @ (old.conj().T @ new)) < NEAR)
 

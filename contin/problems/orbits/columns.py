@@ -6,13 +6,16 @@ Rows are padded with NaN on the left to a common length, see `contin.problems.or
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile, extrema
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 
 def of_one_size(z: Array) -> Iterator[tuple[NDArray[np.intp], Array]]:
@@ -53,7 +56,7 @@ def periods(z: Array, profile: Callable[[Array], Profile]) -> Array:
     return found
 
 
-def with_observables(system: Any, u: Array, p: Array) -> Array:
+def with_observables(system: CompiledSystem, u: Array, p: Array) -> Array:
     """States and observables (R, K, k) at nodes u (R, K, n) of orbits with parameters p (R, p_size)."""
     if not system.observable_names:
         return u
@@ -62,6 +65,6 @@ def with_observables(system: Any, u: Array, p: Array) -> Array:
     return np.concatenate([u, np.asarray(observed).reshape(count, nodes, -1)], axis=2)
 
 
-def names_of(system: Any) -> list[str]:
+def names_of(system: CompiledSystem) -> list[str]:
     """States and observables."""
     return [*system.state_names, *system.observable_names]

@@ -9,12 +9,11 @@ NS    ... with v(2) - 2 cos(theta) v(1) + v(0) = 0, theta unknown
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample
 from contin.machine import elementary
 from contin.problems.orbits.bordered import Bordered
@@ -22,6 +21,9 @@ from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.loci.held import HeldCurve
 from contin.problems.orbits.marched_in_kernel import corrected
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 NEWTON_BUDGET: Final = 12
 SETTLED: Final = 1e-13
@@ -43,13 +45,13 @@ class SolvedOrbit:
     theta: float
     residual: float
     error: float
-    right: NDArray[Any]
+    right: Vector
     scale: Array  # the metric
     finer: SolvedOrbit | None = None  # the same on a mesh of half the lengths; only interpolated if not confirmed
     confirmed: bool = True  # the same point was found on the finer mesh
 
 
-def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
+def solve_special(problem: OrbitProblem, type_: str, z: Array, scale: Array, theta: float = 0.0) -> SolvedOrbit | None:
     """Newton on the defining system of LPC, BPC, PD or NS from z; None where it does not converge.
 
     The error has two parts: how rounding reaches p (scatter of Newton steps from perturbed solutions), and the
@@ -71,7 +73,7 @@ def solve_special(problem: Any, type_: str, z: Array, scale: Array, theta: float
     return replace(found, error=found.error + discretisation, finer=refined, confirmed=confirmed)
 
 
-def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
+def flat_fold(problem: OrbitProblem, z: Array, scale: Array) -> SolvedOrbit | None:
     """A fold where the parameter is constant to rounding (a canard explosion), z where the multiplier passes 1.
 
     The defining system is singular to rounding there. The error is the change of the parameter on a mesh of half the
@@ -91,7 +93,7 @@ def flat_fold(problem: Any, z: Array, scale: Array) -> SolvedOrbit | None:
     return SolvedOrbit(z, 0.0, residual, error, right, scale, refined)
 
 
-def on_finer_mesh(problem: Any, z: Array, scale: Array) -> tuple[Profile, Array]:
+def on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> tuple[Profile, Array]:
     """The orbit interpolated on a mesh of half the lengths, and the metric there."""
     profile = problem.profile(z)
     finer = profile.on_mesh(np.repeat(profile.h / 2.0, 2))
@@ -99,7 +101,7 @@ def on_finer_mesh(problem: Any, z: Array, scale: Array) -> tuple[Profile, Array]
     return finer, make_scale(finer.h, profile.m, problem.sizes(z, scale), period, float(scale[-1]))
 
 
-def same_period_on_finer_mesh(problem: Any, z: Array, scale: Array) -> Array | None:
+def same_period_on_finer_mesh(problem: OrbitProblem, z: Array, scale: Array) -> Array | None:
     """The orbit of the same period on a mesh of half the lengths."""
     finer, finer_scale = on_finer_mesh(problem, z, scale)
     fixed = np.zeros(finer_scale.size)
@@ -110,7 +112,7 @@ def same_period_on_finer_mesh(problem: Any, z: Array, scale: Array) -> Array | N
 
 
 def _newton(
-    problem: Any, type_: str, z: Array, scale: Array, theta: float, samples: int = SAMPLES
+    problem: OrbitProblem, type_: str, z: Array, scale: Array, theta: float, samples: int = SAMPLES
 ) -> SolvedOrbit | None:
     curve = HeldCurve.of(type_, problem)
     metric = curve.join(scale, float(scale[-1]), 1.0)
@@ -135,7 +137,7 @@ def _newton(
 
 
 def _measured(
-    problem: Any, curve: HeldCurve, x: Array, scale: Array, metric: Array, samples: int
+    problem: OrbitProblem, curve: HeldCurve, x: Array, scale: Array, metric: Array, samples: int
 ) -> SolvedOrbit | None:
     """What Newton has found at x."""
     z = curve.orbit(x)

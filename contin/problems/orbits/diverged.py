@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
@@ -34,7 +37,7 @@ PRECISE = Settings(tolerance=1e-11)
 
 
 def diverged(
-    problem: Any, origin: Sample, before: Sample, frame: Frame, failed: bool = False
+    problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame, failed: bool = False
 ) -> tuple[End, Verified] | None:
     """The homoclinic or heteroclinic orbit that a family with growing period approaches.
 
@@ -157,7 +160,7 @@ def _growth(profile: Profile, earlier: Profile, sizes: Array) -> float:
 
 
 def _connection(
-    problem: Any, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
+    problem: OrbitProblem, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
 ) -> tuple[End, Verified]:
     name, names = problem.parameters[0], problem.system.state_names
     data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
@@ -19,6 +19,11 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of
 from contin.problems.orbits.traversed import joined
 from contin.problems.orbits.vertical import unbounded
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.shooting.problem import ShootingProblem
+
 
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
@@ -35,7 +40,7 @@ class Ending:
     point: Verified | None = None
 
 
-def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> Ending | None:
+def ending(problem: OrbitProblem, origin: Sample, before: Sample | None, frame: Frame) -> Ending | None:
     """The end that an orbit has reached, or None."""
     if before is None:
         return None
@@ -51,7 +56,7 @@ def ending(problem: Any, origin: Sample, before: Sample | None, frame: Frame) ->
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
-def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+def foretold(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The homoclinic or heteroclinic orbit that a family was near whose corrector fails: the last orbits agree on it
     less well than elsewhere, and its error says so.
     """
@@ -61,7 +66,7 @@ def foretold(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Endi
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
-def _lingers(problem: Any, origin: Sample, frame: Frame) -> bool:
+def _lingers(problem: OrbitProblem, origin: Sample, frame: Frame) -> bool:
     sizes = problem.sizes(origin.z, frame.scale)
     return bool(problem.autonomous and dwelling(problem, problem.profile(origin.z), sizes) >= LINGERING)
 
@@ -72,7 +77,7 @@ def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
 
 
-def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+def shrunk(problem: OrbitProblem | ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     size = extent_of(profile, sizes)
@@ -103,7 +108,7 @@ def shrunk(problem: Any, origin: Sample, before: Sample, frame: Frame) -> Ending
     point = replace(
         profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1])
     )
-    values = np.linalg.eigvals(rest.linear_part(found))
+    values: Vector = np.linalg.eigvals(rest.linear_part(found))
     order = np.argsort(np.minimum(np.abs(values - 1j * frequency), np.abs(values + 1j * frequency)))
     others = values[order[2:]]
     with np.errstate(over="ignore"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from contin.problems.orbits.multipliers import critical, distance, nontrivial, w
 from contin.problems.orbits.normal_form import normal_form
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 RESIDUAL_LIMIT = 1e-7  # scaled
 CANCELLED = 64.0  # rounding errors of the range: what terms of the equations that cancel leave, the same in all samples
@@ -97,7 +100,7 @@ def _distance_from_one(sample: Sample) -> float:
     return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     theta, width = 0.0, float(frame.scale[-1])
     flat = type_ == "flat"
@@ -151,7 +154,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return normal_form(problem, point, solved)
 
 
-def _orientable(problem: Any, z: Array) -> bool:
+def _orientable(problem: OrbitProblem, z: Array) -> bool:
     """True for orbits without a simple negative multiplier: a sign that changes is rounding.
 
     In the plane the multiplier is exp(integral of the divergence). Those of an orbit that a symmetry shifts by
@@ -163,7 +166,7 @@ def _orientable(problem: Any, z: Array) -> bool:
     return kept is not None and kept[1] == 0.5
 
 
-def _turns(problem: Any, fold: Any, frame: Frame) -> bool:
+def _turns(problem: OrbitProblem, fold: Any, frame: Frame) -> bool:
     """True where w . F_p is far from zero, which it is at branch points (on a mesh that is not symmetric: nearly).
 
     w, the left null vector, is told by [F_u F_T F_p; right null vector], which is singular where w . F_p = 0.
@@ -187,13 +190,13 @@ def _one(fold: Any, branch_point: Any, frame: Frame) -> bool:
     return abs(float(gap[-1])) <= 2.0 * errors and float(np.linalg.norm(gap)) < ADJACENT
 
 
-def _at_rest(problem: Any, z: Array, frame: Frame) -> bool:
+def _at_rest(problem: OrbitProblem, z: Array, frame: Frame) -> bool:
     """True where a family is at its Hopf point; a forced system may rest as well as move."""
     extent = float(np.max(np.ptp(problem.profile(z).u, axis=0) / problem.sizes(z, frame.scale)))
     return problem.autonomous and extent < NO_ORBIT
 
 
-def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+def verify_compound(problem: OrbitProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Verified | str] = []
     folds, branches, _, flips = (bool(x) for x in a.tests * b.tests < 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
 from contin.simulate.reach import left_reach
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 _TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
 
@@ -37,7 +40,7 @@ class FamilyOfOrbits:
     `active` varies.  winding : what each state gains in one period (rotations).
     """
 
-    system: Any
+    system: CompiledSystem
     base: Array
     active: int
     winding: Array

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contin.lowering.machine import compile_routines
 from contin.lowering.routines import jacobian_routine
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +20,7 @@ class ForcingPeriod:
     code: Any
 
     @classmethod
-    def of(cls, system: Any) -> ForcingPeriod:
+    def of(cls, system: CompiledSystem) -> ForcingPeriod:
         """Of a compiled forced model."""
-        code = compile_routines([jacobian_routine("forcing", [system.model.forcing.period], system.layout)])
+        code = compile_routines([jacobian_routine("forcing", [system.forcing_period], system.layout)])
         return cls(code.addresses["forcing"], code)

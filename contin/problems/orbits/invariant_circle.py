@@ -10,7 +10,7 @@ take half of that time or less, before they pass p*.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from contin.problems.orbits.dwelling import dwelling, slowest_points
 from contin.problems.orbits.homoclinic.saddle_node import critical_direction, quadratic
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
@@ -50,7 +53,7 @@ class Bottleneck:
         return float(np.sqrt(abs(self.b * (parameter - float(self.z[-1])) / self.a)))
 
 
-def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
+def bottlenecks(problem: OrbitProblem, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
     """The folds of equilibria in whose neighbourhood the orbit is slow; none if it is slow elsewhere, too."""
     found = []
     for u in slowest_points(problem, profile, sizes):
@@ -61,7 +64,7 @@ def bottlenecks(problem: Any, profile: Profile, sizes: Array, width: float) -> l
     return found
 
 
-def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
+def _bottleneck(problem: OrbitProblem, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
     metric = np.append(np.sqrt(problem.n) * sizes, width)
     solved = defining.fold(equilibria_of(problem).scaled(metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
@@ -75,7 +78,9 @@ def _bottleneck(problem: Any, guess: Array, sizes: Array, width: float) -> Bottl
     return Bottleneck(z, solved.error * width, a, b) if a != 0.0 and b != 0.0 else None
 
 
-def invariant_circle(problem: Any, origin: Sample, before: Sample, frame: Frame) -> tuple[End, Verified] | None:
+def invariant_circle(
+    problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame
+) -> tuple[End, Verified] | None:
     """The fold of equilibria that the family has come to, or None."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if profile.period <= problem.profile(before.z).period or dwelling(problem, profile, sizes) < DWELT:

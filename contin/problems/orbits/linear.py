@@ -9,16 +9,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.kernels.collocation import LANES, evaluate, forcing_period, new_points, residual, set_phase
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.bordered import Bordered, crossing
 from contin.problems.orbits.layout import Profile
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
 
@@ -27,14 +30,14 @@ SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a p
 class OrbitLinear:
     """Equations and derivatives at z; the phase condition refers to `reference` (a vector like z on the same mesh)."""
 
-    problem: Any
+    problem: OrbitProblem
     z: Array
     scale: Array
     reference: Array
 
     @cached_property
     def profile(self) -> Profile:
-        return self.problem.profile(self.z)  # type: ignore[no-any-return]
+        return self.problem.profile(self.z)
 
     @cached_property
     def sizes(self) -> Array:
@@ -119,7 +122,7 @@ class OrbitLinear:
         profile = self.profile
         return profile.mesh[:-1, None] + profile.h[:, None] * basis(profile.m).gauss
 
-    def _local(self, matrices: NDArray[Any], factor: Array, with_slopes: bool) -> NDArray[Any]:
+    def _local(self, matrices: Vector, factor: Array, with_slopes: bool) -> Vector:
         """Blocks (N, m, n, m + 1, n): slopes x identity + factor values x matrices."""
         scheme = basis(self.profile.m)
         blocks = np.einsum("i,cj,ickq->ickjq", factor, scheme.values, matrices)
@@ -135,7 +138,7 @@ class OrbitLinear:
         return (i * m * n + r).ravel(), (i * m * n + c).ravel()
 
     def _assemble(
-        self, local: NDArray[Any], column_t: Any, column_p: Any, *, periodic: bool, phase: bool, rho: complex = 1.0
+        self, local: Vector, column_t: Any, column_p: Any, *, periodic: bool, phase: bool, rho: complex = 1.0
     ) -> Any:
         """Scaled sparse matrix; without columns T and p a square (nu, nu) one for the variational equation."""
         from scipy import sparse
@@ -181,7 +184,7 @@ class OrbitLinear:
         period, derivative = forcing_period(self.problem.equations, self._points, self.z)
         return float(period), float(derivative)
 
-    def hessian(self, v: NDArray[Any], variational: bool = False) -> Any:
+    def hessian(self, v: Vector, variational: bool = False) -> Any:
         """d (J v) / d x for v (nu + 2,) scaled, (nu + 1, nu + 2) sparse.
 
         Variational: of the matrix of v' = T f_u v, (nu, nu + 2).
@@ -211,7 +214,7 @@ class OrbitLinear:
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
         return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
 
-    def _assemble_second(self, local: NDArray[Any], column_t: Any, column_p: Any, height: int) -> Any:
+    def _assemble_second(self, local: Vector, column_t: Any, column_p: Any, height: int) -> Any:
         from scipy import sparse
 
         nu, collocation = self.nu, self.nu - self.profile.n
@@ -234,7 +237,7 @@ class OrbitLinear:
             first[:, :, :, -1] = np.moveaxis(w.ft, -1, 0)
         return first
 
-    def _second_derivatives(self, states: Array, direction: NDArray[Any]) -> NDArray[Any]:
+    def _second_derivatives(self, states: Array, direction: Vector) -> Vector:
         """D^2 f[direction, .] at the Gauss points, (N, m, n, n + p_size)."""
         profile, size = self.profile, direction.shape[2]
         p = np.tile(self.problem.full_parameters(self.z), (states.shape[0] * states.shape[1], 1))
@@ -251,7 +254,7 @@ class OrbitLinear:
             local = local.astype(complex)
         return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)
 
-    def variational_by_angle(self, rho: complex, v: NDArray[Any]) -> NDArray[Any]:
+    def variational_by_angle(self, rho: complex, v: Vector) -> Vector:
         """d (variational matrix v) / d theta, rho = exp(i theta), (nu,)."""
         n = self.profile.n
         out = np.zeros(self.nu, complex)
@@ -259,7 +262,7 @@ class OrbitLinear:
         return out
 
 
-def branch_tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
+def branch_tangents(problem: OrbitProblem, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""
     linear = OrbitLinear(problem, z, scale, z)
     jacobian = linear.jacobian

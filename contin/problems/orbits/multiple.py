@@ -8,7 +8,7 @@ symmetry keeps: S q = q, where S may shift the time by half a period.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.orbits.symmetry import moved_direction
 from contin.problems.symmetry import symmetry_names
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 CRITICAL: Final = 1e-3  # distance from 1 of the multipliers that pass it together
 MOST: Final = 6  # of them
 SIMPLE: Final = 1e-2  # distance of two eigenvalues of a symmetry's action from which they are two
@@ -28,12 +31,12 @@ SAME: Final = 1e-3  # 1 - cosine up to which two directions are one
 Complex = NDArray[np.complex128]
 
 
-def kernel_dimension(problem: Any, eigenvalues: Complex) -> int:
+def kernel_dimension(problem: OrbitProblem, eigenvalues: Complex) -> int:
     """Number of multipliers, beside the trivial one, that are 1 at a branch point."""
     return int(np.sum(np.abs(nontrivial(problem, eigenvalues) - 1.0) < CRITICAL))
 
 
-def crossing_tangents(problem: Any, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:
+def crossing_tangents(problem: OrbitProblem, z: Array, scale: Array, eigenvalues: Complex) -> list[Array]:
     """Unit tangents (scaled, like z) of the crossing families, one of those that symmetries map onto each other.
 
     Empty where no more than one multiplier is 1, or no symmetry tells a direction from the others.

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.machine import elementary
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
+
+
 Multipliers = NDArray[np.complex128]
 
 
-def nontrivial(problem: Any, values: Multipliers) -> Multipliers:
+def nontrivial(problem: FamilyOfOrbits, values: Multipliers) -> Multipliers:
     """Without the trivial one of an autonomous system, which stands first."""
     return values[1:] if problem.autonomous else values
 

@@ -17,15 +17,14 @@ the same point on a mesh of half the lengths (discretisation, and how well the p
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
@@ -37,14 +36,17 @@ from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
 VERTICAL: Final = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
 NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
-Values = NDArray[Any]  # of a function at the Gauss points, (N, m, n)
+Values = Vector  # of a function at the Gauss points, (N, m, n)
 
 
-def normal_form(problem: Any, point: Verified, solved: SolvedOrbit) -> Verified:
+def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> Verified:
     """The point with its coefficients, their errors, and the criticality of PD and NS or the kind of BPC.
 
     What cannot be computed is a remark.
@@ -67,7 +69,7 @@ def normal_form(problem: Any, point: Verified, solved: SolvedOrbit) -> Verified:
     return replace(point, normal_form={**form, "errors": {name: error}})
 
 
-def coefficient(problem: Any, type_: str, solved: SolvedOrbit) -> Coefficient:
+def coefficient(problem: OrbitProblem, type_: str, solved: SolvedOrbit) -> Coefficient:
     """b of LPC, c of PD or d of NS."""
     linear = OrbitLinear(problem, solved.z, solved.scale, solved.z)
     if type_ == "LPC":
@@ -91,30 +93,30 @@ class Variation:
         return Bordered.of(self.matrix, 1)
 
     @cached_property
-    def null(self) -> tuple[NDArray[Any], NDArray[Any]]:
+    def null(self) -> tuple[Vector, Vector]:
         """Right null vector (values at the nodes, raw), and left one."""
         v, _, w = self.bordered.solve()
         return self.raw(v[:, 0]), w[:, 0]
 
-    def raw(self, x: NDArray[Any]) -> NDArray[Any]:
+    def raw(self, x: Vector) -> Vector:
         """A scaled vector as values at the nodes, (N m + 1, n)."""
         return (x * self.linear.units[: self.linear.nu]).reshape(-1, self.linear.profile.n)
 
-    def _right(self, g: Values) -> NDArray[Any]:
+    def _right(self, g: Values) -> Vector:
         """Scaled right-hand side of the collocation equations, (nu,)."""
         profile, sizes = self.linear.profile, self.linear.sizes
         rows = (profile.h[:, None, None] * profile.period * g / sizes).ravel()
         return np.concatenate([rows, np.zeros(profile.n, rows.dtype)])
 
-    def projection(self, g: Values, left: NDArray[Any] | None = None) -> complex:
+    def projection(self, g: Values, left: Vector | None = None) -> complex:
         """Zero where the equation with right-hand side g has a solution; linear in g, of arbitrary scale."""
         return complex(np.vdot(self.null[1] if left is None else left, self._right(g)))
 
-    def modulus(self, g: Values, left: NDArray[Any] | None = None) -> float:
+    def modulus(self, g: Values, left: Vector | None = None) -> float:
         """Sum of the moduli of the terms of `projection`."""
         return float(np.abs(self.null[1] if left is None else left) @ np.abs(self._right(g)))
 
-    def solve(self, g: Values, singular: bool) -> NDArray[Any]:
+    def solve(self, g: Values, singular: bool) -> Vector:
         """A solution at the nodes."""
         right = self._right(g)
         if singular:
@@ -137,7 +139,7 @@ class Forms:
     def field(self) -> Array:
         return np.moveaxis(self.linear._points.f, -1, 0)
 
-    def values(self, w: NDArray[Any]) -> Values:
+    def values(self, w: Vector) -> Values:
         """A function at the nodes, at the Gauss points."""
         profile = self.linear.profile
         nodes = np.arange(profile.intervals)[:, None] * profile.m + np.arange(profile.m + 1)
@@ -159,18 +161,18 @@ class Forms:
         return np.asarray(found).reshape(shape)
 
 
-def _normalised(linear: OrbitLinear, w: NDArray[Any]) -> NDArray[Any]:
+def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
     """Mean square 1 over the orbit."""
     return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(w)), axis=1)))
 
 
-def branch_point(problem: Any, point: Verified, scale: Array) -> Mapping[str, Any]:
+def branch_point(problem: OrbitProblem, point: Verified, scale: Array) -> Mapping[str, Any]:
     """{kind, breaks}: pitchfork where the parameter does not move along one of the families, else transcritical.
 
     breaks: the declared symmetry that the orbit has and the new family has not; kernel: the number of multipliers that
     pass 1 together there, where it is above 1 (see `contin.problems.orbits.multiple`).
     """
-    tangents = crossing_tangents(problem, point.z, scale, point.eigenvalues)
+    tangents: Sequence[Array] = crossing_tangents(problem, point.z, scale, point.eigenvalues)
     kernel = {"kernel": kernel_dimension(problem, point.eigenvalues)} if tangents else {}
     tangents = tangents or problem.tangents(point.z, scale)
     if len(tangents) < 2 and not kernel:
@@ -204,7 +206,7 @@ def fold(linear: OrbitLinear) -> Coefficient:
     return _without_drift(periodic, forms, _normalised(linear, periodic.raw(q)), p)
 
 
-def _without_drift(periodic: Variation, forms: Forms, w: NDArray[Any], p: NDArray[Any]) -> Coefficient:
+def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> Coefficient:
     v = forms.values(w)
     return replace(_projected(periodic, v, [0.5 * forms.apply(v, v)], p), signed=False)
 
@@ -245,7 +247,7 @@ def _second_order(forms: Forms, periodic: Variation, g: Values, factor: float) -
     return factor * a, forms.values(periodic.solve(g - a * forms.field, singular=True))
 
 
-def _projected(critical: Variation, v: Values, terms: list[Values], left: NDArray[Any] | None = None) -> Coefficient:
+def _projected(critical: Variation, v: Values, terms: list[Values], left: Vector | None = None) -> Coefficient:
     """Sum of the terms' projections in units of v's.
 
     The moduli are those of the integrands, so that a projection which vanishes by symmetry has a size, too.

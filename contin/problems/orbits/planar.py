@@ -6,7 +6,7 @@ plane their net growth is exp of an integral, log mu = T int_0^1 div f(u(x)) dx,
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,15 @@ from contin.kernels.collocation import evaluate, new_points
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 LOST = 1e-3  # distance of the trivial multiplier from 1 from which the other one is computed anew
 EXPLODING = 1e-4  # ... and |dp/ds| (scaled) below which it always is: orbits explode at nearly one parameter
 LARGEST = 690.0  # of |log mu|, so that mu is a number
 
 
-def applies(problem: Any) -> bool:
+def applies(problem: OrbitProblem) -> bool:
     """True for orbits of autonomous equations in the plane."""
     return bool(problem.autonomous and problem.n == 2)
 
@@ -32,7 +35,7 @@ def unresolved(re: Array, im: Array, tests: Array) -> NDArray[np.bool_]:
     return np.asarray(~(fine & (np.abs(tests[:, 0]) > EXPLODING)))
 
 
-def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
+def resolve(problem: OrbitProblem, z: Array, re: Array, im: Array, tests: Array | None = None) -> int | None:
     """Mend in place the multipliers re + i im (2,) of an orbit, and the signs of its tests for NS and PD.
 
     Returns the unstable count; None, and nothing changes, where the multipliers are fine or the orbit is not planar.
@@ -50,7 +53,7 @@ def resolve(problem: Any, z: Array, re: Array, im: Array, tests: Array | None = 
     return int(mu > 1.0)
 
 
-def multiplier(problem: Any, z: Array) -> float:
+def multiplier(problem: OrbitProblem, z: Array) -> float:
     """exp(T int div f), by the quadrature of the collocation points."""
     profile = problem.profile(z)
     w = new_points(profile.n, profile.m, profile.intervals, problem.full_parameters(z))  # type: ignore[no-untyped-call]

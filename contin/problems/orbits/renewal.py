@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +14,15 @@ from contin.problems.orbits.ends import ending
 from contin.problems.orbits.layout import Profile, Transfer, make_scale
 from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
 TOO_FINE = 0.55  # part of the present number of intervals below which the mesh is made coarser
 
 
 def renew(
-    problem: Any, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    problem: OrbitProblem, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
 ) -> Renewal:
     """Metric and mesh for the next chunk, or the end of the branch."""
     found = ending(problem, origin, before, frame)
@@ -43,7 +46,7 @@ class Fit:
     period: float
 
 
-def refitted(problem: Any, profile: Profile, sizes: Array, period: float) -> Fit | None:
+def refitted(problem: OrbitProblem, profile: Profile, sizes: Array, period: float) -> Fit | None:
     """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do."""
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     longer = 2.0 * profile.period if profile.period > period else period
@@ -58,7 +61,7 @@ def refitted(problem: Any, profile: Profile, sizes: Array, period: float) -> Fit
     return None if same else Fit(h, grown, longer)
 
 
-def state_growth(problem: Any, profile: Profile, sizes: Array) -> Array:
+def state_growth(problem: OrbitProblem, profile: Profile, sizes: Array) -> Array:
     """The states' sizes, where an orbit has outgrown them its own; an angle's does not change."""
     largest = np.abs(profile.u).max(axis=0)
     return np.where((problem.state_periods == 0.0) & (largest > 1.5 * sizes), largest, sizes)
@@ -67,7 +70,7 @@ def state_growth(problem: Any, profile: Profile, sizes: Array) -> Array:
 class Move:
     """Takes samples to another mesh (by interpolation: the next march corrects its origin) and another metric."""
 
-    def __init__(self, problem: Any, old_scale: Array, scale: Array, h: Array) -> None:
+    def __init__(self, problem: OrbitProblem, old_scale: Array, scale: Array, h: Array) -> None:
         self.problem, self.old_scale, self.scale, self.h = problem, old_scale, scale, h
         self._transfers: dict[bytes, Transfer] = {}  # by the mesh from which they lead: mostly one
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.simulate.trajectory import integrate
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 SAMPLES: Final = 200  # of one forcing period of a trajectory
 LONG: Final = 50  # forcing periods over which a trajectory's mean is taken
 STEPS: Final = 200_000  # ... that it may take
@@ -23,7 +26,7 @@ STEPS: Final = 200_000  # ... that it may take
 Response = PeriodicOrbit | ShotOrbit
 
 
-def response(system: Any, u: Array, p: Array, periods: Array) -> Response:
+def response(system: CompiledSystem, u: Array, p: Array, periods: Array) -> Response:
     """The response that the trajectory from u settles on; where it settles on none, one of the forcing's own period.
 
     Newton looks for the latter from one forcing period of the trajectory, from the state u held, and from the
@@ -41,8 +44,8 @@ def response(system: Any, u: Array, p: Array, periods: Array) -> Response:
         return found
 
 
-def _of_one_period(system: Any, u: Array, p: Array, periods: Array) -> Response | None:
-    period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
+def _of_one_period(system: CompiledSystem, u: Array, p: Array, periods: Array) -> Response | None:
+    period = float(evaluate(system.forcing_period, dict(zip(system.parameter_names, p, strict=True))))
     times = np.linspace(0.0, period, SAMPLES + 1)
     for states in _guesses(system, u, p, times):
         with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):
@@ -52,7 +55,7 @@ def _of_one_period(system: Any, u: Array, p: Array, periods: Array) -> Response 
     return None
 
 
-def _guesses(system: Any, u: Array, p: Array, times: Array) -> Iterator[Array]:
+def _guesses(system: CompiledSystem, u: Array, p: Array, times: Array) -> Iterator[Array]:
     """States (times, n) over one forcing period."""
     with suppress(NotFiniteError):
         yield np.asarray(integrate(system, u, p, float(times[-1]), times=times, budget=STEPS).u)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,12 +15,15 @@ from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 OFF: Final = 0.02  # part of the forcing period by which samples may miss a multiple of it
 FIRST: Final = 100  # intervals that the samples are first laid on
 
 
 def orbit_from_samples(
-    system: Any, t: Array, u: Array, p: Array, periods: Array, intervals: int | None = None, points: int = 4
+    system: CompiledSystem, t: Array, u: Array, p: Array, periods: Array, intervals: int | None = None, points: int = 4
 ) -> PeriodicOrbit:
     """The periodic orbit near samples u (K, n) at times t (K,), the last the first again, at parameters p.
 
@@ -69,12 +72,12 @@ def _on_own_mesh(problem: OrbitProblem, z: Array, parameter: float) -> Array:
     return z if found is None else found
 
 
-def _in_step(system: Any, p: Array, t: Array) -> tuple[int, float, float]:
+def _in_step(system: CompiledSystem, p: Array, t: Array) -> tuple[int, float, float]:
     """(forcing periods that the samples span, the multiple of the period from which they are read, their exact length).
 
     The equations know the time: an orbit begins at 0 modulo the forcing period.
     """
-    forcing = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
+    forcing = float(evaluate(system.forcing_period, dict(zip(system.parameter_names, p, strict=True))))
     span = float(t[-1] - t[0]) / forcing
     multiple = max(round(span), 1)
     if abs(span - multiple) > OFF * multiple:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.simulate.trajectory import Section, integrate
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 FIRST_TIME = 60.0  # time scales before the first look
 LONGEST = 2e5  # time scales until giving up
@@ -49,7 +52,7 @@ class Return:
 
 
 def orbit_by_simulation(
-    system: Any,
+    system: CompiledSystem,
     u: Array,
     p: Array,
     periods: Array,
@@ -105,7 +108,7 @@ def refuse_chance(near: Return, orbit: Any) -> None:
 
 
 def find_return(
-    system: Any, u: Array, p: Array, periods: Array, transient: float = 0.0, longest: float = LONGEST,
+    system: CompiledSystem, u: Array, p: Array, periods: Array, transient: float = 0.0, longest: float = LONGEST,
     budget: int = BUDGET,
 ) -> Return:  # fmt: skip
     """Where the trajectory from u, settled, nearly closes; errors as above."""
@@ -150,14 +153,14 @@ def _turns(extent: Array, periods: Array) -> bool:
     return bool(np.any((periods > 0) & (extent > 0.5 * periods)))
 
 
-def time_scale(system: Any, u: Array, p: Array) -> float:
+def time_scale(system: CompiledSystem, u: Array, p: Array) -> float:
     _, jacobian = system.jacobian(u, np.append(p, 0.0) if system.is_forced else p)
     fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max())
     return 1.0 / fastest if np.isfinite(fastest) and fastest > 0.0 else 1.0
 
 
 def _return(
-    system: Any, u: Array, p: Array, periods: Array, time: float, extent: Array
+    system: CompiledSystem, u: Array, p: Array, periods: Array, time: float, extent: Array
 ) -> tuple[float, Array, float, int] | None:
     """(distance, state, period, loops): the best return to a section through u, of at most CROSSINGS."""
     unit = np.where(extent > 0.0, extent, 1.0)
@@ -184,9 +187,9 @@ def _return(
     return best
 
 
-def _forced(system: Any, u: Array, p: Array) -> Return:
+def _forced(system: CompiledSystem, u: Array, p: Array) -> Return:
     """Stroboscopic: the smallest multiple of the forcing period after which the state returns."""
-    period = float(evaluate(system.model.forcing.period, dict(zip(system.parameter_names, p, strict=True))))
+    period = float(evaluate(system.forcing_period, dict(zip(system.parameter_names, p, strict=True))))
     start, best, total = u, (np.inf, u, 1), 0
     for _ in range(60):
         total += 64
@@ -207,7 +210,9 @@ def _forced(system: Any, u: Array, p: Array) -> Return:
     return Return(best[1], best[2] * period, best[2], best[2], best[0], total * period)
 
 
-def _polished(system: Any, near: Return, p: Array, periods: Array, intervals: int | None, points: int) -> PeriodicOrbit:
+def _polished(
+    system: CompiledSystem, near: Return, p: Array, periods: Array, intervals: int | None, points: int
+) -> PeriodicOrbit:
     """The nearly closed trajectory on an adapted mesh, solved by Newton at fixed parameters."""
     period, multiple = near.period, near.multiple
     problem: OrbitProblem | None = None
@@ -251,7 +256,7 @@ def _not_found(near: Return) -> str:
     )
 
 
-def _sampled(system: Any, u: Array, p: Array, period: float, h: Array, points: int) -> Profile:
+def _sampled(system: CompiledSystem, u: Array, p: Array, period: float, h: Array, points: int) -> Profile:
     empty = Profile(points, np.empty((len(h) * points + 1, system.n)), period, h, 0.0)
     times = empty.times * period
     times[-1] = min(times[-1], period)

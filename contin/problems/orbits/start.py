@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
@@ -11,12 +11,15 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.symmetry import symmetry_names
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 
 @dataclass(frozen=True, eq=False)
 class PeriodicOrbit:
     """An orbit at fixed parameters p: the start of a continuation."""
 
-    system: Any
+    system: CompiledSystem
     profile: Profile
     p: Array
     winding: Array

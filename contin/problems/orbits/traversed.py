@@ -8,7 +8,7 @@ step helps the branch ends as joined.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Stop
 from contin.problems.orbits.layout import Profile
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 PARTS: Final = (2, 3)  # half and a third of the period
 SAMPLES: Final = 60  # times in a period at which orbits are compared
@@ -33,7 +36,7 @@ def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
     return np.asarray(difference / max(float(extent), np.finfo(float).tiny))
 
 
-def times_traversed(problem: Any, z: Array, before: Array, step: float) -> int:
+def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     for parts in PARTS:
         if problem.autonomous or problem.multiple % parts == 0:
@@ -46,7 +49,7 @@ def times_traversed(problem: Any, z: Array, before: Array, step: float) -> int:
     return 1
 
 
-def cut_where_traversed(problem: Any, chunk: Chunk) -> Chunk:
+def cut_where_traversed(problem: OrbitProblem, chunk: Chunk) -> Chunk:
     """The chunk before the row at which it slips, to go on with a shorter step; with that row where none helps."""
 
     def slipped(row: int) -> bool:
@@ -60,7 +63,7 @@ def cut_where_traversed(problem: Any, chunk: Chunk) -> Chunk:
     return chunk.cut(first if step > SHORTEST else first + 1, Stop.LIMIT, max(step, SHORTEST))
 
 
-def joined(problem: Any, z: Array, before: Array, scale: Array) -> End | None:
+def joined(problem: OrbitProblem, z: Array, before: Array, scale: Array) -> End | None:
     """The end of a family at an orbit (z, its row before) that is another one run through several times."""
     if z.size != before.size:
         return None

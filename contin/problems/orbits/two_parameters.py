@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,11 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.simulate.reach import left_reach
 
+if TYPE_CHECKING:
+    from contin.continuation.settings import Settings
+    from contin.lowering.system import CompiledSystem
+    from contin.problems.orbits.family import FamilyOfOrbits
+
 SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 ALIKE = 1e-7  # relative distance of parameters below which two points are one
 
@@ -24,11 +30,11 @@ ALIKE = 1e-7  # relative distance of parameters below which two points are one
 class CurveOfOrbits:
     """The equations of a curve; `orbits` gives those of the orbits, with the first parameter free."""
 
-    orbits: Any  # an `OrbitProblem` or a `ShootingProblem`
+    orbits: FamilyOfOrbits  # an `OrbitProblem` or a `ShootingProblem`
     second: int
 
     @property
-    def system(self) -> Any:
+    def system(self) -> CompiledSystem:
         return self.orbits.system
 
     @property
@@ -74,6 +80,15 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
 @dataclass(frozen=True, eq=False)
 class OrbitCurveProblem(TwoParameterProblem):
     """Curves whose unknowns follow a mesh: their number changes, so masks over them name none but the last."""
+
+    @abstractmethod
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        """See `contin.continuation.problem.Problem`."""
+
+    @property
+    def system(self) -> CompiledSystem:
+        system: CompiledSystem = self.curve.system
+        return system
 
     @property
     def angle_periods(self) -> Array:

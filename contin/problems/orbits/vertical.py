@@ -8,7 +8,7 @@ Physica D 181 (2003) 1).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from contin.continuation.problem import Frame, Sample
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.marched_in_kernel import corrected
 from contin.problems.orbits.saddles import extent_of
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 STILL = 1e-10  # dp/ds (scaled) below which the parameter stands still
 GROWN = 1e5  # ... and the amplitude up to which orbits are followed then
@@ -31,11 +34,11 @@ TOLERANCE = 1e-9  # of Newton's last step there
 FEWEST = 10  # rows that tell a family
 
 
-def unbounded(problem: Any, origin: Sample, frame: Frame) -> End | None:
+def unbounded(problem: OrbitProblem, origin: Sample, frame: Frame) -> End | None:
     """The end of a family of orbits that grow for ever at one parameter value, or until no mesh resolves them."""
     profile = problem.profile(origin.z)
-    hidden = "" if problem.origin is None else _hidden_by(problem, profile, origin, frame)
-    if hidden:
+    hidden = _hidden_by(problem, profile, origin, frame)
+    if problem.origin is not None and hidden:
         name, at = problem.parameters[0], problem.origin[0]
         text = (
             f"the orbits of this family all exist at {name} = {at:.10g}; from period {profile.period:.6g} on {hidden} "
@@ -54,13 +57,16 @@ def unbounded(problem: Any, origin: Sample, frame: Frame) -> End | None:
     return End("bound", text, {"value": at})
 
 
-def _hidden_by(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> str:
+def _hidden_by(problem: OrbitProblem, profile: Profile, origin: Sample, frame: Frame) -> str:
     """What keeps a large orbit from being seen at the parameter of the Hopf point, "" where it is, or is not there.
 
     Rounding, where the parameter still stands there but the tangent says that it moves; the error of the mesh, where it
     has left that value and goes back on a finer mesh.
     """
-    moved, width = abs(profile.parameter - problem.origin[0]), float(frame.scale[-1])
+    if problem.origin is None:
+        return ""
+    at = problem.origin[0]
+    moved, width = abs(profile.parameter - at), float(frame.scale[-1])
     if extent_of(profile, problem.sizes(origin.z, frame.scale)) < LARGE:
         return ""
     if moved <= CONSTANT * width:
@@ -68,11 +74,11 @@ def _hidden_by(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> 
     if not DRIFTED[0] * width < moved < DRIFTED[1] * width:
         return ""
     finer = _on_finer_mesh(problem, profile, origin, frame)
-    explained = finer is not None and abs(float(finer[-1]) - problem.origin[0]) < EXPLAINED * moved
+    explained = finer is not None and abs(float(finer[-1]) - at) < EXPLAINED * moved
     return "the error of the mesh" if explained else ""
 
 
-def _on_finer_mesh(problem: Any, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
+def _on_finer_mesh(problem: OrbitProblem, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
     """The orbit on a mesh of half the lengths: where the plane normal to the family's tangent meets it."""
     from contin.problems.orbits.renewal import Move
 
@@ -83,7 +89,7 @@ def _on_finer_mesh(problem: Any, profile: Profile, origin: Sample, frame: Frame)
     return corrected(problem, moved, Frame(scale), TOLERANCE)
 
 
-def stands_at_birth(problem: Any, z: Array) -> bool:
+def stands_at_birth(problem: OrbitProblem, z: Array) -> bool:
     """True where the parameter is still that of the Hopf point."""
     if problem.origin is None:
         return False
@@ -91,7 +97,7 @@ def stands_at_birth(problem: Any, z: Array) -> bool:
     return abs(float(z[-1]) - at) <= CONSTANT * max(1.0, abs(at))
 
 
-def is_at_birth(problem: Any, z: Array, error: float, frame: Frame) -> bool:
+def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> bool:
     """True for a large orbit whose parameter is that of the Hopf point to its error: a fold there is the mesh's."""
     if problem.origin is None or error > DRIFTED[1] * float(frame.scale[-1]):
         return False
@@ -100,13 +106,13 @@ def is_at_birth(problem: Any, z: Array, error: float, frame: Frame) -> bool:
     return extent_of(problem.profile(z), problem.sizes(z, frame.scale)) > LARGE
 
 
-def _range(problem: Any, profile: Profile) -> str:
+def _range(problem: OrbitProblem, profile: Profile) -> str:
     low, high = profile.u.min(axis=0), profile.u.max(axis=0)
     names = problem.system.state_names
     return ", ".join(f"{k} in [{a:.3g}, {b:.3g}]" for k, a, b in zip(names, low, high, strict=True))
 
 
-def remarks(problem: Any, z: Array) -> Sequence[str]:
+def remarks(problem: OrbitProblem, z: Array) -> Sequence[str]:
     """That all orbits of the family (rows z) exist at one parameter value, in words."""
     values = z[:, -1]
     if len(values) < FEWEST or problem.origin is None or not problem.autonomous:

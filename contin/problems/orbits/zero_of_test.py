@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
+
+if TYPE_CHECKING:
+    from contin.problems.contracts import Probing
+
 
 FIRST: Final = 1e-6  # (scaled arclength) half-width of the first bracket
 WIDENED: Final = 4.0  # ... which grows by this factor, so many times
@@ -25,7 +29,7 @@ class Zero:
     error: float
 
 
-def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Zero | None:
+def zero_of_test(problem: Probing, near: Sample, frame: Frame, index: int) -> Zero | None:
     """The zero of test `index` next to a sample; None where it does not change its sign.
 
     Every third step halves the bracket. Cost: some ten points of the curve.
@@ -33,7 +37,7 @@ def zero_of_test(problem: Any, near: Sample, frame: Frame, index: int) -> Zero |
     settings = Settings()
 
     def at(s: float) -> Sample | None:
-        return problem.probe(near, s, near.z + frame.scale * s * near.tangent, frame, settings)  # type: ignore[no-any-return]
+        return problem.probe(near, s, near.z + frame.scale * s * near.tangent, frame, settings)
 
     bracket = _bracket(at, index)
     if bracket is None:

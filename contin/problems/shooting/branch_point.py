@@ -7,7 +7,7 @@ measured there is accurate.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 from contin.problems.shooting.locate import SETTLED, Located, on_curve, scalar, scale_of
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 APART = (1e-2, 2.5e-3, 6e-4, 1.5e-4)  # arclengths between the orbits that a branch point is interpolated from
 AGREED = 1e-8  # (arclength) places interpolated from two of them that agree so well are final
 CONVERGED = 1e-6  # (arclength) Newton steps below this, ...
@@ -24,7 +27,7 @@ PATIENCE = 3  # ... of which so many in succession improved nothing, are roundin
 NEWTON = 30
 
 
-def locate_branch_point(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+def locate_branch_point(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
     """As `_interpolated`, from orbits as far away as they exist, then nearer ones until the place stays the same.
 
     The further away, the less rounding matters; but another branch point may lie between.
@@ -49,7 +52,9 @@ def locate_branch_point(problem: Any, type_: str, z: Array, tangent: Array, scal
     return found if best is None else best
 
 
-def _interpolated(problem: Any, type_: str, z: Array, tangent: Array, scale: Array, apart: float) -> Located | str:
+def _interpolated(
+    problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array, apart: float
+) -> Located | str:
     """The branch point on the family through z, by interpolation between orbits at a distance from it.
 
     The orbits at +-d and +-2 d along the family are accurate; polynomials through them give the arclength at which the
@@ -79,7 +84,7 @@ def _interpolated(problem: Any, type_: str, z: Array, tangent: Array, scale: Arr
     return "the orbit is lost" if refined is None else Located(refined[0], refined[2])
 
 
-def _beside(problem: Any, base: Array, t: Array, s: float, scale: Array) -> Array | str:
+def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Array) -> Array | str:
     """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small.
 
     On a piecewise linear map (two oscillators that cross a surface together, in either order) Newton's steps may shrink
@@ -107,7 +112,7 @@ def _beside(problem: Any, base: Array, t: Array, s: float, scale: Array) -> Arra
     return "no convergence"
 
 
-def _direction(problem: Any, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
+def _direction(problem: ShootingProblem, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
     """A tangent of a family through the branch point near z: `tangent`, or the direction that changes p the most."""
     plane = null_space(problem, z, scale)
     if plane is None:

@@ -6,7 +6,7 @@ On both sides the return map is smooth, with derivatives that differ; so the fam
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
 from contin.problems.shooting.sampling import flights
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequence of crossings is looked for
 BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
@@ -26,7 +29,7 @@ TOGETHER = 1e-6  # of the period: crossings this close have no order
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
-def signature(problem: Any, z: Array) -> tuple[int, ...] | None:
+def signature(problem: ShootingProblem, z: Array) -> tuple[int, ...] | None:
     """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails."""
     found = flights(problem, z, np.empty(0))
     if any(f.outcome != "done" for f in found):
@@ -59,7 +62,7 @@ def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified 
     return Jump(JUMPS) if a.unstable != b.unstable else ""
 
 
-def at_corner(problem: Any, z: Array, tangent: Array, scale: Array) -> bool:
+def at_corner(problem: ShootingProblem, z: Array, tangent: Array, scale: Array) -> bool:
     """True where the sequence of crossings changes just ahead or behind: multipliers measured here mean nothing."""
     here = signature(problem, z)
     raw = np.where(tangent == 0.0, 0.0, tangent * scale)
@@ -76,7 +79,9 @@ def _beyond_one(sample: Sample) -> int:
     return int(np.count_nonzero((np.abs(values.imag) <= 1e-9 * np.abs(values)) & (values.real > 1.0)))
 
 
-def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
+def cross_corner(
+    problem: ShootingProblem, last: Sample, frame: Frame, settings: Settings
+) -> tuple[Sample, Verified | None] | None:
     """Past a corner at which the family turns so sharply that no step along its tangent meets it again.
 
     The sequence of crossings changes along the tangent; the linearisation on the far side gives the other tangent, its
@@ -119,7 +124,7 @@ def cross_corner(problem: Any, last: Sample, frame: Frame, settings: Settings) -
 
 
 def _locate(
-    problem: Any, side: Sample, here: tuple[int, ...], frame: Frame, other: Sample | None
+    problem: ShootingProblem, side: Sample, here: tuple[int, ...], frame: Frame, other: Sample | None
 ) -> tuple[Array, float]:
     """The last orbit with the crossings `here`, and how closely it is known (arclength).
 
@@ -149,7 +154,7 @@ def _locate(
     return at, high - low
 
 
-def _fold(problem: Any, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
+def _fold(problem: ShootingProblem, z: Array, side: Sample, unstable: int, width: float, frame: Frame) -> Verified:
     segments = problem.segments(z)
     # where solutions slide beyond the surface the orbit is extrapolated, and its trajectory may not come to its end
     residual = width if segments is None else float(np.linalg.norm(segments.scaled(frame.scale)[0]))

@@ -6,7 +6,7 @@ the other arm the time spent beyond the surface changes like a square root.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.problems.shooting.sampling import crossings, states
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 SAMPLES: Final = 400
 FINER: Final = 33
@@ -29,7 +32,7 @@ FAR: Final = 0.05  # (arclength) the corner is not that far from the samples bes
 
 
 def grazing(
-    problem: Any, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
+    problem: ShootingProblem, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
 ) -> tuple[Array, float] | None:
     """(z, error in arclength) of the orbit that touches a surface, next to a sample of the arm with fewer crossings."""
     from contin.problems.shooting.corners import signature
@@ -47,8 +50,9 @@ def grazing(
 
 
 def _secant(
-    problem: Any, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...], frame: Frame
-) -> tuple[Array, float] | None:
+    problem: ShootingProblem, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...],
+    frame: Frame
+) -> tuple[Array, float] | None:  # fmt: skip
     from contin.problems.shooting.corners import signature
 
     s0, e0, z0 = 0.0, clearance(problem, base.z, missing), base.z
@@ -93,7 +97,7 @@ def _raw(sample: Sample, frame: Frame) -> Array:
     return np.where(sample.tangent == 0.0, 0.0, sample.tangent * frame.scale)
 
 
-def clearance(problem: Any, z: Array, surfaces: list[int]) -> float:
+def clearance(problem: ShootingProblem, z: Array, surfaces: list[int]) -> float:
     """How close the orbit comes to one of these surfaces without crossing it: the smallest such |h|."""
     times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossings(problem, z))
     best = np.inf
@@ -118,7 +122,7 @@ def _bottom(a: float, b: float, c: float) -> float:
     return b - 0.125 * elementary.square(a - c) / bend if bend > 0.0 else b
 
 
-def surface(problem: Any, z: Array, j: int, times: Array) -> Array:
+def surface(problem: ShootingProblem, z: Array, j: int, times: Array) -> Array:
     """h_j at scaled times."""
     system = problem.system
     p, u = problem.full_parameters(z), states(problem, z, times)

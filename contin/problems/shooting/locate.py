@@ -14,7 +14,7 @@ Products of all are smooth where two multipliers meet; a single one is not.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from contin.abi import Array
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
@@ -55,7 +58,7 @@ def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:
     return float(np.prod(values - target).real)
 
 
-def locate(problem: Any, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
     """Secant iteration in arclength on the curve, from z along `tangent` (scaled)."""
     base = z.copy()
 
@@ -91,7 +94,9 @@ def scale_of(tangent: Array, scale: Array) -> Array:
     return np.where(tangent == 0.0, 0.0, tangent * scale)
 
 
-def on_curve(problem: Any, type_: str, z: Array, guide: Array, scale: Array) -> tuple[Array, float, float] | None:
+def on_curve(
+    problem: ShootingProblem, type_: str, z: Array, guide: Array, scale: Array
+) -> tuple[Array, float, float] | None:
     """The nearest orbit (shortest correction, null space left out), the scalar there, and the residual."""
     positions = moving(len(z), problem.n)
     residual = np.inf

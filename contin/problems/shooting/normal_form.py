@@ -17,7 +17,7 @@ by differences with steps h and 2 h, whose distance is its error.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.normalforms.result import sense
 from contin.problems.shooting.return_map import NoDerivatives, ReturnMap
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 SHEARLESS: Final = 1e-7  # change of the period, relative to it and to the eigenvector, up to which it is none
 NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
@@ -76,7 +79,7 @@ def coefficient(returns: ReturnMap, type_: str, theta: float, factor: int = 1) -
     return period_doubling(returns, factor) if type_ == "PD" else torus(returns, theta, factor)
 
 
-def with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
+def with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) -> Verified:
     """The point with b, c or d, its error, and the criticality of PD and NS; what cannot be computed is a remark."""
     returns = ReturnMap(problem, point.z, problem.sizes(point.z, scale))
     theta = float(point.vectors["theta"])

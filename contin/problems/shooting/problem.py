@@ -71,7 +71,7 @@ class ShootingProblem(FamilyOfOrbits):
 
     def forcing_period(self, parameter: float) -> tuple[float, float]:
         """Period of the orbit of a forced system, and its derivative by the active parameter."""
-        formula = self.system.model.forcing.period
+        formula = self.system.forcing_period
         values = self.constants() | {self.parameters[0]: float(parameter)}
         slope = derivative(formula, self.parameters[0])
         return self.multiple * float(evaluate(formula, values)), self.multiple * float(evaluate(slope, values))

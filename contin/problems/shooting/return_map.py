@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.shooting.layout import Nodes
 from contin.simulate.flight import fly
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 ACCURACY: Final = 1e-13  # of the trajectories
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
@@ -38,7 +41,7 @@ class NoDerivatives(ValueError):
 class ReturnMap:
     """Of an orbit's own vector z; `sizes` of the states."""
 
-    problem: Any
+    problem: ShootingProblem
     z: Array
     sizes: Array
     _lines: dict[tuple[bytes, int], tuple[Array, ...]] = field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.shooting.layout import Nodes
 from contin.simulate.flight import Flight, fly
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
 SAMPLES = 400  # times an extreme is looked for at
 FINER = 33  # ... and times around it
@@ -19,7 +22,7 @@ RTOL = 1e-10
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
 
 
-def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
+def flights(problem: ShootingProblem, z: Array, times: Array) -> list[Flight]:
     """The segments, with the states at scaled `times` in [0, 1] (each in the segment it falls into)."""
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
@@ -36,7 +39,7 @@ def flights(problem: Any, z: Array, times: Array) -> list[Flight]:
     return found
 
 
-def states(problem: Any, z: Array, times: Array) -> Array:
+def states(problem: ShootingProblem, z: Array, times: Array) -> Array:
     """u at scaled times in any order, (K, n); NaN where a trajectory does not get there."""
     order = np.argsort(times, kind="stable")
     found = flights(problem, z, times[order])
@@ -53,7 +56,7 @@ def segments_of(times: Array, count: int) -> NDArray[np.intp]:
     return np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
 
 
-def sampled(problem: Any, z: Array) -> Profile:
+def sampled(problem: ShootingProblem, z: Array) -> Profile:
     """The orbit at the nodes of a uniform mesh."""
     nodes = Nodes.of(z, problem.n)
     h = np.full(INTERVALS, 1.0 / INTERVALS)
@@ -61,7 +64,7 @@ def sampled(problem: Any, z: Array) -> Profile:
     return Profile(POINTS, states(problem, z, empty.times), nodes.period, h, nodes.parameter)
 
 
-def extremes(problem: Any, rows: Array) -> tuple[Array, Array]:
+def extremes(problem: ShootingProblem, rows: Array) -> tuple[Array, Array]:
     """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each.
 
     Looked for among equal times and the crossings of switching surfaces, where a solution may have a corner; then among
@@ -73,7 +76,7 @@ def extremes(problem: Any, rows: Array) -> tuple[Array, Array]:
     return both[:, 0], both[:, 1]
 
 
-def _extremes(problem: Any, z: Array) -> tuple[Array, Array]:
+def _extremes(problem: ShootingProblem, z: Array) -> tuple[Array, Array]:
     crossed = crossings(problem, z)
     times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossed)
     values = _functions(problem, z, times)
@@ -93,7 +96,7 @@ def _extremes(problem: Any, z: Array) -> tuple[Array, Array]:
     return -tops[:k], tops[k:]
 
 
-def crossings(problem: Any, z: Array) -> Array:
+def crossings(problem: ShootingProblem, z: Array) -> Array:
     """Scaled times in [0, 1) at which the orbit crosses switching surfaces."""
     if not problem.system.n_switches:
         return np.empty(0)
@@ -113,7 +116,7 @@ def _smooth_at(times: Array, best: NDArray[np.int64], crossed: Array) -> NDArray
     return np.asarray(~between.any(axis=1) & (low < high))
 
 
-def _functions(problem: Any, z: Array, times: Array) -> Array:
+def _functions(problem: ShootingProblem, z: Array, times: Array) -> Array:
     """States and observables at scaled times, (T, k)."""
     system, u = problem.system, states(problem, z, times)
     if not system.observable_names:
@@ -133,7 +136,7 @@ def _top(values: Array, smooth: NDArray[np.bool_]) -> Array:
     return np.asarray(np.where(smooth & (bend < 0.0) & (np.abs(shift) < 1.0), b - 0.25 * (a - c) * shift, largest))
 
 
-def why_not(problem: Any, z: Array) -> str:
+def why_not(problem: ShootingProblem, z: Array) -> str:
     """What may keep Newton from converging at z."""
     for flight in flights(problem, z, np.empty(0)):
         if flight.outcome != "done":
@@ -149,7 +152,7 @@ def why_not(problem: Any, z: Array) -> str:
     )
 
 
-def sliding(problem: Any, z: Array) -> str | None:
+def sliding(problem: ShootingProblem, z: Array) -> str | None:
     """That trajectories slide along a surface on the orbit, or right beside it, in words; None where none does."""
     for flight in flights(problem, z, np.empty(0)):
         if flight.outcome == "sliding":
@@ -160,7 +163,7 @@ def sliding(problem: Any, z: Array) -> str | None:
     return None if beside is None else f"Trajectories right beside the orbit stop: {beside}."
 
 
-def _slides_beside(problem: Any, z: Array) -> str | None:
+def _slides_beside(problem: ShootingProblem, z: Array) -> str | None:
     """Why a trajectory slides that starts beside the orbit; None where none does."""
     if not problem.system.n_switches:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from contin.abi import Array
 from contin.kernels.floquet import deflate, multipliers
 from contin.problems.shooting.layout import Nodes, moving
 from contin.simulate.flight import Flight, fly
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 ATOL = 1e-2  # absolute tolerance beside the relative one, for the largest state
 
@@ -24,13 +27,13 @@ class Segments:
     R_i = phi(u_i) - u_(i+1) (the last: minus the winding and u_1), then normal . u_1 - offset, or T - forcing period.
     """
 
-    problem: Any
+    problem: ShootingProblem
     nodes: Nodes
     flights: tuple[Flight, ...]
     others: tuple[int, ...] = ()  # further parameters that derivatives are carried for
 
     @classmethod
-    def of(cls, problem: Any, z: Array, others: tuple[int, ...] = ()) -> Segments | None:
+    def of(cls, problem: ShootingProblem, z: Array, others: tuple[int, ...] = ()) -> Segments | None:
         """None where the trajectory does not come to the end of a segment."""
         nodes = Nodes.of(z, problem.n)
         if not (nodes.period > 0.0 and np.all(np.isfinite(z))):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.segments import Segments
 
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
 GROWTH = 1e3  # of perturbations in a segment, above which more segments are taken
 MOST = 64
 AT_REST = 1e-9
@@ -26,7 +29,7 @@ AT_REST = 1e-9
 class ShotOrbit:
     """An orbit at fixed parameters p, found by shooting: the start of a continuation."""
 
-    system: Any
+    system: CompiledSystem
     nodes: Nodes
     p: Array
     winding: Array
@@ -51,13 +54,13 @@ class ShotOrbit:
         return f"periodic orbit of period {self.period:.10g} through {states}"
 
 
-def shooting_chosen(system: Any, method: str | None) -> bool:
+def shooting_chosen(system: CompiledSystem, method: str | None) -> bool:
     """`method` as written, or shooting where the flow is piecewise smooth."""
     return method == "shooting" or (method is None and system.n_switches > 0 and system.pieces.count > 0)
 
 
 def settled_orbit(
-    system: Any, u: Array, p: Array, periods: Array, *, method: str | None = None, transient: float = 0.0,
+    system: CompiledSystem, u: Array, p: Array, periods: Array, *, method: str | None = None, transient: float = 0.0,
     longest: float = LONGEST, budget: int = BUDGET, intervals: int | None = None, points: int = 4,
 ) -> PeriodicOrbit | ShotOrbit:  # fmt: skip
     """The orbit that the trajectory from u settles on, by the method that is asked for or that the flow wants.
@@ -74,7 +77,7 @@ def settled_orbit(
 
 
 def orbit_from_return(
-    system: Any, u: Array, p: Array, periods: Array, period: float, multiple: int, segments: int | None
+    system: CompiledSystem, u: Array, p: Array, periods: Array, period: float, multiple: int, segments: int | None
 ) -> ShotOrbit:
     """The orbit next to a trajectory that nearly returns to u after `period`, by Newton at fixed parameters."""
     from contin.simulate.flight import fly
@@ -109,7 +112,7 @@ def orbit_from_return(
     return ShotOrbit(system, Nodes.of(solved, len(u)), np.array(p, dtype=float), winding, multiple)
 
 
-def _enough(problem: Any, z: Array) -> int:
+def _enough(problem: ShootingProblem, z: Array) -> int:
     """As many segments as keep perturbations in each from growing by more than GROWTH."""
     count = 1
     while count < MOST:
@@ -120,7 +123,7 @@ def _enough(problem: Any, z: Array) -> int:
     return count
 
 
-def split(problem: Any, z: Array, count: int) -> Array:
+def split(problem: ShootingProblem, z: Array, count: int) -> Array:
     """The same orbit with another number of segments."""
     from contin.problems.shooting.sampling import states
 

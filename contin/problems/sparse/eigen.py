@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.vectors import norm
 from contin.problems.sparse.linear import Linear
 
@@ -42,9 +42,9 @@ class Spectrum:
 class Region:
     """The part of the plane that holds all unstable eigenvalues, for CSC matrices of one pattern."""
 
-    _pattern: tuple[NDArray[Any], NDArray[Any]] | None = None
-    _partner: NDArray[Any] | None = None  # position of the entry (j, i) of each entry (i, j), where all have one
-    _diagonal: NDArray[Any] | None = None
+    _pattern: tuple[Vector, Vector] | None = None
+    _partner: Vector | None = None  # position of the entry (j, i) of each entry (i, j), where all have one
+    _diagonal: Vector | None = None
 
     def of(self, matrix: Any) -> tuple[float, float]:
         """(R, S): eigenvalues with Re >= 0 have Re <= R and |Im| <= S (Bendixson, Gershgorin)."""
@@ -173,7 +173,7 @@ def _orthonormal(columns: Array, basis: Array) -> Array:
     return np.asarray(q[:, np.abs(np.diagonal(r)) > 1e-8])
 
 
-def _without_half_pairs(values: NDArray[Any], count: int) -> int:
+def _without_half_pairs(values: Vector, count: int) -> int:
     """A count that does not cut a conjugate pair in two."""
     if 0 < count < len(values) and values[count - 1].imag != 0.0:
         partner = np.isclose(values[:count], np.conj(values[count - 1]), rtol=1e-8).any()

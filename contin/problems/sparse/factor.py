@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from contin.abi import Vector
 
 NARROW = 48  # half-bandwidth up to which a band is faster than SuperLU
 TINY_PIVOT = 1e-15  # a zero pivot becomes this part of the largest one, so that singular matrices have (huge) solutions
@@ -23,10 +24,10 @@ class Factor(Protocol):
 
     sign: float  # of det A (real matrices)
 
-    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve(self, right: Vector) -> Vector:
         """A^-1 right."""
 
-    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve_transposed(self, right: Vector) -> Vector:
         """A^-T right (no conjugate)."""
 
 
@@ -34,12 +35,12 @@ class Factor(Protocol):
 class Factoriser:
     """Factors matrices of one pattern again and again."""
 
-    _pattern: tuple[NDArray[Any], NDArray[Any]] | None = None
-    _order: NDArray[Any] | None = None  # position -> row and column of the matrix
-    _rows: NDArray[Any] = field(default_factory=lambda: np.empty(0, int))
-    _columns: NDArray[Any] = field(default_factory=lambda: np.empty(0, int))
+    _pattern: tuple[Vector, Vector] | None = None
+    _order: Vector | None = None  # position -> row and column of the matrix
+    _rows: Vector = field(default_factory=lambda: np.empty(0, int))
+    _columns: Vector = field(default_factory=lambda: np.empty(0, int))
     _widths: tuple[int, int] | None = None  # lower and upper, where the matrix is a band
-    _diagonals: tuple[tuple[NDArray[Any], NDArray[Any]], ...] = ()  # entries and rows of each, where it is tridiagonal
+    _diagonals: tuple[tuple[Vector, Vector], ...] = ()  # entries and rows of each, where it is tridiagonal
 
     def is_band_for(self, matrix: Any) -> bool:
         """True where a reordering makes this matrix narrow, so that its factors are cheap."""
@@ -83,7 +84,7 @@ class Factoriser:
             self._order = None
 
 
-def _widths(rows: NDArray[Any], columns: NDArray[Any]) -> tuple[int, int]:
+def _widths(rows: Vector, columns: Vector) -> tuple[int, int]:
     below = rows - columns
     return (int(max(below.max(), 0)), int(max(-below.min(), 0))) if below.size else (0, 0)
 
@@ -91,14 +92,14 @@ def _widths(rows: NDArray[Any], columns: NDArray[Any]) -> tuple[int, int]:
 class _Reordered(ABC):
     """Solves with a matrix whose rows and columns were put in another order."""
 
-    order: NDArray[Any] | None
+    order: Vector | None
     complex_: bool
 
     @abstractmethod
-    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+    def _solve(self, right: Vector, transposed: bool) -> Vector:
         """Solve with the reordered matrix or its transpose."""
 
-    def _apply(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+    def _apply(self, right: Vector, transposed: bool) -> Vector:
         if np.iscomplexobj(right) and not self.complex_:
             return self._apply(right.real, transposed) + 1j * self._apply(right.imag, transposed)
         if self.order is None:
@@ -108,14 +109,14 @@ class _Reordered(ABC):
         result[self.order] = solution
         return result
 
-    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve(self, right: Vector) -> Vector:
         return self._apply(right, False)
 
-    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve_transposed(self, right: Vector) -> Vector:
         return self._apply(right, True)
 
 
-def _sign(diagonal: NDArray[Any], exchanges: int) -> float:
+def _sign(diagonal: Vector, exchanges: int) -> float:
     """Of the determinant, from the pivots; tiny pivots are replaced in place."""
     size = np.abs(diagonal)
     small = ~(size > TINY_PIVOT * size.max())
@@ -128,8 +129,8 @@ class TridiagonalFactor(_Reordered):
     """LAPACK gttrf, three times as fast as a band of the same width."""
 
     def __init__(
-        self, data: NDArray[Any], diagonals: tuple[tuple[NDArray[Any], NDArray[Any]], ...], n: int,
-        order: NDArray[Any] | None,
+        self, data: Vector, diagonals: tuple[tuple[Vector, Vector], ...], n: int,
+        order: Vector | None,
     ) -> None:  # fmt: skip
         from scipy.linalg import lapack
 
@@ -144,7 +145,7 @@ class TridiagonalFactor(_Reordered):
         self.sign = _sign(factors[1], exchanges)
         self._factors = factors
 
-    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+    def _solve(self, right: Vector, transposed: bool) -> Vector:
         return np.asarray(self._solver(*self._factors, self._pivots, right, trans="T" if transposed else "N")[0])
 
 
@@ -152,8 +153,8 @@ class BandFactor(_Reordered):
     """LAPACK gbtrf of the reordered band; matrix entry `data[k]` is at (rows[k], columns[k]) of it."""
 
     def __init__(
-        self, data: NDArray[Any], rows: NDArray[Any], columns: NDArray[Any], widths: tuple[int, int], n: int,
-        order: NDArray[Any] | None,
+        self, data: Vector, rows: Vector, columns: Vector, widths: tuple[int, int], n: int,
+        order: Vector | None,
     ) -> None:  # fmt: skip
         from scipy.linalg import lapack
 
@@ -166,7 +167,7 @@ class BandFactor(_Reordered):
         exchanges = int(np.count_nonzero(self._pivots != np.arange(n)))
         self.sign = _sign(self._band[lower + upper], exchanges)
 
-    def _solve(self, right: NDArray[Any], transposed: bool) -> NDArray[Any]:
+    def _solve(self, right: Vector, transposed: bool) -> Vector:
         return np.asarray(self._solver(self._band, *self.widths, right, self._pivots, trans=int(transposed))[0])
 
 
@@ -192,19 +193,19 @@ class SuperFactor:
 
         return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})
 
-    def _apply(self, right: NDArray[Any], how: str) -> NDArray[Any]:
+    def _apply(self, right: Vector, how: str) -> Vector:
         if np.iscomplexobj(right) and not np.iscomplexobj(self._lu.U.data[:1]):
             return self._apply(right.real.copy(), how) + 1j * self._apply(right.imag.copy(), how)
         return np.asarray(self._lu.solve(right, how))
 
-    def solve(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve(self, right: Vector) -> Vector:
         return self._apply(right, "N")
 
-    def solve_transposed(self, right: NDArray[Any]) -> NDArray[Any]:
+    def solve_transposed(self, right: Vector) -> Vector:
         return self._apply(right, "T")
 
 
-def _exchanges(permutation: NDArray[Any]) -> int:
+def _exchanges(permutation: Vector) -> int:
     """Parity of a permutation: its length minus the number of its cycles."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components

@@ -6,19 +6,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
+from contin.errors import NotFiniteError
 from contin.normalforms.linear import normalise
 from contin.normalforms.result import parts, sense
 from contin.problems.sparse.linear import Linear
 
-Vector = NDArray[Any]
+if TYPE_CHECKING:
+    from contin.problems.sparse.problem import LargeProblem
+
 SAMPLES = 3
 TRUST = 1e-6  # coefficients below this part of their largest summand are zero to the accuracy of differenced forms
+
+
+def linear_at(problem: LargeProblem, z: Array) -> Linear:
+    """The operator F_u at a point; raises `NotFiniteError` where it has no value."""
+    linear = problem.linear(z)
+    if linear is None:
+        raise NotFiniteError("the Jacobian is not finite at the point")
+    return linear
 
 
 def projector(linear: Linear, q: Vector) -> Callable[[Vector], tuple[Vector, Any]]:
@@ -45,14 +55,14 @@ def rounding(linear: Linear, value: complex, q: Vector) -> float:
     return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
 
 
-def rounding_of_fold(problem: Any, z: Array, q: Vector) -> float:
+def rounding_of_fold(problem: LargeProblem, z: Array, q: Vector) -> float:
     """How much the parameter of a fold moves when F is rounded: |<p, e>| / |<p, F_p>|.
 
     e has random entries of half a unit in the last place of the largest terms of F, which for a discretised derivative
     are n^2 times larger than F's own.
     """
     generator = np.random.default_rng(6)
-    linear = problem.linear(z)
+    linear = linear_at(problem, z)
     project = projector(linear, normalise(q))
     size = linear.magnitude(np.abs(z[:-1]))
     slope = abs(complex(project(problem.parameter_slope(z))[1]))
@@ -66,17 +76,17 @@ def state(v: Vector) -> Vector:
     return np.append(v, 0.0)
 
 
-def fold(problem: Any, z: Array, q: Vector) -> dict[str, Any]:
+def fold(problem: LargeProblem, z: Array, q: Vector) -> dict[str, Any]:
     """`a` = <p, B(q, q)>/2."""
     q = normalise(q)
-    _, value = projector(problem.linear(z), q)(problem.form(z, state(q), state(q)))
+    _, value = projector(linear_at(problem, z), q)(problem.form(z, state(q), state(q)))
     return {"a": 0.5 * float(np.real(value))}
 
 
-def branch_point(problem: Any, z: Array, q: Vector) -> dict[str, Any]:
+def branch_point(problem: LargeProblem, z: Array, q: Vector) -> dict[str, Any]:
     """FORMATS' reduced equation at a simple branch point."""
     q = normalise(q)
-    project = projector(problem.linear(z), q)
+    project = projector(linear_at(problem, z), q)
     slope = problem.parameter_slope(z)
     right = state(q)
 
@@ -101,10 +111,10 @@ def branch_point(problem: Any, z: Array, q: Vector) -> dict[str, Any]:
     return {"kind": "transcritical" if form["discriminant"] > 0 else "isolated", **form}
 
 
-def hopf(problem: Any, z: Array, q: Vector, omega: float) -> dict[str, Any]:
+def hopf(problem: LargeProblem, z: Array, q: Vector, omega: float) -> dict[str, Any]:
     """`omega`, `c1` = G21/2, `l1` = Re c1 / omega, `criticality` (Kuznetsov, 3rd ed., sec. 5.4)."""
     q = normalise(q)
-    linear = problem.linear(z)
+    linear = linear_at(problem, z)
     right, other = state(q), state(np.conj(q))
     h20 = -linear.shifted(2j * omega).solve(problem.form(z, right, right).astype(complex))
     h11 = -linear.solve(np.real(problem.form(z, right, other)))

@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
 from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
@@ -80,7 +79,7 @@ class JacobianSource:
     # coloured differences ---------------------------------------------------------------------------------------------
 
     @cached_property
-    def _pattern(self) -> tuple[Any, NDArray[Any], NDArray[Any], int]:
+    def _pattern(self) -> tuple[Any, Vector, Vector, int]:
         """The pattern in CSC, the column of each entry, the colour of each column, the number of colours."""
         from scipy.sparse import csc_matrix
 

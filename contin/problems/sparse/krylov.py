@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contin.abi import Vector
 from contin.continuation.vectors import norm
 
-Vector = NDArray[Any]
 Operator = Callable[[Vector], Vector]
 
 TOLERANCE = 1e-11  # of the residual, relative to the right-hand side; Newton steps and tangents need less

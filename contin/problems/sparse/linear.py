@@ -7,13 +7,12 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from contin.abi import Vector
 from contin.problems.sparse.bordered import Approximate, ApproximateBordered, bordered
 from contin.problems.sparse.factor import Factor, Factoriser
 from contin.problems.sparse.krylov import COARSE, TOLERANCE, gmres
 
-Vector = NDArray[Any]
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
 

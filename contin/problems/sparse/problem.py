@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
@@ -153,7 +152,7 @@ class LargeProblem:
         with np.errstate(all="ignore"):
             return self.system.parameter_slope(z[:-1], self.full_parameters(z), self.active)
 
-    def form(self, z: Array, *directions: NDArray[Any]) -> NDArray[Any]:
+    def form(self, z: Array, *directions: Vector) -> Vector:
         """D^kF(z)[d1, ..., dk], k >= 2, directions (n + 1,), real or complex."""
         n = self.n
         wide = []

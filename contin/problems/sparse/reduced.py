@@ -13,7 +13,7 @@ A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from contin.continuation.vectors import norm
 from contin.errors import NotFiniteError
 from contin.problems.sparse.linear import Solution
 
+if TYPE_CHECKING:
+    from contin.problems.sparse.problem import LargeProblem
+
 STEPS = 12
 
 
@@ -29,7 +32,7 @@ STEPS = 12
 class Reduced:
     """The reduction around z0 (raw unknowns (n + 1,)) with border rows C (n + 1, 2), raw, and column b (n,)."""
 
-    problem: Any
+    problem: LargeProblem
     rows: Array
     column: Array
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
@@ -194,7 +194,7 @@ def _floor(problem: Any, z: Array, frame: Frame) -> float:
     return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
 
 
-def refine(linear: Linear, value: complex, q: NDArray[Any]) -> tuple[complex, NDArray[Any]]:
+def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
     """Newton on A q = l q, c^H q = 1 (c = the start, normalised): one factorisation of A - l an iteration."""
     q = q / norm(q)
     c = q.conj()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import accumulate
 from operator import mul
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.problems.surfaces.jumps import Jump, jumps_of
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 BUDGET: Final = 30
 SETTLED: Final = 1e-14  # scaled Newton steps
@@ -40,7 +43,7 @@ class Meeting:
     distance: float
 
 
-def cut_at_surface(problem: Any, chunk: Chunk) -> Chunk:
+def cut_at_surface(problem: EquilibriumProblem, chunk: Chunk) -> Chunk:
     """The chunk up to the first step across a surface on which the equations jump, as one whose corrector failed.
 
     Of pseudo-equilibria: up to the first where the motion on their surface does not slide.
@@ -68,7 +71,7 @@ def _before(chunk: Chunk, row: int) -> Chunk:
     return chunk.cut(row + 1, Stop.CORRECTOR, length)
 
 
-def separated(problem: Any, a: Array, b: Array) -> bool:
+def separated(problem: EquilibriumProblem, a: Array, b: Array) -> bool:
     """True where a surface on which the equations jump lies between two points."""
     n = problem.n
     p, q = problem.full_parameters(a), problem.full_parameters(b)
@@ -87,7 +90,7 @@ def _first(drive: Array) -> float:
     return float(np.sign(drive[0]) or np.sign(drive[1]))
 
 
-def _candidates(problem: Any, chunk: Chunk) -> NDArray[np.intp]:
+def _candidates(problem: EquilibriumProblem, chunk: Chunk) -> NDArray[np.intp]:
     """Steps in which some switching function changes its sign."""
     if not problem.system.n_switches:
         return np.empty(0, np.intp)
@@ -96,7 +99,7 @@ def _candidates(problem: Any, chunk: Chunk) -> NDArray[np.intp]:
     return np.flatnonzero(np.any(values[:-1] * values[1:] < 0.0, axis=1))
 
 
-def foretold(problem: Any, origin: Sample, frame: Frame) -> Renewal | None:
+def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of a branch whose next step would cross a surface of discontinuity; None where there is none ahead."""
     found = [m for m in _meetings(problem, origin, frame) if _is_reached(problem, m, origin, frame)]
     if not found:
@@ -111,7 +114,7 @@ def foretold(problem: Any, origin: Sample, frame: Frame) -> Renewal | None:
     return Renewal(frame.scale, origin, None, None, End("surface", text, data), None, point)
 
 
-def _tangent_fields(problem: Any, origin: Sample, frame: Frame) -> Renewal | None:
+def _tangent_fields(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of pseudo-equilibria before a place where both fields are tangent to their surface."""
     if problem.sliding is None:
         return None
@@ -132,7 +135,7 @@ def _tangent_fields(problem: Any, origin: Sample, frame: Frame) -> Renewal | Non
     return None
 
 
-def _meetings(problem: Any, origin: Sample, frame: Frame) -> list[Meeting]:
+def _meetings(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> list[Meeting]:
     n, found = problem.n, []
     p = problem.full_parameters(origin.z)
     for jump in jumps_of(problem.system):
@@ -144,7 +147,7 @@ def _meetings(problem: Any, origin: Sample, frame: Frame) -> list[Meeting]:
     return [m for m in found if m is not None and 0.0 < m.distance < FARTHEST]
 
 
-def _solved(problem: Any, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
+def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
     """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter."""
     n, scale, side = problem.n, frame.scale, jump.side(upper)
     columns = [*range(n), n + problem.active]
@@ -182,7 +185,7 @@ def _solved(problem: Any, jump: Jump, upper: bool, origin: Sample, frame: Frame)
     return Meeting(jump, upper, z, float(np.max(np.abs(right))), error, distance)
 
 
-def _is_reached(problem: Any, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
+def _is_reached(problem: EquilibriumProblem, meeting: Meeting, origin: Sample, frame: Frame) -> bool:
     """True where the branch is there right up to the surface, and on its own side of it."""
     n, settings = problem.n, Settings()
     for part in BESIDE:
@@ -199,7 +202,7 @@ def _is_reached(problem: Any, meeting: Meeting, origin: Sample, frame: Frame) ->
     return True
 
 
-def _verified(problem: Any, meeting: Meeting) -> Verified:
+def _verified(problem: EquilibriumProblem, meeting: Meeting) -> Verified:
     """The point with the eigenvalues of the branch that ends there."""
     n, z, jump = problem.n, meeting.z, meeting.jump
     own = problem.sliding is not None and jump is problem.sliding.jump
@@ -218,7 +221,7 @@ def _verified(problem: Any, meeting: Meeting) -> Verified:
     return Verified("BE", z, meeting.residual, meeting.error, values, unstable, form, vectors)
 
 
-def _kind(problem: Any, meeting: Meeting) -> str:
+def _kind(problem: EquilibriumProblem, meeting: Meeting) -> str:
     """persistence: the pseudo-equilibrium is on the other side of the parameter; nonsmooth fold: on the same one.
 
     With the side's A = f_u, slope of h along its equilibria: h' = h_p - h_u A^-1 f_p; of the weight along the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from contin.model.expression import ZERO
 from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.symbolic.calculus.derivatives import sparse_jacobian
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
 LANDINGS: Final = 6  # Newton steps onto a surface
@@ -72,7 +75,7 @@ class Jump:
         return bool(np.any(np.abs(above - below) > ROUNDING * np.max(sizes, initial=0.0)))
 
 
-def jumps_of(system: Any) -> tuple[Jump, ...]:
+def jumps_of(system: System) -> tuple[Jump, ...]:
     """The surfaces of a compiled model of formulas; none of smooth ones and of user functions."""
     model = getattr(system, "model", None)
     iterated = getattr(system, "times", 1) > 1

@@ -12,7 +12,7 @@ real.
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,10 @@ from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leadin
 from contin.problems.orbits.saddles import extent_of
 from contin.problems.orbits.zero_of_test import zero_of_test
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+    from contin.problems.orbits.homoclinic.problem import ConnectionProblem
+
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
 JUMP: Final = 1e-4  # of a test at its zero
@@ -32,7 +36,9 @@ ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there i
 NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 
 
-def tests_at(curve: Any, z: Array, sizes: Array, adjoint: Array | None) -> tuple[Array, NDArray[np.complex128]]:
+def tests_at(
+    curve: ConnectionCurve, z: Array, sizes: Array, adjoint: Array | None
+) -> tuple[Array, NDArray[np.complex128]]:
     """The tests from index 2 on and the eigenvalues of the (first) saddle."""
     ends = curve.equilibria(z)
     matrices = [curve.scaled_matrix(u, z, sizes) for u in ends]
@@ -99,7 +105,7 @@ def watch(type_: str) -> int:
     return 2 + NAMES.index(type_)
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test along the curve."""
     index = watch(type_)
     zero = zero_of_test(problem, near, frame, index)
@@ -117,7 +123,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
-def _vanishes(problem: Any, found: Sample, frame: Frame, index: int) -> bool:
+def _vanishes(problem: ConnectionProblem, found: Sample, frame: Frame, index: int) -> bool:
     """True where a test is as small beside its zero as at it."""
     settings = Settings()
     ahead = found.z + frame.scale * ASIDE * found.tangent

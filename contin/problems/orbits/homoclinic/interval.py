@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from contin.abi import Array
 from contin.problems.orbits.homoclinic.tail import Tail, tail_of
 from contin.problems.orbits.layout import Profile, node_times
 from contin.problems.orbits.saddles import extent_of
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 
 
 @dataclass(frozen=True)
@@ -28,29 +31,29 @@ ADDED = 6  # intervals of a piece that is added
 LEAST = 0.3  # part of its neighbour below which a cut interval is none of its own
 
 
-def farther(curve: Any) -> Reach:
+def farther(curve: ConnectionCurve) -> Reach:
     """For an interval on which the projections' error is a hundred times smaller."""
     usual = reach_of(curve)
     return Reach(0.1 * usual.wanted, 0.3 * usual.wanted, 0.0)
 
 
-def reach_of(curve: Any) -> Reach:
+def reach_of(curve: ConnectionCurve) -> Reach:
     return SADDLE_NODE if curve.node else HYPERBOLIC
 
 
-def distances(curve: Any, z: Array, sizes: Array) -> tuple[float, float]:
+def distances(curve: ConnectionCurve, z: Array, sizes: Array) -> tuple[float, float]:
     """Of both ends from their saddles, relative to the orbit's extent."""
     extent = extent_of(curve.profile(z), sizes)
     first, last = (float(np.max(np.abs(offset))) for offset in curve.offsets(z, sizes))
     return first / extent, last / extent
 
 
-def fits(curve: Any, z: Array, sizes: Array) -> bool:
+def fits(curve: ConnectionCurve, z: Array, sizes: Array) -> bool:
     reach = reach_of(curve)
     return all(reach.nearest <= d <= reach.farthest for d in distances(curve, z, sizes))
 
 
-def fitted(curve: Any, z: Array, sizes: Array, reach: Reach | None = None) -> Array:
+def fitted(curve: ConnectionCurve, z: Array, sizes: Array, reach: Reach | None = None) -> Array:
     """z on an interval whose ends are as near to the saddles as is wanted: cut, or continued by the flow there."""
     profile, ends, reach = curve.profile(z), curve.termini(z), reach or reach_of(curve)
     first, last = distances(curve, z, sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import indices
 from contin.simulate.natural import natural_metric
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
 
 LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, relative to the distance of the saddles
 AWAY: Final = 0.3  # ... that a loop must reach before its return counts
@@ -32,7 +35,7 @@ NEAR: Final = 0.3  # relative distance from the second saddle at which a connect
 class ConnectingOrbit:
     """Two saddles (the same one for a homoclinic orbit) at parameters near those of an orbit that connects them."""
 
-    system: Any
+    system: CompiledSystem
     p: Array
     saddles: Array  # (2, n)
 
@@ -103,7 +106,7 @@ def _directions(vectors: Array) -> list[Array]:
     return [elementary.cos(a) * basis[:, 0] + elementary.sin(a) * basis[:, 1] for a in angles]
 
 
-def _until_lost(integrate: Any, system: Any, u: Array, p: Array, times: Array) -> Array:
+def _until_lost(integrate: Any, system: CompiledSystem, u: Array, p: Array, times: Array) -> Array:
     """States at the times, as far as the trajectory has a value."""
     duration, count = float(times[-1]), len(times)
     while count > 10:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 from contin.model.printing import to_text
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 
-def surface_met(curve: Any, z: Array) -> str | None:
+
+def surface_met(curve: ConnectionCurve, z: Array) -> str | None:
     """The switching function, in words, that changes sign along the orbit; None where there is none."""
     system = curve.orbits.system
     if not system.n_switches or system.pieces.count == 0:

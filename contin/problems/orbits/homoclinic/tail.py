@@ -11,7 +11,7 @@ All other parts obey the linear equations.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.machine import elementary
 from contin.problems.orbits.homoclinic.saddle_node import quadratic
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 
 LONGEST = 30.0  # time of a tail in units of the slowest rate, where there is one
 STILL = 1e-9  # a rate this small beside that of c^2 is zero
@@ -69,7 +72,9 @@ class Tail:
         return np.asarray(c[:, None] * self.slow + others)
 
 
-def tail_of(curve: Any, z: Array, sizes: Array, saddle: Array, offset: Array, at_end: bool, shrink: float) -> Tail:
+def tail_of(
+    curve: ConnectionCurve, z: Array, sizes: Array, saddle: Array, offset: Array, at_end: bool, shrink: float
+) -> Tail:
     """The tail of an orbit whose end is `offset` away from the saddle, for that to fall by a factor."""
     matrix = curve.scaled_matrix(saddle, z, sizes)
     sign = 1.0 if at_end else -1.0

@@ -9,7 +9,7 @@ read off the orbit: which of the saddle's directions have a part in it need not 
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,11 +21,15 @@ from contin.problems.orbits.ends import LINGERING
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, distance, extent_of, rounded, saddles_near
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.loci.problem import OrbitLocusProblem
+    from contin.problems.orbits.problem import OrbitProblem
+
 NEAR: Final = 0.05  # of its extent: an orbit this close to its saddle moves as the linearised equations say
 CLOSE: Final = 1e-4  # ... where the corrector fails: special orbits are regular to a part of what remains
 
 
-def approached(problem: Any, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
+def approached(problem: OrbitLocusProblem, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
     """The end of a curve (z, its row before) that cannot be told from one of connecting orbits; None elsewhere.
 
     failed : the corrector can go no further, which is explained already by less than the mesh's error.
@@ -46,7 +50,7 @@ def approached(problem: Any, z: Array, before: Array, scale: Array, failed: bool
     return _end(problem, z, profile.period, saddles, beside, scale, sizes) if beside < limit else None
 
 
-def _beside(orbits: Any, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
+def _beside(orbits: OrbitProblem, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
     """exp(-min(r, s) t) of the passage that makes least of it; 1 where there is none.
 
     One of length t_in + t_out with the closest distance d, both sides of which begin at `NEAR`, has the rates
@@ -74,8 +78,9 @@ def _beside(orbits: Any, profile: Profile, saddles: list[Saddle], sizes: Array) 
 
 
 def _end(
-    problem: Any, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array, sizes: Array
-) -> End:
+    problem: OrbitLocusProblem, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
+    sizes: Array
+) -> End:  # fmt: skip
     first, second = problem.parameters
     names = problem.system.state_names
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"

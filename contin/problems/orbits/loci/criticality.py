@@ -9,13 +9,17 @@ change of sign.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
 from contin.problems.shooting.return_map import NoDerivatives
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.layout import Profile
+
 
 SLOTS: Final = {"PD": 5, "NS": 9}  # place among the tests
 POLES: Final = {"PD": (3, 4), "NS": (4, 5, 6)}  # tests of R2, LPPD; LPNS, R1, R2: the coefficient is infinite there
@@ -24,7 +28,26 @@ UNDECIDED: Final = 1e-7  # of the terms that it is made of: a coefficient this s
 SAME: Final = 1e-9  # relative difference of parameters and period of a point that is known
 
 
-def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> float:
+class CriticalCurve(Protocol):
+    """A curve of special orbits whose normal form may change its sign."""
+
+    @property
+    def type(self) -> str: ...
+    @property
+    def critical(self) -> dict[str, Any]:
+        """What the chunks before have told: `typical`, `last` and `failures`."""
+
+    def further(self, z: Array) -> float:
+        """cos(theta) of tori."""
+
+    def profile(self, z: Array) -> Profile:
+        """The orbit."""
+
+    def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
+        """c of PD or Re d of NS, and the size of the terms that it is made of."""
+
+
+def coefficient(curve: CriticalCurve, z: Array, scale: Array, decided: bool = False) -> float:
     """c of PD, Re d of NS; NaN where it has no value (neutral saddles, singular systems).
 
     decided : NaN, too, where the terms cancel to rounding (a conservative flow).
@@ -39,7 +62,7 @@ def coefficient(curve: Any, z: Array, scale: Array, decided: bool = False) -> fl
     return float("nan") if decided and abs(value) <= UNDECIDED * size else float(value)
 
 
-def remarks(curve: Any) -> list[str]:
+def remarks(curve: CriticalCurve) -> list[str]:
     """That the coefficient has no value at some places, where its zeros cannot be seen."""
     failures = curve.critical.get("failures", [])
     if not failures:
@@ -51,18 +74,18 @@ def remarks(curve: Any) -> list[str]:
     ]
 
 
-def is_measured(curve: Any, sample: Sample) -> bool:
+def is_measured(curve: CriticalCurve, sample: Sample) -> bool:
     """True where the coefficient of a sample is known."""
     slot = SLOTS.get(curve.type)
     return slot is not None and sample.tests.size > slot and bool(np.isfinite(sample.tests[slot]))
 
 
-def measured(curve: Any, sample: Sample, scale: Array) -> Sample:
+def measured(curve: CriticalCurve, sample: Sample, scale: Array) -> Sample:
     """The sample with its coefficient."""
     return _with(curve, sample, coefficient(curve, sample.z, scale))
 
 
-def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
+def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to where the sign changes, if it does."""
     if curve.type not in SLOTS or len(chunk) < 2:
         return chunk
@@ -94,32 +117,32 @@ def cut_at_change(curve: Any, chunk: Chunk, scale: Array) -> Chunk:
     return replace(shorter, tests=np.array([row.tests for row in rows]))
 
 
-def _passes_pole(curve: Any, a: Sample, b: Sample) -> bool:
+def _passes_pole(curve: CriticalCurve, a: Sample, b: Sample) -> bool:
     return bool(np.any(np.array([a.tests[k] * b.tests[k] for k in POLES[curve.type]]) < 0.0))
 
 
-def is_zero(curve: Any, value: float) -> bool:
+def is_zero(curve: CriticalCurve, value: float) -> bool:
     """True for a zero, not a pole, of the coefficient that `cut_at_change` found."""
     return abs(value) <= ZERO * float(curve.critical.get("typical", np.inf))
 
 
-def is_pole(curve: Any, value: float) -> bool:
+def is_pole(curve: CriticalCurve, value: float) -> bool:
     """True where it is larger than beside the place at which it changes its sign."""
     return not abs(value) <= float(curve.critical.get("typical", np.inf))
 
 
-def _with(curve: Any, sample: Sample, value: float) -> Sample:
+def _with(curve: CriticalCurve, sample: Sample, value: float) -> Sample:
     tests = sample.tests.copy()
     tests[SLOTS[curve.type]] = value
     return replace(sample, tests=tests)
 
 
-def _known(curve: Any, sample: Sample) -> Any:
+def _known(curve: CriticalCurve, sample: Sample) -> Any:
     """The value at the last row of the chunk before, if this is that row (perhaps on another mesh)."""
     place, value = curve.critical.get("last", (None, None))
     here = _place(curve, sample.z)
     return value if place is not None and bool(np.all(np.abs(here - place) <= SAME * np.abs(place))) else None
 
 
-def _place(curve: Any, z: Array) -> Array:
+def _place(curve: CriticalCurve, z: Array) -> Array:
     return np.array([z[-1], z[-2], curve.profile(z).period])

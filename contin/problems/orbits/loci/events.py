@@ -8,13 +8,17 @@ on NS    R1, R2, R3, R4 (cos theta = 1, -1, -1/2, 0), LPNS, PDNS, NSNS, CH (Re d
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.zero_of_test import zero_of_test
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.loci.special import OfSpecialOrbits
+
 
 # test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
 NAMES: Final = {
@@ -51,7 +55,7 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
     return complex(further + root), complex(further - root)
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test function along the curve, by secants in a bracket; '' where only a neutral pair crosses."""
     index = watch(problem.locus, type_)
     zero = zero_of_test(problem, near, frame, index)
@@ -79,7 +83,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 
-def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> float | None:
+def _discretisation(problem: OfSpecialOrbits, found: Sample, frame: Frame, index: int) -> float | None:
     """How far the point moves, in either parameter, on a mesh of half the lengths; None where it is not found there."""
     refined = problem.refined(found, frame)
     if refined is None:
@@ -88,7 +92,7 @@ def _discretisation(problem: Any, found: Sample, frame: Frame, index: int) -> fl
     return None if again is None else float(np.abs(again.sample.z[[-1, -2]] - found.z[[-1, -2]]).max())
 
 
-def _complex_pair(problem: Any, sample: Sample) -> bool:
+def _complex_pair(problem: OfSpecialOrbits, sample: Sample) -> bool:
     """True where the pair on the unit circle is complex: two real multipliers with product 1 are no torus."""
     values = problem.others(sample.eigenvalues, sample.z)
     if len(values) < 2:

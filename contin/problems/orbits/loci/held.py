@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,13 +17,16 @@ from contin.machine import elementary
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.curve import OrbitCurve
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 
 @dataclass(frozen=True, eq=False)
 class HeldCurve(OrbitCurve):
     """`second` is the first parameter. z is that of a curve: (u, T, h, [further unknown], p, p)."""
 
     @classmethod
-    def of(cls, type_: str, orbits: Any) -> HeldCurve:
+    def of(cls, type_: str, orbits: OrbitProblem) -> HeldCurve:
         """The special orbits of a type in a family."""
         return cls(type_, orbits, orbits.active)
 

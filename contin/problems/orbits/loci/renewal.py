@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,10 +13,17 @@ from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
 from contin.problems.orbits.renewal import Move, refitted
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.loci.curve import OrbitCurve
+    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.two_parameters import OrbitCurveProblem
+
 JUMPED = 0.05  # scaled distance beyond which the corrected point on the new mesh is not the same orbit
 
 
-def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, settings: Settings) -> Renewal:
+def renew(
+    problem: OrbitCurveProblem, origin: Sample, before: Sample | None, frame: Frame, settings: Settings
+) -> Renewal:
     """Mesh and metric for the next chunk."""
     curve, scale = problem.curve, frame.scale
     orbits, profile = curve.at(origin.z), curve.profile(origin.z)
@@ -39,7 +46,7 @@ def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame, set
 class CurveMove:
     """Takes samples of a curve to another mesh h and another metric, by interpolation."""
 
-    def __init__(self, curve: Any, orbits: Any, scale: Array, renewed: Array, h: Array) -> None:
+    def __init__(self, curve: OrbitCurve, orbits: OrbitProblem, scale: Array, renewed: Array, h: Array) -> None:
         self.curve = curve
         self.move = Move(orbits, curve.orbit(scale), curve.orbit(renewed), h)
 
@@ -56,7 +63,7 @@ class CurveMove:
         return replace(sample, z=z, tangent=t / np.linalg.norm(t))
 
 
-def on_finer_mesh(problem: Any, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
+def on_finer_mesh(problem: OrbitCurveProblem, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame]:
     """The curve's problem, a sample of it and the metric, on a mesh of half the lengths; its own stays as it is."""
     curve, scale = replace(problem.curve, _works={}, critical=dict(problem.curve.critical)), frame.scale
     orbits, profile = curve.at(sample.z), curve.profile(sample.z)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from contin.abi import Array
 from contin.kernels.collocation_march import new_memory
 from contin.kernels.special_orbits.memory import Frame, new_curve_memory
 from contin.problems.orbits.layout import Profile
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 KINDS: Final = {"LPC": 0, "PD": 1, "NS": 2, "BPC": 3}
 
@@ -49,7 +52,7 @@ class Work:
         return int(self.memory.y.shape[1]) - 3
 
     @classmethod
-    def of(cls, type_: str, orbits: Any, p: Array, mesh: Array, normals: Normals) -> Work:
+    def of(cls, type_: str, orbits: OrbitProblem, p: Array, mesh: Array, normals: Normals) -> Work:
         """Memory for curves of a type; `orbits` is the problem of the orbits, p all parameters."""
         n, m, count = orbits.n, orbits.points, len(mesh)
         free = n - 1 if orbits.autonomous else n

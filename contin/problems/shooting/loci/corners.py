@@ -10,7 +10,7 @@ and there are no such orbits beside the touching one.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from contin.problems.shooting.loci.touching import Touch, touches, vertex
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import sliding
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.loci.shot import OfShotOrbits
+
+
 NEAR: Final = 1e-3  # clearance, relative to the surface function's largest value, from which a touching orbit is near
 DEPTHS: Final = (1e-5, 1e-4, 1e-3)  # (scaled) beyond the surface at which the curve is taken up again
 AHEAD: Final = 1e-3  # (scaled) from the last orbit to the touching one
@@ -35,7 +39,7 @@ SHORT: Final = 1e-4  # steps (arclength) after which the residual is looked at
 WRONG: Final = 1e-7  # ... and what it is at no solution
 
 
-def nearly_touched(problem: Any, z: Array) -> Touch | None:
+def nearly_touched(problem: OfShotOrbits, z: Array) -> Touch | None:
     """Where an orbit of the curve nearly touches a surface; None where it does nowhere."""
     curve = problem.curve
     if not curve.system.n_switches or curve.touched is not None:
@@ -44,7 +48,7 @@ def nearly_touched(problem: Any, z: Array) -> Touch | None:
     return min(found, key=lambda touch: abs(touch.value), default=None)
 
 
-def cross_corner(problem: Any, last: Sample, frame: Frame) -> tuple[Sample, Verified | None] | None:
+def cross_corner(problem: OfShotOrbits, last: Sample, frame: Frame) -> tuple[Sample, Verified | None] | None:
     """The first point on the other side, its tangent pointing away from the corner; None where there is none."""
     touch = nearly_touched(problem, last.z)
     if touch is None:
@@ -112,7 +116,7 @@ def _gradient(curve: Any, z: Array, scale: Array, touch: Touch) -> tuple[Array, 
     return (row / unit, unit) if np.isfinite(unit) and unit > 0.0 else None
 
 
-def cut_where_wrong(problem: Any, chunk: Chunk, scale: Array) -> Chunk:
+def cut_where_wrong(problem: OfShotOrbits, chunk: Chunk, scale: Array) -> Chunk:
     """The chunk up to the first row that Newton's method only seemed to converge to, where steps are short.
 
     The corrections stop shrinking near a touching orbit as they do at rounding; the residual tells the two.
@@ -127,7 +131,7 @@ def cut_where_wrong(problem: Any, chunk: Chunk, scale: Array) -> Chunk:
     return chunk
 
 
-def why_not(problem: Any, z: Array) -> str | None:
+def why_not(problem: OfShotOrbits, z: Array) -> str | None:
     """What a touched surface means for the curve, in words; None where none is near."""
     touch = nearly_touched(problem, z)
     if touch is None:
@@ -135,7 +139,7 @@ def why_not(problem: Any, z: Array) -> str | None:
     slides = sliding(problem.curve.at(z), problem.curve.orbit(z))
     if slides is not None:
         return slides
-    name = problem.system.pieces.name(touch.surface)
+    name = problem.curve.system.pieces.name(touch.surface)
     return (
         f"The orbits come to touch {name} there (a grazing orbit), where the return map has no second derivative: no "
         f"{problem.locus} orbits were found on the other side. A fold at the touching orbit itself is labelled LPC "

@@ -36,7 +36,9 @@ class Equations:
 class CurveByShooting(CurveOfPeriodicOrbits, ABC):
     """What all curves by shooting have in common."""
 
+    type: str
     orbits: ShootingProblem
+    critical: dict[str, Any]  # see `contin.problems.orbits.loci.criticality`
 
     @property
     def _states(self) -> int:
@@ -45,6 +47,10 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
     def unknowns(self, z: Array) -> NDArray[np.intp]:
         """Places in z of (u, T, [further], q, p)."""
         return np.append(np.arange(self._states + 1), np.arange(z.size - 2 - self.extra, z.size))
+
+    def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
+        """c of PD or Re d of NS, and the size of the terms that it is made of; other curves have none."""
+        return float("nan"), 1.0
 
     @abstractmethod
     def settle(self, z: Array, scale: Array) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +13,12 @@ from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased
 from contin.problems.shooting.renewal import misplaced
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.loci.shot import OfShotOrbits
 
-def renew(problem: Any, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
+
+
+def renew(problem: OfShotOrbits, origin: Sample, before: Sample | None, frame: Frame) -> Renewal:
     """Metric and phase for the next chunk, or the end of the curve."""
     curve, scale = problem.curve, frame.scale
     end = problem.at_birth(origin.z, scale)
@@ -46,7 +50,7 @@ def _remeasured(sample: Sample, old: Array, scale: Array) -> Sample:
     return replace(sample, tangent=t / np.linalg.norm(t))
 
 
-def _at_new_phase(problem: Any, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:
+def _at_new_phase(problem: OfShotOrbits, origin: Sample, z: Array, old: Array, scale: Array) -> Sample:
     """The sample there, with the sense of its tangent: the part that no change of phase touches."""
     (t,) = problem.tangents(z, scale)
     orbits, size = problem.curve.orbits, z.size

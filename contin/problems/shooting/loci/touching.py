@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from contin.problems.shooting.grazing import surface
 from contin.problems.shooting.phase import rebased
 from contin.problems.shooting.sampling import flights
 from contin.problems.shooting.start import split
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 
 SAMPLES: Final = 1000  # of a period, for extrema of surface functions
 FINER: Final = 1e-4  # (scaled time) between the three values of a parabola
@@ -38,7 +42,7 @@ class Touch:
     value: float = 0.0
 
 
-def touches(problem: Any, z: Array, within: float = TOUCHING) -> list[Touch]:
+def touches(problem: ShootingProblem, z: Array, within: float = TOUCHING) -> list[Touch]:
     """All places where an extremum of a surface function is zero, or `within` (relative to its largest value) of it."""
     times, found = np.arange(SAMPLES) / SAMPLES, []
     for j in range(problem.system.pieces.count):
@@ -69,7 +73,7 @@ def vertex(h: Any, guess: float, period: float) -> tuple[float, float, float]:
     return time, b, a - 2.0 * b + c
 
 
-def laid_out(problem: Any, z: Array, found: Sequence[Touch]) -> tuple[Any, Array, list[Touch]] | None:
+def laid_out(problem: ShootingProblem, z: Array, found: Sequence[Touch]) -> tuple[Any, Array, list[Touch]] | None:
     """The problem with touched surfaces held in their segments, the orbit on these, and the touches at its phase.
 
     None where a surface is touched and crossed in too quick a succession.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +11,13 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import events
 from contin.problems.shooting.events import COARSE, FINE
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.loci.problem import ShotLocusProblem
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+
+
+
+def verify(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The zero of a test function along the curve, and how much it depends on the accuracy of the trajectories."""
     found = events.verify(problem.precise(FINE), type_, near, frame)
     if isinstance(found, str):

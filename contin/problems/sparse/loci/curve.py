@@ -9,23 +9,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.vectors import norm
+from contin.errors import NotFiniteError
 from contin.machine import elementary
 from contin.problems.sparse.eigen import Spectrum, leading
 from contin.problems.sparse.linear import Linear, Solution
 from contin.problems.sparse.loci.singular import Folds, Hopf, Singularity
 from contin.problems.sparse.problem import LargeProblem, Workspace
 
+if TYPE_CHECKING:
+    from contin.problems.functions.system import FunctionSystem
+
 SHIFT = 0.3  # of the gap between zero and the next eigenvalue: where eigenvalues are sought from
 INVERSE_STEPS = 4
 FLAT = 1e-3  # of a tangent's length: parameters that change less do not tell a direction across the curve
 
+
+NO_VALUE: Final = "the equations have no value at a point of the curve"
 
 @dataclass(frozen=True, eq=False)
 class Borders:
@@ -72,7 +77,7 @@ class LargeCurve:
         return self.origin.base
 
     @property
-    def system(self) -> Any:
+    def system(self) -> FunctionSystem:
         return self.origin.system
 
     def full_parameters(self, z: Array) -> Array:
@@ -95,6 +100,27 @@ class LargeCurve:
         problem, point = self.branch(z)
         return problem.linear(point)
 
+    def linear_at(self, z: Array) -> Linear:
+        """F_u; raises `NotFiniteError` where it has no value."""
+        linear = self.linear(z)
+        if linear is None:
+            raise NotFiniteError(NO_VALUE)
+        return linear
+
+    def folds_at(self, z: Array) -> Folds:
+        """`singular` on a curve of folds; raises `NotFiniteError` where it has no value."""
+        at = self.singular(z)
+        if not isinstance(at, Folds):
+            raise NotFiniteError(NO_VALUE)
+        return at
+
+    def pairs_at(self, z: Array) -> Hopf:
+        """`singular` on a curve of Hopf points; raises `NotFiniteError` where it has no value."""
+        at = self.singular(z)
+        if not isinstance(at, Hopf):
+            raise NotFiniteError(NO_VALUE)
+        return at
+
     def precisely(self, z: Array) -> Linear | None:
         problem, point = self.branch(z)
         return problem.precisely(point)
@@ -104,13 +130,13 @@ class LargeCurve:
         with np.errstate(all="ignore"):
             return np.asarray(self.system.parameter_slope(z[: self.n], self.full_parameters(z), index))
 
-    def second_derivative(self, z: Array, v: NDArray[Any], direction: Array) -> NDArray[Any]:
+    def second_derivative(self, z: Array, v: Vector, direction: Array) -> Vector:
         """D^2F[v, (du, dp2, dp1)]"""
         n, m = self.n, self.system.m
         left, right = np.zeros(n + m, v.dtype), np.zeros(n + m)
         left[:n], right[:n] = v, direction[:n]
         right[n + self.second], right[n + self.first] = direction[n:]
-        value: NDArray[Any] = self.system.derivative(z[:n], self.full_parameters(z), left, right)
+        value: Vector = self.system.derivative(z[:n], self.full_parameters(z), left, right)
         return value
 
     def spectrum(self, z: Array) -> Spectrum:
@@ -146,7 +172,7 @@ class LargeCurve:
 
     # borders ----------------------------------------------------------------------------------------------------------
 
-    def start(self, z: Array, q: NDArray[Any]) -> None:
+    def start(self, z: Array, q: Vector) -> None:
         """Borders from a critical eigenvector q; at a BT, from q0 + i q1 with A q0 = 0, A q1 = q0."""
         q = np.asarray(q)
         if self.type == "LP":
@@ -223,7 +249,7 @@ class LargeCurve:
         if linear is None or borders is None:
             return None
 
-        def second(v: NDArray[Any], direction: Array) -> NDArray[Any]:
+        def second(v: Vector, direction: Array) -> Vector:
             return self.second_derivative(z, v, direction)
 
         if self.type == "LP":
@@ -331,7 +357,7 @@ class CurveLinearisation:
         return np.asarray((step + self.basis @ a) / self.scale)
 
 
-def _axes(q: NDArray[Any]) -> tuple[Array, Array]:
+def _axes(q: Vector) -> tuple[Array, Array]:
     """Re q and Im q with the phase that makes them orthogonal and Re q the longer."""
     square = np.sum(q * q)
     q = q * elementary.exp(-0.5j * elementary.angle(square)) if abs(square) > 0.0 else q

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
+from contin.errors import NotFiniteError
 from contin.machine import elementary
 from contin.problems.codim2.events import EVENTS
 from contin.problems.sparse import forms as simple
@@ -24,6 +25,9 @@ from contin.problems.sparse.loci import forms
 from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.singular import Folds
 from contin.problems.sparse.special import At, refine, secant
+
+if TYPE_CHECKING:
+    from contin.problems.sparse.loci.problem import LargeLocus
 
 RESIDUAL_LIMIT = 1e-7
 ROUNDED = 1e-9
@@ -35,7 +39,7 @@ def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
     return [type_ for index, (type_, _) in EVENTS[locus].items() if a.tests[index] * b.tests[index] < 0.0]
 
 
-def split(problem: Any, z: Array) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def split(problem: LargeLocus, z: Array) -> tuple[Vector, Vector, Vector]:
     """Leading eigenvalues at a point of the curve; which of them are not the curve's own; all their vectors."""
     spectrum = problem.curve.spectrum(z)
     values = spectrum.values
@@ -49,7 +53,7 @@ def split(problem: Any, z: Array) -> tuple[NDArray[Any], NDArray[Any], NDArray[A
     return values, np.delete(np.arange(len(values)), own), spectrum.vectors
 
 
-def tests_at(problem: Any, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+def tests_at(problem: LargeLocus, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
     """Tests from index 2 on, unstable eigenvalues that are not the curve's own, the leading eigenvalues."""
     values, others, _ = split(problem, z)
     rest = values[others]
@@ -88,15 +92,22 @@ def _chain(at: Folds) -> float:
     return float(np.real(at.at.functional(np.real(at.at.v))))
 
 
-def _lyapunov(problem: Any, z: Array) -> float:
+def _lyapunov(problem: LargeLocus, z: Array) -> float:
     branch, point = problem.curve.branch(z)
-    at = problem.curve.singular(z)
+    at = problem.curve.pairs_at(z)
     form = simple.hopf(branch, point, at.at[0].v, float(np.sqrt(problem.curve.kappa(z))))
     return float(form["l1"])
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The point of this type near a sample, to full precision; a string says why there is none."""
+    try:
+        return _verified(problem, type_, near, frame)
+    except NotFiniteError as error:
+        return f"{type_} not verified: {error}"
+
+
+def _verified(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Verified | str:
     if type_ == "BT" and problem.locus == "HB":
         return _takens_by_folds(problem, near, frame)
     measure = _measure(problem, type_, near)
@@ -114,13 +125,13 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     return _described(problem, type_, at.z, residual, error)
 
 
-def _measure(problem: Any, type_: str, near: Sample) -> Callable[[At], float] | str:
+def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], float] | str:
     curve = problem.curve
 
     if type_ == "CP":
-        return _sized(lambda at: _quadratic(curve.singular(at.z), problem.n), problem, near, type_)
+        return _sized(lambda at: _quadratic(curve.folds_at(at.z), problem.n), problem, near, type_)
     if type_ == "BT":
-        return lambda at: _chain(curve.singular(at.z)) / elementary.square(norm(np.real(curve.singular(at.z).at.v)))
+        return lambda at: _chain(curve.folds_at(at.z)) / elementary.square(norm(np.real(curve.folds_at(at.z).at.v)))
     if type_ == "GH":
         return _sized(lambda at: _lyapunov(problem, at.z), problem, near, type_)
     values, others, vectors = split(problem, near.z)
@@ -135,29 +146,29 @@ def _measure(problem: Any, type_: str, near: Sample) -> Callable[[At], float] | 
 
     def growth(at: At) -> float:
         nonlocal value, q
-        value, q = refine(curve.linear(at.z), value, q)
+        value, q = refine(curve.linear_at(at.z), value, q)
         return value.real / size
 
     return growth
 
 
-def _sized(test: Callable[[At], float], problem: Any, near: Sample, type_: str) -> Callable[[At], float]:
+def _sized(test: Callable[[At], float], problem: LargeLocus, near: Sample, type_: str) -> Callable[[At], float]:
     """A test in units of the part of it that does not cancel, so that what the secant leaves is comparable."""
     size = 1.0
     if type_ == "CP":
-        at = problem.curve.singular(near.z)
+        at = problem.curve.folds_at(near.z)
         v = np.real(at.at.v)
         image = problem.curve.second_derivative(near.z, v, np.append(v, np.zeros(2)))
         size = max(abs(float(np.real(at.at.functional(np.abs(image))))), 1e-300)
     return lambda at: test(at) / size
 
 
-def _takens_by_folds(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Verified | str:
     """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
     hopf = problem.curve
     folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
     z = np.concatenate([near.z[: problem.n], near.z[-2:]])
-    at = hopf.singular(near.z)
+    at = hopf.pairs_at(near.z)
     folds.start(z, np.real(at.at[0].v))
     locus = replace(problem, curve=folds)
     scale = np.delete(frame.scale, -3)
@@ -172,7 +183,7 @@ def _takens_by_folds(problem: Any, near: Sample, frame: Frame) -> Verified | str
     return replace(found, z=placed)
 
 
-def _described(problem: Any, type_: str, z: Array, residual: float, error: float) -> Verified:
+def _described(problem: LargeLocus, type_: str, z: Array, residual: float, error: float) -> Verified:
     values, others, vectors = split(problem, z)
     rest = list(others)
     own = [k for k in range(len(values)) if k not in rest]
@@ -190,7 +201,7 @@ def _described(problem: Any, type_: str, z: Array, residual: float, error: float
     known["pairs"] = [vectors[:, k] for k in pairs]
     zeros = [k for k in [*own, *more] if k not in pairs and values[k].imag >= 0.0]
     if problem.locus == "LP":
-        known["null"] = np.real(problem.curve.singular(z).at.v)
+        known["null"] = np.real(problem.curve.folds_at(z).at.v)
     elif zeros:
         known["null"] = np.real(vectors[:, zeros[0]])
     unstable = int(np.sum(values[free].real > 0.0))

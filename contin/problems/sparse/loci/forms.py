@@ -7,12 +7,11 @@ with the dense methods where the system is small enough for that.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Verified
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.linear import normalise
@@ -21,10 +20,13 @@ from contin.normalforms.result import NO_FORM
 from contin.problems.sparse.forms import state
 from contin.problems.sparse.loci.singular import Folds
 
+if TYPE_CHECKING:
+    from contin.problems.sparse.loci.problem import LargeLocus
+
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
-def with_normal_form(problem: Any, point: Verified, known: dict[str, Any]) -> Verified:
+def with_normal_form(problem: LargeLocus, point: Verified, known: dict[str, Any]) -> Verified:
     """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
     vectors: dict[str, Any] = {}
     try:
@@ -43,7 +45,7 @@ def with_normal_form(problem: Any, point: Verified, known: dict[str, Any]) -> Ve
     return replace(point, normal_form=form, vectors=known | vectors)
 
 
-def cusp(problem: Any, z: Array) -> dict[str, Any]:
+def cusp(problem: LargeLocus, z: Array) -> dict[str, Any]:
     """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -58,7 +60,7 @@ def cusp(problem: Any, z: Array) -> dict[str, Any]:
     return {"c": float(np.real(at.at.functional(cubic))) / size / 6.0}
 
 
-def takens(problem: Any, z: Array) -> tuple[dict[str, Any], dict[str, Any]]:
+def takens(problem: LargeLocus, z: Array) -> tuple[dict[str, Any], dict[str, Any]]:
     """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -82,7 +84,7 @@ def takens(problem: Any, z: Array) -> tuple[dict[str, Any], dict[str, Any]]:
     return form, {"null": q0, "generalised": q1}
 
 
-def _dense(problem: Any, type_: str, z: Array, known: dict[str, Any]) -> dict[str, Any]:
+def _dense(problem: LargeLocus, type_: str, z: Array, known: dict[str, Any]) -> dict[str, Any]:
     branch, point = problem.curve.branch(z)
     linear = branch.linear(point)
     matrix = _entries(linear, problem.n)
@@ -92,7 +94,7 @@ def _dense(problem: Any, type_: str, z: Array, known: dict[str, Any]) -> dict[st
     return dict(form.coefficients) | ({"errors": dict(form.errors)} if form.errors else {})
 
 
-def _entries(linear: Any, n: int) -> NDArray[Any]:
+def _entries(linear: Any, n: int) -> Vector:
     if linear.matrix is not None:
         return np.asarray(linear.matrix.toarray())
     return np.column_stack([linear.apply(column) for column in np.eye(n)])

@@ -15,13 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.problems.sparse.linear import Linear, Solution
 
-Vector = NDArray[Any]
 NEAR_ZERO = 1e-6  # relative size of kappa below which its slopes are taken beside zero
 Second = Callable[[Vector, Array], Vector]  # (v, direction (n + 2,)) -> D^2F[v, direction]
 

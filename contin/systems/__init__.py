@@ -1,0 +1,1 @@
+"""Systems: values, Jacobians, derivatives, observables and switches of equations, wherever they come from."""
