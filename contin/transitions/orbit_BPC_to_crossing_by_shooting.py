@@ -29,7 +29,7 @@ def crossing_by_shooting(problem: Any, point: SpecialPoint, parameter: str) -> l
     alike = other is None or image_of(problem, found.orbit, other.orbit) is not None
     arms = (1,) if alike else (-1, 1)
     seed = Seed(
-        problem, point.z, found.direction, found.curvature if alike else None, point.scale, arms,
+        found.problem, point.z, found.direction, found.curvature if alike else None, point.scale, arms,
         Parent(point.branch, point.label), measured=(unstable_count(point), point.eigenvalues),
     )  # fmt: skip
     return [seed]

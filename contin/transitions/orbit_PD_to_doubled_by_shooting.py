@@ -43,7 +43,8 @@ def _doubled(problem: Any, point: SpecialPoint) -> Seed:
     direction = np.zeros(len(scale))
     direction[: u.size] = np.vstack([half, -half]).ravel() / scale[: u.size]
     direction /= np.linalg.norm(direction)
-    family = replace(problem, count=2 * nodes.count, winding=2.0 * problem.winding, multiple=2 * problem.multiple)
+    twice = {"count": 2 * nodes.count, "winding": 2.0 * problem.winding, "multiple": 2 * problem.multiple}
+    family = replace(problem.free(), **twice)
     return Seed(
         family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
         measured=(unstable_count(point), elementary.square(np.asarray(point.eigenvalues))),

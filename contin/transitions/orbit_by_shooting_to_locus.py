@@ -38,7 +38,8 @@ def loci_of_shot_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[s
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]
     further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
-    return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, problem, point.z, point, parameters, further)]
+    free = problem.free()  # the condition's derivatives are those of directions across the fixed space, too
+    return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, free, point.z, point, parameters, further)]
 
 
 def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:

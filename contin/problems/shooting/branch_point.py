@@ -14,8 +14,8 @@ import numpy as np
 from contin.abi import Array
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
-from contin.problems.shooting.linear import embedded, null_space
-from contin.problems.shooting.locate import SETTLED, Located, on_curve, scalar, scale_of
+from contin.problems.shooting.linear import embedded, family_tangents, null_space
+from contin.problems.shooting.locate import SETTLED, Located, locate, on_curve, scalar, scale_of
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
@@ -33,6 +33,10 @@ def locate_branch_point(problem: ShootingProblem, type_: str, z: Array, tangent:
     The further away, the less rounding matters; but another branch point may lie between.
     """
     found: Located | str = "an orbit beside it is lost"
+    if problem.fixed is not None:  # the family itself is regular where only a symmetry breaks
+        found = locate(problem, type_, z, tangent, scale)
+        if isinstance(found, Located) and len(family_tangents(problem, found.z, scale)) > 1:
+            return found
     best: Located | None = None
     for apart in APART:
         found = _interpolated(problem, type_, z if best is None else best.z, tangent, scale, apart)

@@ -28,6 +28,7 @@ OFF = 0.05  # sine of the angle to the family's own tangent below which the orbi
 class Crossing:
     """One half of a family at a branch point: unit direction, curvature (scaled), and one of its orbits."""
 
+    problem: Any  # of its orbits, with the symmetries they have left
     direction: Array
     curvature: Array
     orbit: Array
@@ -42,9 +43,10 @@ def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Cr
     if len(plane) < 2:
         return None
     across = _normal_part(plane, own)
+    left = problem.free().restricted(z + DISTANCES[0] * np.where(across == 0.0, 0.0, across * scale))
     for d in DISTANCES:
-        far = _orbit_across(problem, z, own, across, scale, sense * d)
-        near = _orbit_across(problem, z, own, across, scale, sense * d / 2.0)
+        far = _orbit_across(left, z, own, across, scale, sense * d)
+        near = _orbit_across(left, z, own, across, scale, sense * d / 2.0)
         if far is None or near is None:
             continue
         along, bend = (4.0 * near - far) / d, 4.0 * (far - 2.0 * near) / elementary.square(d)
@@ -54,7 +56,7 @@ def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Cr
         direction = along / size
         curvature = bend / elementary.square(size)
         curvature = curvature - float(curvature @ direction) * direction
-        return Crossing(direction, curvature, z + np.where(far == 0.0, 0.0, far * scale))
+        return Crossing(left, direction, curvature, z + np.where(far == 0.0, 0.0, far * scale))
     return None
 
 

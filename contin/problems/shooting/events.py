@@ -13,7 +13,7 @@ from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.crossing import side_of_branch
-from contin.problems.shooting.locate import locate
+from contin.problems.shooting.locate import locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
 from contin.problems.special import nearest_pair
@@ -21,6 +21,7 @@ from contin.problems.special import nearest_pair
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8
 SAFETY = 2.0  # of errors that are differences of two approximations
+REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rounding
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
@@ -32,6 +33,8 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
             return ""
         return "a pair of multipliers touches the unit circle without a change of the unstable count"
 
+    if type_ == "NS" and _repeats(problem, near):
+        type_ = "BPC"
     find = locate_branch_point if type_ == "BPC" else locate
     found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
     if isinstance(found, str):
@@ -50,6 +53,7 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
             return "NS: the two multipliers that cross are real"
         theta = float(elementary.angle(pair))
     targets = critical(type_, theta)
+    kernel = int(np.count_nonzero(repeated(others, targets[0]))) if len(targets) == 1 else 1
     gap = distance(others, targets)
     if not gap < UNCLEAR:
         return f"{type_} not labelled: the critical multiplier is off by {gap:.1e}"
@@ -57,23 +61,30 @@ def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | s
     error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
     error = SAFETY * (error + found.error * width)
     point = Verified(
-        type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets)) > 1.0)),
-        vectors={"theta": theta},
+        type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets * kernel)) > 1.0)),
+        vectors={"theta": theta, "kernel": kernel},
     )  # fmt: skip
     return _with_normal_form(problem, point, frame.scale)
+
+
+def _repeats(problem: Any, sample: Sample) -> bool:
+    """True where the pair nearest to the unit circle is one real multiplier near 1 that symmetries repeat."""
+    pair = nearest_pair(nontrivial(problem, sample.eigenvalues), True)
+    return problem.fixed is not None and pair is not None and abs(pair - 1.0) < UNCLEAR and abs(pair.imag) < REAL
 
 
 def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Verified | str] = []
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
-    if branches or (a.unstable != b.unstable and not (folds or pairs or flips)):
+    together = pairs and _repeats(problem, a)
+    if branches or (a.unstable != b.unstable and not (folds or flips) and (together or not pairs)):
         found.append(verify(problem, "BPC", a, frame))
     elif folds:
         found.append(verify(problem, "LPC", a, frame))
     if flips:
         found.append(verify(problem, "PD", a, frame))
-    if pairs and not (branches or folds or flips):
+    if pairs and not (branches or folds or flips or together):
         found.append(verify(problem, "NS", a, frame))
     return found
 

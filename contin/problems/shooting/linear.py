@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.problems.shooting.fixed_space import FixedSpace, kept_direction
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.segments import Segments
 
+BROKEN = 1e-3  # part of a direction of a null space that the symmetries of the orbits keep, where they keep none of it
 SINGULAR = 1e-6  # a second singular value this small (relative) makes a point a branch point
 
 
@@ -26,12 +28,16 @@ class BorderedShooting:
     matrix: Array
     positions: NDArray[np.intp]
     size: int
+    fixed: FixedSpace | None = None  # of the orbits: steps and tangents stay there
+    units: Array | None = None  # of the states (n,)
 
     @classmethod
     def of(cls, segments: Segments, tangent: Array, scale: Array) -> BorderedShooting:
         residual, jacobian = segments.scaled(scale)
         positions = moving(len(scale), segments.problem.n)
-        return cls(residual, np.vstack([jacobian, tangent[positions]]), positions, len(scale))
+        problem = segments.problem
+        matrix = np.vstack([jacobian, tangent[positions]])
+        return cls(residual, matrix, positions, len(scale), problem.fixed, scale[: problem.n])
 
     @property
     def residual(self) -> Array:
@@ -64,7 +70,13 @@ class BorderedShooting:
         m = len(self.residual_moving)
         lu, pivots = self._factors
         x = lapack.dgetrs(lu, pivots, np.append(right[:m], right[-1]))[0]
-        return embedded(x, self.positions, self.size)
+        return embedded(self._kept(x), self.positions, self.size)
+
+    def _kept(self, x: Array) -> Array:
+        if self.fixed is None or self.units is None:
+            return x
+        states = x[: len(x) - 2].reshape(-1, len(self.units)) * self.units
+        return np.concatenate([(self.fixed.onto(states) / self.units).ravel(), x[-2:]])
 
 
 def embedded(x: Array, positions: NDArray[np.intp], size: int) -> Array:
@@ -99,7 +111,30 @@ def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
     _, values, vectors = found
     if len(values) < 2 or values[-1] > SINGULAR * values[0]:
         return [embedded(vectors[-1], positions, len(z))]
+    if problem.fixed is not None:
+        count = 1 + int(np.count_nonzero(values <= SINGULAR * values[0]))
+        kept = _broken(problem, vectors[-count:], positions, scale)
+        if kept is not None:
+            return [embedded(v, positions, len(z)) for v in kept]
     return [embedded(v, positions, len(z)) for v in _symmetric_first(problem, z, vectors[-2:], positions, scale)]
+
+
+def _broken(problem: Any, null: Array, positions: NDArray[np.intp], scale: Array) -> list[Array] | None:
+    """Of a null space (rows): the family's own direction, which the orbits' symmetries keep, and one that breaks them.
+
+    None where more of them are kept than one.
+    """
+    count, size, units = problem.count, problem.count * problem.n, scale[: problem.n]
+    states = null[:, :size].reshape(len(null), count, problem.n) * units
+    kept = np.hstack([(problem.fixed.onto(states) / units).reshape(len(null), -1), null[:, size:]])
+    values, turn = np.linalg.eigh(kept @ null.T)
+    if not (values[-1] > 1.0 - BROKEN and np.all(np.abs(values[:-1]) < BROKEN)):
+        return None
+    own, across = turn[:, -1] @ null, turn[:, :-1].T @ null
+    if len(across) == 1:
+        return [own, across[0]]
+    alone = kept_direction(problem.fixed, across, scale, count)
+    return None if alone is None else [own, alone]
 
 
 def _symmetric_first(problem: Any, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array) -> list[Array]:

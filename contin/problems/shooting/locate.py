@@ -8,7 +8,7 @@ a scalar of one variable, the arclength, is brought to zero:
     BPC   the product of all (multiplier - 1)      PD   the product of all (multiplier + 1)
     NS    the product of the critical pair, minus 1
 
-Products of all are smooth where two multipliers meet; a single one is not.
+Products of all are smooth where two multipliers meet; a single one is not. One that symmetries repeat counts once.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 FIRST = 1e-5  # arclength of the first secant step
 FAR = 0.05  # arclength beyond which the point is another one
 BUDGET = 14
+NOISE = 4.0  # times the trajectories' accuracy: rounding of the scalar
 SETTLED = 1e-13  # arclength of a last step
+ALIKE = 1e-6  # multipliers this near are one that symmetries repeat
 KERNEL = 1e-4  # singular values below this (relative) belong to the null space
 
 
@@ -40,7 +42,7 @@ class Located:
 
     z: Array
     residual: float
-    error: float = 0.0  # (arclength) of the interpolation, estimated
+    error: float = 0.0  # (arclength), estimated
 
 
 def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:
@@ -55,7 +57,14 @@ def scalar(type_: str, values: NDArray[np.complex128], tangent: Array) -> float:
         ]  # fmt: skip
         return float(min(products, key=abs)) if products else np.nan
     target = -1.0 if type_ == "PD" else 1.0
-    return float(np.prod(values - target).real)
+    together = repeated(values, target)
+    return float(np.prod(values[~together] - target).real * (np.mean(values[together]).real - target))
+
+
+def repeated(values: NDArray[np.complex128], target: complex) -> NDArray[np.bool_]:
+    """Which multipliers are the one nearest to the target, perhaps several times, as symmetries make them."""
+    nearest = values[np.argmin(np.abs(values - target))]
+    return np.asarray(np.abs(values - nearest) <= ALIKE)
 
 
 def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
@@ -68,7 +77,7 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
     here = at(0.0)
     if here is None:
         return "the orbit is lost"
-    best, (s0, g0) = here, (0.0, here[1])
+    best, (s0, g0), error = here, (0.0, here[1]), 0.0
     if g0 != 0.0:
         s1 = FIRST
         for _ in range(BUDGET):
@@ -80,13 +89,14 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
             g1 = there[1]
             if g1 == g0 or g1 == 0.0:
                 break
-            step = -g1 * (s1 - s0) / (g1 - g0)
+            slope = (g1 - g0) / (s1 - s0)
+            step, error = -g1 / slope, NOISE * problem.accuracy / abs(slope)
             if abs(s1 + step) > FAR:
                 return "the test function has no zero nearby"
             s0, g0, s1 = s1, g1, s1 + step
             if abs(step) < SETTLED:
                 break
-    return Located(best[0], best[2])
+    return Located(best[0], best[2], error)
 
 
 def scale_of(tangent: Array, scale: Array) -> Array:

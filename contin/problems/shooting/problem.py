@@ -22,6 +22,7 @@ from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
 from contin.problems.shooting.corners import at_corner, cross_corner, signature, verify_corner
 from contin.problems.shooting.events import verify, verify_compound
+from contin.problems.shooting.fixed_space import FixedSpace, fixed_space
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
 from contin.problems.shooting.linear import BorderedShooting, family_tangents
 from contin.problems.shooting.renewal import cut_where_oblique, renew
@@ -43,6 +44,7 @@ class ShootingProblem(FamilyOfOrbits):
 
     count : segments M.  multiple : forcing periods in one orbit.  accuracy : relative tolerance of the trajectories;
     `budget` : most steps of one segment.  held : by number of the segment, the flow with some surfaces held there.
+    fixed : fixed space of the symmetries that keep every point of the orbits; None where they are free to leave it.
 
     Cost of a Newton step: M trajectories with n + 1 variations, and a dense solve of size M n + 2.
     """
@@ -52,6 +54,7 @@ class ShootingProblem(FamilyOfOrbits):
     accuracy: float = ACCURACY
     budget: int = BUDGET
     held: Mapping[int, Any] = field(default_factory=dict)
+    fixed: FixedSpace | None = None
 
     maximum_chunk = 20
 
@@ -64,6 +67,15 @@ class ShootingProblem(FamilyOfOrbits):
     def precise(self, accuracy: float) -> ShootingProblem:
         """The same orbits with trajectories of another accuracy."""
         return replace(self, accuracy=accuracy)
+
+    def free(self) -> ShootingProblem:
+        """The same orbits, and those beside them that break their symmetries."""
+        return self if self.fixed is None else replace(self, fixed=None)
+
+    def restricted(self, z: Array) -> ShootingProblem:
+        """Orbits with the symmetries that keep every node of z."""
+        nodes = Nodes.of(z, self.n)
+        return replace(self, fixed=fixed_space(self, nodes.u, self.full_parameters(z)))
 
     def at_base(self, base: Array) -> ShootingProblem:
         """The same orbits with other parameter values."""

@@ -44,7 +44,7 @@ class Segments:
         length = nodes.period / nodes.count
         atol = ATOL * problem.accuracy * max(float(np.abs(nodes.u).max()), 1e-300)
         flights = []
-        for i, u in enumerate(nodes.u):
+        for i, u in enumerate(nodes.u if problem.fixed is None else problem.fixed.onto(nodes.u)):
             flight = fly(
                 problem.system, u, p, length, start=i * length, variations=identity, columns=columns,
                 rtol=problem.accuracy, atol=atol, budget=problem.budget, pieces=problem.held.get(i),
@@ -58,12 +58,17 @@ class Segments:
     def transitions(self) -> Array:
         """Fundamental matrices of the segments, (M, n, n)."""
         n = self.problem.n
-        return np.array([f.variations[:, :n] for f in self.flights])
+        found = np.array([f.variations[:, :n] for f in self.flights])
+        return found if self.problem.fixed is None else self.problem.fixed.split(found)
 
     @cached_property
     def ends(self) -> Array:
         """States at the ends of the segments, (M, n)."""
-        return np.array([f.end[: self.problem.n] for f in self.flights])
+        return self._kept(np.array([f.end[: self.problem.n] for f in self.flights]))
+
+    def _kept(self, vectors: Array) -> Array:
+        """Changes of states (K, n) in the fixed space of the orbits, where they have one."""
+        return vectors if self.problem.fixed is None else self.problem.fixed.onto(vectors)
 
     @cached_property
     def directions(self) -> Array:
@@ -85,7 +90,7 @@ class Segments:
         """(M n + 1,), in the model's units."""
         nodes = self.nodes
         following = np.vstack([nodes.u[1:], nodes.u[:1] + self.problem.winding])
-        return np.append((self.ends - following).ravel(), self._phase[0])
+        return np.append(self._kept(self.ends - following).ravel(), self._phase[0])
 
     @cached_property
     def _phase(self) -> tuple[float, Array]:
@@ -112,7 +117,7 @@ class Segments:
             after = (i + 1) % count
             matrix[rows, after * n : (after + 1) * n] -= np.eye(n)
             matrix[rows, size] = (i + 1) / count * ending[i] - i / count * self.transitions[i] @ self.directions[i]
-            matrix[rows, size + 1] = self.flights[i].variations[:, n]
+            matrix[rows, size + 1] = self._kept(self.flights[i].variations[:, n])
         matrix[-1] = self._phase[1]
         return matrix
 
@@ -126,7 +131,7 @@ class Segments:
             for k, other in enumerate(self.others):
                 across = problem.with_active(problem.system.parameter_names[other], z)
                 end[0, k] = -across.forcing_period(float(across.base[other]))[1]
-        return np.vstack([*(f.variations[:, n + 1 :] for f in self.flights), end])
+        return np.vstack([*(self._kept(f.variations[:, n + 1 :].T).T for f in self.flights), end])
 
     def row_units(self, scale: Array) -> Array:
         """Units of the equations, (M n + 1,)."""

@@ -46,7 +46,12 @@ class ShotOrbit:
 
     def seed(self, parameter: str) -> Seed:
         problem = self.problem(parameter)
-        return Seed(problem, replace(self.nodes, parameter=float(self.p[problem.active])).vector())
+        nodes = replace(self.nodes, parameter=float(self.p[problem.active]))
+        problem = problem.restricted(nodes.vector())
+        if problem.fixed is not None:
+            u = problem.fixed.onto(nodes.u)
+            nodes = replace(nodes, u=u, offset=float(nodes.normal @ u[0]))
+        return Seed(problem, nodes.vector())
 
     def __str__(self) -> str:
         u = self.nodes.u[0]
