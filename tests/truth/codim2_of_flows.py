@@ -124,7 +124,7 @@ def plane(growth: str, turn: str, first_state: int = 0) -> list[str]:
     return [f"({growth})*{a} - ({turn})*{b}", f"({growth})*{b} + ({turn})*{a}"]
 
 
-def _size(hidden: Hidden, k: int = 0) -> float:
+def size_of(hidden: Hidden, k: int = 0) -> float:
     """|z| of a unit multiple of the eigenvector in the plane of w_k, w_(k + 1)."""
     weights = [0.0] * k + [1.0, -1.0j]
     return float(np.linalg.norm(hidden.image(*weights)) / 2.0)
@@ -137,7 +137,7 @@ def bautin(random: Random, gap: float = 0.0) -> Core:
     l2, omega, twist = number(random), random.uniform(0.5, 2.0), number(random)
 
     def check(point: Any, hidden: Hidden) -> str:
-        return off(point, "l2", l2 * hidden.numbers.rate / _size(hidden) ** 4)
+        return off(point, "l2", l2 * hidden.numbers.rate / size_of(hidden) ** 4)
 
     cubic, ats = ("B", [0.0]) if gap == 0.0 else (f"(B^2 - {n(gap * gap)})", [-gap, gap])
     growth, turn = f"A + {cubic}*{R} + {n(l2)}*{R}^2", f"{n(omega)} + {n(twist)}*{R} + 0.1*B"
@@ -201,7 +201,8 @@ def double_hopf(random: Random, gap: float = 0.0) -> Core:
     def check(point: Any, hidden: Hidden) -> str:
         rate = hidden.numbers.rate
         return first(
-            off(point, "p11", p11 * rate / _size(hidden) ** 2), off(point, "p22", p22 * rate / _size(hidden, 2) ** 2),
+            off(point, "p11", p11 * rate / size_of(hidden) ** 2),
+            off(point, "p22", p22 * rate / size_of(hidden, 2) ** 2),
             off(point, "theta", p12 / p22), off(point, "delta", p21 / p11),
         )  # fmt: skip
 

@@ -147,6 +147,8 @@ class Hidden:
     def is_clear(self) -> bool:
         """True where no event is close to the edge of the box, where it may or may not be found."""
         places = [np.abs(self.place(e.at)).max() for e in self.core.events]
+        if min(np.abs(self.place(end)).max() for end in self.core.span) < 1.0:  # the curve is not known to its end
+            return False
         return bool(np.abs(self.place(self.core.begin)).max() < 0.9) and all(abs(r - 1.0) > EDGE for r in places)
 
     def curve(self) -> Any:

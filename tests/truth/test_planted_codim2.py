@@ -11,6 +11,7 @@ import pytest
 
 import contin
 from tests.truth import codim2_of_flows as flows
+from tests.truth import codim2_of_maps as maps
 from tests.truth.ledger import Expected, Ledger
 from tests.truth.planted_curves import BOX, Core, Event, Hidden
 
@@ -69,7 +70,8 @@ def _switched(core: Core, point) -> str:
         other = contin.continuation(seed, ("p", "q"), BOX)
         away = np.hypot(*(np.asarray(other.columns[k]) - point.values[k] for k in ("p", "q")))
         if not (len(other) > 3 and away.min() < 1e-8 and away.max() > 0.05):
-            return f"the curve of {seed.problem.locus} through it has {len(other)} rows: {other.ends}"
+            distances = f"{away.min():.1e} to {away.max():.1e} from it"
+            return f"the curve of {seed.problem.locus} through it has {len(other)} rows, {distances}: {other.ends}"
     return ""
 
 
@@ -85,9 +87,20 @@ def test_points_of_codimension_two_and_the_curves_that_leave_them():
     judged(systems, switching=True).assert_clean()
 
 
+def test_points_of_codimension_two_of_maps():
+    cores = list(maps.alone(np.random.default_rng(3)))[1::2]  # the long version takes them all
+    judged(hidden(np.random.default_rng(5), cores, most=2)).assert_clean()
+
+
+def test_two_points_of_maps_close_together_are_told_apart_or_noted():
+    cores = list(maps.close(np.random.default_rng(6), 1e-5))[1::2]
+    judged(hidden(np.random.default_rng(7), cores, most=2)).assert_clean()
+
+
 @pytest.mark.parametrize("gap", [1e-4, 1e-9])
 def test_two_points_close_together_are_told_apart_or_noted(gap):
-    judged(hidden(np.random.default_rng(7), flows.close(np.random.default_rng(6), gap), most=2)).assert_clean()
+    cores = list(flows.close(np.random.default_rng(6), gap))[gap < 1e-6 :: 2]
+    judged(hidden(np.random.default_rng(7), cores, most=2)).assert_clean()
 
 
 def test_two_generalised_hopf_points_within_one_step_are_both_found():
@@ -104,11 +117,12 @@ def test_points_of_codimension_two_of_many_systems(tmp_path):
     path = Path(os.environ.get("CONTIN_TRUTH_TABLES", tmp_path)) / "codim2.md"
     ledger, random = Ledger(), np.random.default_rng(2026)
     for round_ in range(rounds):
-        for system in hidden(random, flows.alone(random)):
-            judge(ledger, system, switching=True)
-        for gap in GAPS:
-            for system in hidden(random, flows.close(random, gap)):
-                judge(ledger, system)
+        for family in (flows, maps):
+            for system in hidden(random, family.alone(random)):
+                judge(ledger, system, switching=True)
+            for gap in GAPS:
+                for system in hidden(random, family.close(random, gap)):
+                    judge(ledger, system)
         facts = {"machine": "tests/truth/test_planted_codim2.py", "rounds": str(round_ + 1)}
         ledger.write(path, facts | {"version": contin.__version__})
     ledger.assert_clean()

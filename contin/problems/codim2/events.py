@@ -58,6 +58,7 @@ RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
 SAFETY = 4.0  # times the largest of a few samples of an error
+POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
@@ -234,6 +235,9 @@ def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sampl
     scatter = SAFETY * np.max(np.abs(estimates), axis=0)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
+    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
+    if abs(float(g[-1])) * size > POLE * beside:
+        return None
     drift = (float(np.max(scatter)) + lacking) * along
     return _Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
 

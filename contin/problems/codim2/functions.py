@@ -107,12 +107,16 @@ def _flip_function(problem: LocusProblem, z: Array) -> float:
     return c / (1.0 + abs(c))
 
 
-def lyapunov(problem: LocusProblem, z: Array) -> float:
-    """Re G21 of the first Lyapunov coefficient (`kernels.lyapunov`); l1 itself for user functions."""
+def lyapunov(problem: LocusProblem, z: Array, beyond_error: bool = False) -> float:
+    """Re G21 of the first Lyapunov coefficient (`kernels.lyapunov`); l1 itself for user functions, Re d of maps.
+
+    beyond_error : of maps, 0 where it is zero to its error, as all along in area-preserving ones: a sign of rounding is
+    no event. The zero itself is located without that.
+    """
     curve, n = problem.curve, problem.n
     kappa = curve.scalar(z)
     if problem.system.kind == "map":
-        return _map_lyapunov(problem, z, kappa)
+        return _map_lyapunov(problem, z, kappa, beyond_error)
     if kappa <= 0.0:
         return 0.0
     if curve.system.jacobian_address == NO_FUNCTION:
@@ -129,7 +133,7 @@ def lyapunov(problem: LocusProblem, z: Array) -> float:
     return float(terms[0])
 
 
-def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float) -> float:
+def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: bool) -> float:
     """Re d of a Neimark-Sacker point."""
     if abs(cosine) >= 1.0:
         return 0.0
@@ -138,8 +142,7 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float) -> float:
     except (ZeroDivisionError, np.linalg.LinAlgError):
         return 0.0
     value = float(form.coefficients["d"][0])
-    # area-preserving maps have Re d = 0 all along: rounding has no sign
-    return value if abs(value) > float(form.errors["d"]) else 0.0
+    return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
 
 
 def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | str:

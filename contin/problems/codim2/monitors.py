@@ -92,11 +92,11 @@ def _map_tests(problem: LocusProblem, z: Array, matrix: Array, others: Any) -> A
     pairs = pair_test(others, True) if len(others) > 1 else 1.0
     if problem.locus == "NS":
         cosine = problem.curve.scalar(z)
-        sign = 0.0
-        if abs(cosine) < 1.0:
-            sign = lyapunov(problem, z)
+        sign, fold = 0.0, real_test(others, 1.0)
+        if abs(cosine) < 1.0:  # d has a pole where another multiplier is 1 (LPNS): no sign changes there
+            sign = lyapunov(problem, z, beyond_error=True) * float(np.sign(fold))
         return np.array([
-            cosine - 1.0, cosine + 1.0, real_test(others, 1.0), real_test(others, -1.0), sign, pairs, cosine + 0.5,
+            cosine - 1.0, cosine + 1.0, fold, real_test(others, -1.0), sign, pairs, cosine + 0.5,
             cosine,
         ])  # fmt: skip
     shift = -1.0 if problem.locus == "PD" else 1.0
