@@ -15,7 +15,7 @@ from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
 from contin.continuation.last_step import Course
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar, is_unfolding
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import InputError, NotFiniteError
@@ -112,7 +112,15 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
                     f"the start has {name} = {seed.z[index]:.10g}, outside the range [{lowest:g}, {highest:g}]"
                 )
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
-    start, here = _first_sample(seed, scale, settings)
+    try:
+        start, here = _first_sample(seed, scale, settings)
+    except NotFiniteError:
+        unfolded = problem.unfolded(seed.z, Frame(scale)) if is_unfolding(problem) else None
+        if unfolded is None:
+            raise
+        start, point, beside = unfolded
+        seed = replace(seed, z=point.z, beside=beside, arms=tuple(arm for arm in seed.arms if arm in beside))
+        here = [Found(0.0, point, start)]
     known = [f.point for f in here]
     if seed.born:  # the parent is not a label of the branch, should it come back to it
         type_ = {"orbit": "BPC", "locus": "ZH"}.get(problem.kind, "BP")

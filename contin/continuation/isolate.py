@@ -14,6 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
@@ -30,6 +31,7 @@ CLOSE = 1e-6  # arclength: how near to a located event the step is looked at aga
 CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
 DIP_BUDGET = 45
 LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curve cannot be followed may be zero
+ALIKE = 0.05  # arclength over which two branches that touch may be alike, and rows lie on either
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 CHORD = 1e-7  # shorter chords have no direction
@@ -223,7 +225,12 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
 
 def _anchored(point: Verified, beside: Sample) -> Verified:
     """The point with a place on its own branch, which tells that from others with the same tangent."""
-    return replace(point, vectors={**point.vectors, "beside": beside.z}) if point.touches else point
+    return anchored(point, beside.z) if point.type == "BP" else point
+
+
+def anchored(point: Verified, place: Array) -> Verified:
+    """The point with this place on its own branch."""
+    return replace(point, vectors={**point.vectors, "beside": place})
 
 
 def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> Iterator[Found]:
@@ -296,7 +303,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
     for item in _together(stretch, a, b):
         if isinstance(item, Verified) and item.touches:
             length = dot(stretch.base.tangent, (item.z - stretch.base.z) / stretch.frame.scale)
-            if low <= length <= high:
+            if low - ALIKE <= length <= high + ALIKE:
                 yield Found(length, _anchored(item, a), _at_point(stretch, a, item))
 
 

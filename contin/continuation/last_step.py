@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
+import numpy as np
+
 from contin.abi import Array
 from contin.continuation.back_at_start import back_at_start
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.halting import Halt, halt, halves, mirror
-from contin.continuation.isolate import Found, Note, dips, isolate, next_to_event, resolve_dip
+from contin.continuation.isolate import Found, Note, anchored, dips, isolate, next_to_event, resolve_dip
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.sameness import same_point
@@ -20,6 +22,7 @@ from contin.continuation.targets import Target, hits
 from contin.continuation.walls import at_wall, walls_passed
 
 SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
+APART: Final = 0.1  # scaled: two branches with one tangent are far enough apart so far from where they touch
 SAME_FOLD: Final = 1e-6  # distance of a fold from the orbit at which a family turns back, relative to the range
 
 
@@ -84,7 +87,7 @@ def resolve(
             piece = piece.cut(rows - 1)
         jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
         piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps)
-        marked += [Row(rows if f.length >= 0.0 else rows - 1, f.length, f.point, f.sample.tangent) for f in step.found]
+        marked += [_row(f, chunk, scale) for f in step.found]
     if end is None and not corner:
         end = _failure(course, chunk)
     marked += _user_values(course, chunk, piece, frame, marked)
@@ -132,7 +135,7 @@ class _LastStep:
                 self.jumps += [] if item.jump is None else [item.jump]
             elif not self._is_labelled(item.point):
                 self.found.append(item)
-        self.found.sort(key=lambda f: f.length)
+        self.found = sorted((_anchored(f, self.chunk, self.scale) for f in self.found), key=lambda f: f.length)
         return True
 
     def _events(self, earlier: Sample | None) -> Iterator[Found | Note]:
@@ -194,6 +197,28 @@ class _LastStep:
         if self.course.foundling and not halves(self.problem, image, self.scale):
             self.found.append(image)
             self.halt = image
+
+
+def _row(found: Found, chunk: Chunk, scale: Array) -> Row:
+    """Where a point comes among the rows; before one that touches no row lies beyond it, where branches are alike."""
+    rows = len(chunk) - 1
+    before = rows if found.length >= 0.0 else rows - 1
+    if found.point.touches:
+        beyond = (chunk.z - found.point.z) / scale @ found.sample.tangent >= 0.0
+        while before > 1 and beyond[before - 1]:
+            before -= 1
+    return Row(before, found.length, found.point, found.sample.tangent)
+
+
+def _anchored(found: Found, chunk: Chunk, scale: Array) -> Found:
+    """A branch point with the last row before it that is so far away that branches are told apart there."""
+    if found.point.type != "BP" or "beside" not in found.point.vectors:
+        return found
+    offsets = (chunk.z - found.point.z) / scale
+    distances = np.linalg.norm(offsets[:, -len(scale) :], axis=1)
+    behind = np.flatnonzero((offsets @ found.sample.tangent < 0.0) & (distances >= APART))
+    row = int(behind[-1]) if behind.size else int(np.argmax(distances))
+    return replace(found, point=anchored(found.point, chunk.z[row]))
 
 
 def _after_event(course: Course, chunk: Chunk, frame: Frame, event: Behind) -> tuple[list[Row], list[str]]:

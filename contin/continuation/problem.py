@@ -227,6 +227,14 @@ class Touching(Protocol):
 
 
 @runtime_checkable
+class Unfolding(Protocol):
+    """A problem that may be started at a point at which the leading terms of its equations tell no branch."""
+
+    def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
+        """The start with a branch's tangent, its label, and a point on the branch by arm; None where there is none."""
+
+
+@runtime_checkable
 class Terminating(Protocol):
     """A problem whose equations mean something else beyond some of its special points."""
 
@@ -377,6 +385,11 @@ def is_guessing(problem: object) -> TypeGuard[Guessing]:
 def is_touching(problem: object) -> TypeGuard[Touching]:
     """True for problems that tell branches apart that touch."""
     return _offers(problem, Touching)
+
+
+def is_unfolding(problem: object) -> TypeGuard[Unfolding]:
+    """True for problems that find the branches at a start that is a degenerate point."""
+    return _offers(problem, Unfolding)
 
 
 def is_phased(problem: object) -> TypeGuard[Phased]:

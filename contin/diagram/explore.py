@@ -179,6 +179,9 @@ class Explorer:
                 return family_through(diagram.branches, seed, self.bounds)
             return known_family(diagram.branches, seed, self.bounds[1] - self.bounds[0])
         scale = seed.scale if seed.scale is not None else problem.initial_scale(seed.z, self.bounds)
+        if seed.beside:  # others have the same tangent
+            known = [is_known(diagram.branches, problem, z, None, scale) for z in seed.beside.values()]
+            return known[0] if all(branch is not None for branch in known) else None
         tangent = None if seed.direction is None else seed.direction * scale
         return is_known(diagram.branches, problem, seed.z, tangent, scale)
 

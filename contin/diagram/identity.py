@@ -17,6 +17,7 @@ from contin.problems.symmetry import apply_symmetry, symmetry_names
 
 SAME = 1e-6  # scaled distance of a point from a curve
 INSIDE = 1e-4  # scaled distance
+OUTSIDE = 0.2  # of a step: how far beyond its end a point is looked for
 PARALLEL = 0.9999  # cosine of two tangents, which are exact at labelled points
 
 
@@ -78,7 +79,10 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
             aside = _stepped(problem, z, tangent / scale, 0.1 * float(gaps.max(initial=0.0)), scale)
             return aside is not None and lies_on(branch, aside, None, scale)
         target = branch.z[row] - offsets[row] * scale  # z, in the angles' sheet of the row
-        found = problem.probe(base, length, branch.z[row] + length * scale * along, Frame(scale), Settings())
+        guess = _guess(branch, int(row), length, along, scale)
+        if guess is None:
+            continue
+        found = problem.probe(base, length, guess, Frame(scale), Settings())
         if found is None or float(np.linalg.norm((found.z - target) / scale)) > SAME:
             continue
         if tangent is None:
@@ -87,6 +91,30 @@ def lies_on(branch: Branch, z: Array, tangent: Array | None, scale: Array) -> bo
         if abs(float(found.tangent @ t)) > PARALLEL * float(np.linalg.norm(t)):
             return True
     return False
+
+
+def _guess(branch: Branch, row: int, length: float, along: Array, scale: Array) -> Array | None:
+    """A point of the branch at this length along the tangent of a row; None where another row is the one to begin at.
+
+    A tangent's is not good enough to tell branches apart that touch, so the cubic through the next row is taken that
+    has the tangents of both.
+    """
+    z, near = branch.z, branch.z[row]
+    other = row + (1 if length * float(along @ (branch.tangents[row] / scale)) > 0.0 else -1)
+    straight = np.asarray(near + length * scale * along)
+    if not 0 <= other < len(z):
+        return straight
+    chord = wrapped(z[other] - near, branch.problem.angle_periods)
+    whole = float(chord / scale @ along)
+    slope = branch.tangents[other] / scale
+    rate = float(slope @ along)
+    if abs(rate) < 0.5 * float(np.linalg.norm(slope)) or abs(whole) < 0.5 * float(np.linalg.norm(chord / scale)):
+        return straight  # a sharp turn
+    x = length / whole
+    if x > 1.0 + OUTSIDE:
+        return None
+    a, b = whole * scale * along, whole * branch.tangents[other] / rate
+    return np.asarray(near + x * chord + x * (1 - x) * ((1 - x) * (a - chord) - x * (b - chord)))
 
 
 def _stepped(problem: Any, z: Array, along: Array, length: float, scale: Array) -> Array | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.normalforms.branching import Direction, branch_point, simple_directions
 from contin.normalforms.jet import Jet, Real
-from contin.normalforms.multiple import CONTINUUM, multiple_directions, scaling_of
+from contin.normalforms.multiple import CONTINUUM, REPEATED, multiple_directions, scaling_of
 from contin.normalforms.reduction import Reduction, kernel_dimension, reduce
 from contin.normalforms.result import NormalForm
 from contin.normalforms.static import StateError
@@ -51,7 +51,10 @@ def branch_directions(
 def any_branch_point(
     jet: Jet, *, kernel: int | None = None, state_error: StateError = None, reduction: Reduction | None = None
 ) -> NormalForm:
-    """BP whatever its kernel: `branch_point` for dimension one, else {kernel, kind: multiple, scaling, branches}."""
+    """BP whatever its kernel: `branch_point` for dimension one, else {kernel, kind: multiple, scaling, branches}.
+
+    `continua`: circles of solutions of the leading terms. `repeated`: their solutions that are not simple.
+   """
     k = kernel or (reduction.k if reduction else kernel_dimension(jet))
     r = reduction or reduce(jet, k)
     if k == 1:
@@ -69,6 +72,9 @@ def any_branch_point(
     }
     if continua:
         coefficients["continua"] = continua
+    repeated = sum(d.note == REPEATED for d in found)
+    if repeated or not found:  # the leading terms do not tell all branches
+        coefficients["repeated"] = max(repeated, 1)
     words = f"branch point with a {k}-dimensional kernel, {len(found)} branches"
     return NormalForm("BP", coefficients, words, {"Q": r.right, "P": r.left, "h": r.h})
 

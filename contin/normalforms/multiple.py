@@ -15,12 +15,13 @@ import numpy as np
 from contin.machine import elementary
 from contin.normalforms.branching import Direction
 from contin.normalforms.jet import Real
-from contin.normalforms.polynomial_roots import Root, distance, sphere_roots
+from contin.normalforms.polynomial_roots import SINGULAR, Root, distance, sphere_roots
 from contin.normalforms.reduction import Reduction
 from contin.normalforms.static import StateError, quadratic_error, state, state_lengths
 
 OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
 LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
+SCATTER = 1e-3  # copies of a root closer than this are one
 CONTINUUM = "solutions form a continuum (a continuous symmetry): one representative"
 REPEATED = "repeated direction: higher orders decide whether it is one branch, several or none"
 
@@ -89,7 +90,8 @@ def _cubic(r: Reduction) -> list[Direction]:
     size_m, size_c = float(np.abs(M).max()), float(np.abs(cubic).max()) / 6.0
     trunk = np.append(np.linalg.lstsq(M, -0.5 * r.T2[:, k, k], rcond=1e-10)[0], 1.0)
     trunk = trunk / np.linalg.norm(trunk @ r.lifted)
-    found = [_direction(r, trunk, _trunk_bend(r, trunk), "")]
+    vanishing = size_c == 0.0 or np.linalg.svd(M, compute_uv=False)[-1] <= SINGULAR * size_m
+    found = [_direction(r, trunk, _trunk_bend(r, trunk), REPEATED if vanishing else "")]
     if size_m == 0.0 or size_c == 0.0:
         return found
     M_unit, C_unit = M / size_m, cubic / (6.0 * size_c)
@@ -146,20 +148,30 @@ def _ratio(a: Real, b: Real) -> float:
 
 
 def _representatives(roots: list[Root], most: int, mirror: Real) -> list[tuple[Root, str]]:
-    """Isolated roots, and one of each connected continuum (recognised by more loose roots than Bezout's number)."""
+    """Isolated roots, and one of each connected continuum (recognised by more loose roots than Bezout's number).
+
+    Newton's method leaves copies of a repeated root scattered about it, as it converges linearly there.
+    """
     isolated = [(root, "") for root in roots if root.free == 0]
-    loose = [root for root in roots if root.free > 0]
+    loose = [group[0] for group in _groups([root for root in roots if root.free > 0], SCATTER, mirror)]
     if len(loose) <= most:
         return isolated + [(root, REPEATED) for root in loose]
-    chosen = []
-    while loose:
-        front, loose = [loose[0]], loose[1:]
-        chosen.append((front[0], CONTINUUM))
-        while front and loose:
-            near = distance(np.array([o.y for o in loose]), front.pop().y, mirror) < LINK
-            front += [o for o, linked in zip(loose, near, strict=True) if linked]
-            loose = [o for o, linked in zip(loose, near, strict=True) if not linked]
-    return isolated + chosen
+    return isolated + [(group[0], CONTINUUM) for group in _groups(loose, LINK, mirror)]
+
+
+def _groups(roots: list[Root], link: float, mirror: Real) -> list[list[Root]]:
+    """Roots that are connected by steps shorter than `link`."""
+    groups = []
+    while roots:
+        front, roots = [roots[0]], roots[1:]
+        groups.append(list(front))
+        while front and roots:
+            near = distance(np.array([o.y for o in roots]), front.pop().y, mirror) < link
+            linked = [o for o, is_near in zip(roots, near, strict=True) if is_near]
+            front += linked
+            groups[-1] += linked
+            roots = [o for o, is_near in zip(roots, near, strict=True) if not is_near]
+    return groups
 
 
 def _direction(r: Reduction, y: Real, y2: Real, note: str) -> Direction:

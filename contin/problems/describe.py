@@ -16,7 +16,7 @@ from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
-from contin.problems.sheets import Sheets
+from contin.problems.branching import degenerate
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -44,22 +44,7 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
     vectors = {**point.vectors, **form.vectors}
     errors = {"errors": dict(form.errors)} if form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
-    return _with_contact(problem, described, scale) if form.coefficients.get("kind") == "tangency" else described
-
-
-def _with_contact(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
-    """A tangency with the order of contact of its two branches."""
-    contact = sheets_at(problem, point.z, scale).contact()
-    if contact is None:
-        remark = "BP: two branches have one tangent here; the order of their contact could not be told"
-        return replace(point, remark=remark)
-    remark = f"BP: two branches touch with contact of order {contact}, or cross several times within the stated error"
-    return replace(point, normal_form={**point.normal_form, "contact": contact}, touches=True, remark=remark)
-
-
-def sheets_at(problem: EquilibriumProblem, z: Array, scale: Array) -> Sheets:
-    """The two branches with one tangent through z."""
-    return Sheets.at(problem.scaled(scale).rated(z / scale), z / scale)
+    return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
 
 
 def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) -> NormalForm | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.model import Model
 from contin.problems import corners, special
+from contin.problems.branching.at_start import unfolded
 from contin.problems.describe import with_normal_form
 from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
@@ -369,6 +370,9 @@ class EquilibriumProblem:
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+
+    def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
+        return unfolded(self, z, frame)
 
     def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
         return beyond(self, point, frame, settings)

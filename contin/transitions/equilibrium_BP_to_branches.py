@@ -15,8 +15,8 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems import defining, special
+from contin.problems.branching.degenerate import fan_at, is_degenerate, other_curves, scaled_own
 from contin.problems.branching.outset import Outset
-from contin.problems.describe import sheets_at
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
@@ -30,39 +30,32 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 def branches(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
     parent = Parent(point.branch, point.label)
-    if "beside" in point.vectors and parameter == problem.parameters[0]:
-        return [_touching(problem, point, parent)]
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
     local = problem.scaled(point.scale)
     y = point.z / point.scale
+    anchor = scaled_own(point, point.scale)
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
-        local, own = problem.scaled(point.scale), np.zeros_like(own)
-    seeds = []
+        local, own, anchor = problem.scaled(point.scale), np.zeros_like(own), None
     kernel = int(point.vectors.get("kernel", 1))
-    for outset in crossing_branches(local.rated(y), y, own, kernel):
-        scale, d, k = renewed_metric(local, point.z, outset.direction, outset.curvature)
+    outsets = None
+    if is_degenerate(point):
+        fan = fan_at(problem, point.z, point.scale, kernel)
+        outsets = None if fan is None else other_curves(fan, anchor, own)
+    seeds = []
+    for outset in crossing_branches(local.rated(y), y, own, kernel) if outsets is None else outsets:
+        scale, d, k = point.scale, outset.direction, outset.curvature
+        beside = {arm: at * scale for arm, at in outset.beside.items()}
+        if not beside:  # a point is known only as well as the metric resolves it that it was found in
+            scale, d, k = renewed_metric(local, point.z, d, k)
         symmetries = reversing_symmetries(problem, point.z, d * scale)
-        beside = {arm: at * point.scale for arm, at in outset.beside.items()}
         arms = (1,) if symmetries else tuple(sorted(beside)) or (-1, 1)
         seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, beside=beside))
     if not seeds:
-        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+        verb = "crosses" if outsets is None else "meets this one"
+        raise InputError(f"{point.branch}.{point.label}: no second real branch {verb} here")
     return seeds
-
-
-def _touching(problem: Any, point: SpecialPoint, parent: Parent) -> Seed:
-    """The branch that has one tangent with the point's own: points on it on both sides, where the two are apart."""
-    sheets = sheets_at(problem, point.z, point.scale)
-    direction = _oriented(sheets.tangent)
-    others = sheets.beside(point.vectors["beside"] / point.scale)
-    turned = 1 if float(direction @ sheets.tangent) > 0.0 else -1
-    beside = {turned * side: other * point.scale for side, (_, other) in others.items()}
-    if not beside:
-        raise InputError(f"{point.branch}.{point.label}: the branch that touches here could not be told from its own")
-    arms = tuple(sorted(beside))
-    return Seed(problem, point.z, direction, None, point.scale, arms, parent, beside=beside)
 
 
 def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[Outset]:

@@ -80,7 +80,7 @@ BRANCH_POINTS = {
     "amplitude equation odd in r": Case(
         {"r": "-p*r/2 + r*exp(-r^2)"}, {"r": 0.0}, {"p": 1.0}, (0.1, 4.0), [("BP", 2.0)]
     ),
-    "zero touched, not crossed": Case({"x": "p^2*x - x^3"}, {"x": 0.0}, AT, R, []),
+    "three lines: x (p - x) (p + x)": Case({"x": "p^2*x - x^3"}, {"x": 0.0}, AT, R, [("BP", 0.0)]),
     "figure of eight: x^4 - x^2 + p^2 = 0": Case(
         {"x": "x^4 - x^2 + p^2"}, {"x": 1.0}, {"p": 0.0}, (-2.0, 2.0),
         [("BP", 0.0), ("LP", 0.5), ("LP", 0.5), ("LP", -0.5), ("LP", -0.5)], ("closed", "closed"),

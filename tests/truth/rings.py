@@ -31,6 +31,11 @@ class Ring:
         return float(2.0 * COUPLING * (1.0 - np.cos(2.0 * np.pi / self.cells)))
 
     @property
+    def far(self) -> float:
+        """Where the branches are large: those of many cells are told apart there only; four have others from 1.5 on."""
+        return (1.4 if self.cells == 4 else 1.9) * self.at
+
+    @property
     def branches(self) -> int:
         """How many cross the trivial one there."""
         return self.cells if self.cells % 2 == 0 else 2 * self.cells
@@ -55,7 +60,7 @@ class Ring:
 
     def diagram(self):
         """From below the branch point to where the branches are large; secondary branch points are not followed."""
-        bounds = (0.5 * self.at, 1.4 * self.at)
+        bounds = (0.5 * self.at, self.far)
         start = dict.fromkeys((f"v{k}" for k in range(self.cells)), 0.0)
         return contin.diagram(
             self.model(bounds[0]), "p", bounds, start=start, budget={"branches": 1 + self.branches}

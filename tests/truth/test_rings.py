@@ -15,7 +15,7 @@ def complaint(ring: Ring) -> str:
         return f"halves of {failed} are lost"
     if diagram.notes and not all("budget" in note for note in diagram.notes):
         return f"{diagram.notes}"
-    found = ring.cells_of(solutions(diagram, 1.3 * ring.at))
+    found = ring.cells_of(solutions(diagram, 0.95 * ring.far))
     if len(found) != 1 + 2 * ring.branches:
         return f"{len(found)} passages instead of {1 + 2 * ring.branches}"
     if min(np.abs(a - b).max() for k, a in enumerate(found) for b in found[:k]) < 1e-6:
@@ -26,9 +26,7 @@ def complaint(ring: Ring) -> str:
     return ""
 
 
-CASES = [
-    *(Ring(n) for n in (5, 8)), Ring(6, 1e-6, seed=1), Ring(8, 1e6, seed=2), Ring(7, 1e3, seed=3),
-]  # fmt: skip
+CASES = [Ring(5, 1e-6, seed=1), Ring(7, 1e3, seed=3), Ring(8, 1e6, seed=2)]
 
 
 @pytest.mark.parametrize("ring", CASES, ids=str)

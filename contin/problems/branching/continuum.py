@@ -25,6 +25,7 @@ from contin.problems.scaled import ScaledSystem
 DISTANCES: Final = tuple(0.05 * float(np.sqrt(2.0)) ** k for k in range(11))  # s, scaled: up to 1.6
 SAMPLES: Final = 128  # of t on the circle: four times the half-branches of a ring of 16 cells
 CLEAR: Final = 1e10  # times its rounding errors: |g| from which Newton's method places its zeros to some 1e-11
+VISIBLE: Final = 1e7  # ... or this, where the equations have no solution at larger distances
 LOOKED_AT: Final = 8  # samples at which rounding errors are measured, ...
 NEIGHBOURS: Final = 1e-9  # ... by values at angles this far apart
 ACCURATE: Final = 1e-12  # of t
@@ -41,15 +42,19 @@ def branches_of_continuum(local: ScaledSystem, y: Array, bend: float) -> list[Ou
     angles = 2.0 * np.pi * (np.arange(SAMPLES) + 0.3137) / SAMPLES
     offsets = [circle.guess(t, DISTANCES[0], bend) for t in angles]
     before = DISTANCES[0]
+    outsets: list[Outset] = []
     for s in DISTANCES:
         solved = [circle.solve(t, s, _moved(v, s / before)) for t, v in zip(angles, offsets, strict=True)]
         if any(point is None for point in solved):
-            return []
+            return outsets
         points = [point for point in solved if point is not None]
-        if max(abs(p.g) for p in points) > CLEAR * circle.noise(angles, points, s):
-            return _outsets(circle, circle.zeros(angles, points, s))
+        clear = max(abs(p.g) for p in points) / circle.noise(angles, points, s)
+        if clear > VISIBLE:
+            outsets = _outsets(circle, circle.zeros(angles, points, s))
+        if clear > CLEAR:
+            return outsets
         offsets, before = [p.offset for p in points], s
-    return []
+    return outsets
 
 
 def _moved(offset: Array, ratio: float) -> Array:
@@ -135,7 +140,7 @@ class _Circle:
             except np.linalg.LinAlgError:
                 return None
             before, size = size, float(np.linalg.norm(step[: n + 1]))
-            if not np.isfinite(size) or np.linalg.norm(offset) > 3.0 * s:
+            if not np.isfinite(size) or np.linalg.norm(offset[:-1]) > 3.0 * s:
                 return None
             offset = offset + step[: n + 1]
             if size < 1e-14 * s or (size < 1e-9 * s and size > 0.5 * before):

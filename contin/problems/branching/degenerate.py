@@ -1,0 +1,79 @@
+"""Branch points whose leading terms do not tell all branches: which these are, and the fan of half-branches there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.problem import Verified
+from contin.problems.branching.halves import Fan, fan
+from contin.problems.branching.outset import Outset
+from contin.problems.branching.reduced import ReducedEquations
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
+
+KINDS = ("tangency", "degenerate")  # of simple branch points
+ALONG = 0.99  # cosine of a curve's tangent and the branch's own from which they may be one
+
+
+def is_degenerate(point: Verified | SpecialPoint) -> bool:
+    """True where the leading terms of the reduced equations have solutions that are not simple."""
+    form = point.normal_form
+    flat = form.get("continua") and form.get("scaling") != "cubic"  # a symmetry's continuum is one of cubic terms
+    return bool(form.get("kind") in KINDS or form.get("repeated") or flat)
+
+
+def fan_at(problem: EquilibriumProblem, z: Array, scale: Array, corank: int) -> Fan | None:
+    """The half-branches at z, in the metric `scale`; None where no sphere around z tells them apart."""
+    y = z / scale
+    return fan(ReducedEquations.at(problem.scaled(scale).rated(y), y, corank))
+
+
+def other_curves(found: Fan, own: Array | None, tangent: Array) -> list[Outset]:
+    """How the curves other than the branch's own set out.
+
+    own : a point of the branch, or None; tangent : the branch's tangent at the point, zero where there is none.
+    """
+    mine = None if own is None else found.curve_of(own)
+    if mine is not None:
+        curves = [curve for curve in found.curves if mine[0] not in curve]
+    else:
+        straight = [c for c in found.curves if abs(float(c[0].direction @ tangent)) > ALONG]
+        curves = [c for c in found.curves if len(straight) != 1 or c is not straight[0]]
+        curves.sort(key=lambda c: abs(float(c[0].direction @ tangent)))
+    return [found.outset(curve) for curve in curves]
+
+
+def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:
+    """The point with the number of its branches and, of two that touch, the order of their contact."""
+    corank = int(point.vectors.get("kernel", 1))
+    found = fan_at(problem, point.z, scale, corank)
+    if found is None:
+        text = "BP: its leading terms do not tell the branches, and no sphere around it does: some may not be followed"
+        return _with(point, text)
+    form: dict[str, Any] = {**point.normal_form, "branches": len(found.curves)}
+    if corank > 1:
+        return _with(point, "", form, touches=False)
+    contact = found.contact()
+    if contact is None:
+        count = len(found.curves)
+        form["kind"] = "degenerate"
+        text = f"BP: degenerate, {count} branch{'es' * (count != 1)} of {sum(map(len, found.curves))} halves meet there"
+        return _with(point, text, form, touches=count > 0)
+    text = f"BP: two branches touch with contact of order {contact}, or cross several times within the stated error"
+    return _with(point, text, {**form, "contact": contact}, touches=True)
+
+
+def _with(point: Verified, remark: str, form: dict[str, Any] | None = None, touches: bool = False) -> Verified:
+    return replace(point, remark=remark, normal_form=form or point.normal_form, touches=touches)
+
+
+def scaled_own(point: Verified | SpecialPoint, scale: Array) -> Array | None:
+    """The point of the branch beside it by which the branch is known, in the metric `scale`."""
+    own = point.vectors.get("beside")
+    return None if own is None else np.asarray(own / scale)
