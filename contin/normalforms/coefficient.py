@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 ROUNDING: Final = 1e-10  # error of a coefficient beside the sum of the moduli of its terms
+KNOWN: Final = 0.1  # part of the terms that an error may be
 SAFETY: Final = 2.0  # the better of two approximations has an error of its own
 
 
@@ -17,6 +18,10 @@ class Coefficient:
     size: float
     signed: bool = True  # False where the sign of the coordinate is arbitrary, and with it that of the coefficient
     noise: float = 0.0  # what rounding of the derivatives themselves leaves
+
+    def is_known(self, error: float) -> bool:
+        """False where the error is as large as the terms themselves: of null vectors orthogonal to each other, say."""
+        return bool(error <= KNOWN * self.size)  # NaN is not known either
 
     def error(self, finer: Coefficient) -> float:
         """From the same coefficient by another discretisation (a finer mesh, a longer difference)."""

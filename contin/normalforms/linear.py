@@ -15,6 +15,7 @@ from contin.machine import elementary
 from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
+ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding errors
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
 
@@ -103,7 +104,10 @@ def null_pair(matrix: Vector, value: complex = 0.0, scale: Real | None = None) -
     q = normalise(right[:, 0])
     p = left[:, 0] / np.abs(left[:, 0]).max()
     product = np.vdot(p, q)
-    if not abs(product) > 1e-13 * float(np.abs(p) @ np.abs(q)):
+    d = balance(matrix) if scale is None else scale
+    length = float(np.linalg.norm(p * d) * np.linalg.norm(q / d))
+    located = float(s[-1] / s[-2]) if len(s) > 1 and s[-2] > 0.0 else 0.0  # how far the vectors are off
+    if not abs(product) > max(ORTHOGONAL, located) * length:
         raise ZeroDivisionError("left and right null vectors are orthogonal: the zero eigenvalue is not simple")
     return EigenPair(value, q, p / np.conj(product), float(s[-1]), float(s[-2]) if len(s) > 1 else np.inf)
 

@@ -25,6 +25,8 @@ from contin.problems.describe import with_normal_form
 from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.turning import no_fold
+from contin.problems.neutral import NeutralMarch, is_neutral
+from contin.problems.neutral import remarks as neutral_remarks
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
@@ -245,6 +247,10 @@ class EquilibriumProblem:
                 DenseMarch(self), origin, before, length, frame, step, limit, bounds, settings, loop
             )
 
+        if is_neutral(self, origin.z, origin.eigenvalues, frame.scale):
+            dense = NeutralMarch(self, frame.scale)
+            return python_march.march(dense, origin, before, length, frame, step, limit, bounds, settings, loop)
+
         n = self.n
         rows = limit + 1
         z, t, tests = np.empty((rows, n + 1)), np.empty((rows, n + 1)), np.empty((rows, kernel.TESTS))
@@ -284,6 +290,8 @@ class EquilibriumProblem:
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:
             return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
+        if is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return python_march.probe(NeutralMarch(self, frame.scale), base, length, guess, frame, settings)
 
         n = self.n
         z, t, tests = np.empty(n + 1), np.empty(n + 1), np.empty(kernel.TESTS)
@@ -353,6 +361,11 @@ class EquilibriumProblem:
             for k, name in enumerate(self.system.observable_names):
                 columns[name] = recorded[:, k].copy()
         return columns
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        """What holds all along the branch (rows z)."""
+        bounds = float(z[:, -1].min()), float(z[:, -1].max())
+        return neutral_remarks(self, z, self.initial_scale(z[0], bounds))
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""

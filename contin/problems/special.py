@@ -16,6 +16,7 @@ from contin.problems import defining
 from contin.problems.balancing import balancing_scales
 from contin.problems.defining import Solved
 from contin.problems.multiple import reduced_branches
+from contin.problems.neutral import errors_of, is_suspect
 from contin.problems.scaled import ScaledSystem
 from contin.problems.spectrum import noises, spectrum
 
@@ -267,6 +268,8 @@ def _accept(
     sizes = 1.0 if problem.is_map else np.delete(noises(values, rates), chosen)
     crowded = bool(np.any(np.abs(beyond) < COINCIDENT * sizes))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
+    if is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
+        beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)
     error = solved.error * float(frame.scale[-1]) + rounding
     if abs(z[-1]) <= min(error, np.finfo(float).eps * float(frame.scale[-1])):
         z[-1] = 0.0  # and not 1e-42 or -0.0

@@ -41,6 +41,10 @@ if TYPE_CHECKING:
 
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
 VERTICAL: Final = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
+UNKNOWN: Final = (
+    "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "
+    "not simple, or the orbit not resolved)"
+)
 NAMES: Final = {"LPC": "b", "PD": "c", "NS": "d"}
 
 Values = Vector  # of a function at the Gauss points, (N, m, n)
@@ -61,8 +65,8 @@ def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> 
     except (np.linalg.LinAlgError, ZeroDivisionError) as reason:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({reason})")
     name, value, error = NAMES[point.type], coarse.value, coarse.error(fine)
-    if not np.isfinite(error):
-        return replace(point, remark=f"{point.type}: its normal form is not finite")
+    if not coarse.is_known(error):
+        return replace(point, remark=f"{point.type}: {UNKNOWN}")
     form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
     if point.type != "LPC":
         form["criticality"] = sense(value.real, error)

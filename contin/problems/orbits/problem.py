@@ -17,6 +17,7 @@ from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
+from contin.problems.neutral import remarks_on_orbits
 from contin.problems.orbits import marched_in_kernel
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.ends import foretold
@@ -195,8 +196,8 @@ class OrbitProblem(FamilyOfOrbits):
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
     def remarks(self, z: Array) -> Sequence[str]:
-        """That the family is vertical."""
-        return remarks(self, z)
+        """That the family is vertical, or neutral."""
+        return (*remarks(self, z), *remarks_on_orbits(self, z))
 
     def describe_failure(self, z: Array) -> str:
         profile = self.profile(z)

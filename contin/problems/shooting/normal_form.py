@@ -28,6 +28,7 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.normalforms.result import sense
+from contin.problems.orbits.normal_form import UNKNOWN
 from contin.problems.shooting.return_map import NoDerivatives, ReturnMap
 
 if TYPE_CHECKING:
@@ -88,8 +89,8 @@ def with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) ->
     except (NoDerivatives, np.linalg.LinAlgError, ZeroDivisionError) as error:
         return replace(point, remark=f"{point.type}: its normal form could not be computed ({error})")
     name, value, error_ = NAMES[point.type], complex(fine.value), fine.error(coarse)
-    if not np.isfinite(error_):
-        return replace(point, remark=f"{point.type}: its normal form is not finite")
+    if not fine.is_known(error_):
+        return replace(point, remark=f"{point.type}: {UNKNOWN}")
     form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
     if point.type != "LPC":
         form["criticality"] = sense(value.real, error_)

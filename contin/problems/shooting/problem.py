@@ -16,6 +16,7 @@ from contin.continuation.problem import Chunk, Frame, Jump, Renewal, Sample, Ver
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.model.evaluate import evaluate
+from contin.problems.neutral import is_suspect, paired, remarks_on_orbits
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
@@ -36,6 +37,7 @@ PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple 
 BUDGET = 200_000  # steps of one segment
 ROUNDING = 1e-9  # of the largest state: a state this small is zero on the orbit
 PROBE_TOLERANCE = 1e-10
+PAIRED = 1e-10  # two multipliers are m and 1/m to this: the flow keeps an area, and |m| = 1 is no rounding error
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,8 @@ class ShootingProblem(FamilyOfOrbits):
         """(pairs, flips), multipliers outside the unit circle, multipliers (the trivial one first)."""
         values = self.multipliers(z)
         others = values[1:] if self.autonomous else values
+        if is_suspect(others, True):
+            others = paired(others, np.full(len(others), PAIRED), True)
         tests = np.ones(4)
         unstable = map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), tests)
         return tests[2:], int(unstable), values
@@ -143,6 +147,10 @@ class ShootingProblem(FamilyOfOrbits):
         if segments is None:
             return np.full(self.n, np.nan, complex)
         return segments.multipliers()
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        """That the family is neutral."""
+        return remarks_on_orbits(self, z)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         return family_tangents(self, z, scale)
