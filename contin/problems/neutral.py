@@ -178,6 +178,6 @@ def _words(pairs: int, is_map: bool) -> Sequence[str]:
     where, name = ("on the unit circle", "multipliers") if is_map else ("on the imaginary axis", "eigenvalues")
     many = "a pair of" if pairs == 1 else f"{pairs} pairs of"
     return (
-        f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along the branch, to rounding, as where an energy or an "
-        "area is kept: no bifurcation of theirs is told by a sign, and `stable` says only that none is outside",
+        f"{many} {name} stay{'s' if pairs == 1 else ''} {where} along the branch, to rounding, as where an energy or "
+        "an area is kept: no bifurcation of theirs is told by a sign, and `stable` says only that none is outside",
     )
