@@ -1,0 +1,1 @@
+"""The types of special points: one table, one leaf file a type."""

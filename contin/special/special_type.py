@@ -1,0 +1,71 @@
+"""What a type of special point is: a row of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Sign:
+    """How a point shows on a curve of equilibria or fixed points.
+
+    test : place of the function that changes sign, among the tests of a sample.
+    moved : how many eigenvalues change sides there; where a pair should and none does, it is a neutral saddle.
+    """
+
+    test: int
+    moved: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpecialType:
+    """A type of special point. Functions, births and curves are names, so that a row costs no import.
+
+    code : the field's label.  words : singular.  many : plural, where it is not `words` and an s.
+    codimension : how many parameters it takes to meet one.  on : kinds of branch it is found on, or types of curve.
+    condition : its defining condition.  critical : how many eigenvalues (multipliers) may change sides there.
+    normal_form : 'module:function' of a jet; `needs` names further arguments of it, `order` the forms of the jet.
+    births : leaves of `contin.transitions` that say what starts there.  curves : types of the curves of equilibria or
+    fixed points that pass through it (of orbits: with LPC for LP).  continues : kinds of branch of which another one
+    starts there.
+    cycle : the code of the same point of a cycle.
+    branch, points, orbits, connections : where its test function stands among those of a sample: of a branch in one
+    parameter; by type of curve of equilibria, and of cycles; on curves of connecting orbits.
+    cosine : of the critical angle of a resonance.  flows, maps : which of both have it.
+    marker, symbol : matplotlib's and the viewer's sign.  colour, dashes : of its curves (an index into the palette, or
+    a colour).  quiet : not named in pictures of two parameters.
+    """
+
+    code: str
+    words: str
+    codimension: int
+    on: tuple[str, ...]
+    condition: str
+    marker: str = "o"
+    symbol: str = "circle"
+    many: str = ""
+    source: str = ""
+    critical: int | None = None
+    normal_form: str = ""
+    needs: tuple[str, ...] = ()
+    order: int = 0
+    births: tuple[str, ...] = ()
+    curves: tuple[str, ...] = ()
+    continues: tuple[str, ...] = ()
+    cycle: str = ""
+    branch: int | None = None
+    points: Mapping[str, Sign] = field(default_factory=dict)
+    orbits: Mapping[str, int] = field(default_factory=dict)
+    connections: int | None = None
+    cosine: float | None = None
+    flows: bool = True
+    maps: bool = False
+    colour: int | str | None = None
+    dashes: tuple[float, ...] = ()
+    quiet: bool = False
+
+    @property
+    def plural(self) -> str:
+        """What many of them are called."""
+        return self.many or f"{self.words}s"

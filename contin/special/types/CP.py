@@ -1,0 +1,14 @@
+"""CP: cusp."""
+
+from contin.special.sources import KUZNETSOV
+from contin.special.special_type import Sign, SpecialType
+
+TYPE = SpecialType(
+    code="CP", words="cusp", codimension=2, on=("LP",),
+    condition="LP with <w, B(v, v)> = 0",
+    source=f"{KUZNETSOV}, sec. 8.2",
+    normal_form="contin.normalforms.fold:cusp", order=3,
+    curves=("LP",),
+    points={"LP": Sign(2, 0)}, maps=True,
+    marker="v", symbol="triangle-down",
+)  # fmt: skip

@@ -1,0 +1,14 @@
+"""LPNS: fold-Neimark-Sacker point."""
+
+from contin.special.sources import CYCLES_TWO, MAPS
+from contin.special.special_type import Sign, SpecialType
+
+TYPE = SpecialType(
+    code="LPNS", words="fold-Neimark-Sacker point", codimension=2, on=("LP", "BP", "NS", "LPC", "BPC"),
+    condition="multipliers 1 and exp(+-i theta)",
+    source=f"{MAPS}; {CYCLES_TWO}",
+    curves=("LP", "NS"),
+    points={"LP": Sign(4, 2), "BP": Sign(4, 2), "NS": Sign(4, 1)}, orbits={"LPC": 2, "BPC": 2, "NS": 4}, flows=False,
+    maps=True,
+    marker="X", symbol="saltire",
+)  # fmt: skip

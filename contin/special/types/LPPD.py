@@ -1,0 +1,14 @@
+"""LPPD: fold-flip point."""
+
+from contin.special.sources import CYCLES_TWO, MAPS
+from contin.special.special_type import Sign, SpecialType
+
+TYPE = SpecialType(
+    code="LPPD", words="fold-flip point", codimension=2, on=("LP", "BP", "PD", "LPC", "BPC"),
+    condition="multipliers 1 and -1",
+    source=f"{MAPS}; {CYCLES_TWO}",
+    curves=("LP", "PD"),
+    points={"LP": Sign(5, 1), "BP": Sign(5, 1), "PD": Sign(5, 1)}, orbits={"LPC": 3, "BPC": 3, "PD": 4}, flows=False,
+    maps=True,
+    marker="8", symbol="octagon",
+)  # fmt: skip

@@ -1,0 +1,13 @@
+"""PDNS: flip-Neimark-Sacker point."""
+
+from contin.special.sources import CYCLES_TWO, MAPS
+from contin.special.special_type import Sign, SpecialType
+
+TYPE = SpecialType(
+    code="PDNS", words="flip-Neimark-Sacker point", codimension=2, on=("PD", "NS"),
+    condition="multipliers -1 and exp(+-i theta)",
+    source=f"{MAPS}; {CYCLES_TWO}",
+    curves=("PD", "NS"),
+    points={"PD": Sign(4, 2), "NS": Sign(5, 1)}, orbits={"PD": 2, "NS": 3}, flows=False, maps=True,
+    marker="d", symbol="thin-diamond",
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""One file a type; its `TYPE` is a row of `contin.special.table`."""
