@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.continuation.problem import Verified
+from contin.special.table import special_type
 
-MOVED: Final[Mapping[str, int]] = {  # most critical values a point of this type has; types not named here: any number
-    "LP": 1, "BP": 1, "PD": 1, "HB": 2, "NS": 2, "LPC": 1, "UZ": 0, "EX": 0,
-}  # fmt: skip
 ANY: Final = 1_000_000
 BESIDE: Final = 3  # rows about a nonsmooth fold that the corrector may put on either of its arms
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
+
+
+def _critical(code: str) -> int:
+    """Most critical values of a point of this type; any number where the table names none."""
+    known = special_type(code).critical
+    return ANY if known is None else known
 
 
 def moved(point: Verified) -> int:
     """How many eigenvalues (multipliers) may change sides at a labelled point."""
     if point.normal_form.get("kind") == "nonsmooth":
         return ANY
-    return MOVED.get(point.type, ANY) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
+    return _critical(point.type) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
 
 
 def unexplained(

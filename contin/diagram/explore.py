@@ -6,7 +6,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -25,10 +25,9 @@ from contin.kernels.clock import computing_time
 from contin.problems.contracts import InOneParameter
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
-from contin.transitions.births import departures
+from contin.transitions.births import departures, explored
 from contin.transitions.halved import halved
-
-FOUND_ON = ("PD", "BPC", "HOM")  # where families of orbits lead to others
+from contin.transitions.registry import Explored, families_at
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,15 @@ class Budget:
         return cls(**given)
 
 
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A branch to follow: its name, where it starts, and the types of the points that its ancestors were born at."""
+
+    name: str
+    seed: Seed
+    born_at: tuple[str, ...] = ()
+
+
 @dataclass(eq=False)
 class Explorer:
     """Breadth first: branches from the starts, then from their branch points, then from those of the new branches."""
@@ -76,7 +84,7 @@ class Explorer:
         `reserve` are seeds that are tried when all else is followed: those on no branch yet begin `all1`, `all2`...
         """
         diagram = Diagram(self.parameter, self.bounds, explorer=self)
-        queue: deque[tuple[str, Seed]] = deque(starts)
+        queue = deque(Task(name, seed) for name, seed in starts)
         self._work(diagram, queue)
         number = 1
         for seed in reserve:
@@ -85,28 +93,28 @@ class Explorer:
             known = None
             with noted(_teller(diagram, f"all{number}")):
                 known = self._known(diagram, seed)
-            if known is None and self._work(diagram, deque([(f"all{number}", seed)])):
+            if known is None and self._work(diagram, deque([Task(f"all{number}", seed)])):
                 number += 1
         return diagram
 
     def add(self, diagram: Diagram, name: str, seed: Seed) -> list[Branch]:
         """Follow one more start, and what is reachable from it."""
-        return self._work(diagram, deque([(name, seed)]))
+        return self._work(diagram, deque([Task(name, seed)]))
 
-    def _work(self, diagram: Diagram, queue: deque[tuple[str, Seed]]) -> list[Branch]:
+    def _work(self, diagram: Diagram, queue: deque[Task]) -> list[Branch]:
         began = computing_time()
         added: list[Branch] = []
         while queue:
             reason = self._spent(diagram, began)
             if reason:
-                waiting = ", ".join(name for name, _ in queue)
+                waiting = ", ".join(task.name for task in queue)
                 diagram.notes.append(f"{reason}; not followed: {waiting}")
                 break
-            name, seed = queue.popleft()
+            task = queue.popleft()
             branch = None
             try:
-                with noted(_teller(diagram, name)):
-                    branch = self._follow(diagram, name, seed, began + self.budget.seconds)
+                with noted(_teller(diagram, task.name)):
+                    branch = self._follow(diagram, task, began + self.budget.seconds)
                 if branch is None:
                     continue
                 added.append(branch)
@@ -134,7 +142,8 @@ class Explorer:
             return f"budget of {self.budget.seconds:g} s used"
         return None
 
-    def _follow(self, diagram: Diagram, name: str, seed: Seed, deadline: float) -> Branch | None:
+    def _follow(self, diagram: Diagram, task: Task, deadline: float) -> Branch | None:
+        name, seed = task.name, task.seed
         known = self._known(diagram, seed)
         if known is not None:
             if not seed.born:
@@ -152,6 +161,7 @@ class Explorer:
             journal=self.journal,
             deadline=deadline,
         )
+        branch = replace(branch, born_at=task.born_at)
         diagram.branches.append(branch)
         with noted(_teller(diagram, f"images of {name}")):
             diagram.branches.extend(images(branch))
@@ -185,46 +195,51 @@ class Explorer:
         tangent = None if seed.direction is None else seed.direction * scale
         return is_known(diagram.branches, problem, seed.z, tangent, scale)
 
-    def _departures(
-        self, diagram: Diagram, branch: Branch, point: SpecialPoint, asked: bool = False
-    ) -> list[tuple[str, Seed]]:
-        """Named seeds of everything that is born at a point; `asked` for by the user, whatever it is."""
-        reason = left_to_the_user(branch, point)
-        if reason and not asked:
-            self._note_once(diagram, f"{branch.name}: {reason}")
-            return []
-        if point.type == "PD" and not asked and branch.name.count("/PD") >= self.doublings:
-            self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
-            return []
-        leads_on = branch.kind == "orbit" and point.type in FOUND_ON and not asked
-        if leads_on and generation(branch.name, FOUND_ON) >= self.generations:
-            self._note_once(diagram, f"families of orbits of the generation after {branch.name} were not followed")
-            return []
-        if leads_on and point.type != "HOM" and not self.unstable_births and point.values.get("unstable", 0) > 0:
-            self._note_once(diagram, f"families born at unstable orbits of {branch.name} were not followed")
+    def _departures(self, diagram: Diagram, branch: Branch, point: SpecialPoint, asked: bool = False) -> list[Task]:
+        """What is born at a point; `asked` for by the user, whatever it is."""
+        rule = explored(branch.problem, point)
+        if rule is None or not (asked or self._wanted(diagram, branch, point, rule)):
             return []
         base = f"{branch.name}/{point.label}"
         seeds: Sequence[Seed] = ()
         with noted(_teller(diagram, base)):
             seeds = departures(branch.problem, point, self.parameter, self.orbits)
-        return [(base if k == 0 else f"{base}.{k + 1}", seed) for k, seed in enumerate(seeds)]
+        born_at = (*branch.born_at, point.type)
+        return [Task(base if k == 0 else f"{base}.{k + 1}", seed, born_at) for k, seed in enumerate(seeds)]
 
-    def _halves(self, diagram: Diagram, branch: Branch) -> list[tuple[str, Seed]]:
+    def _wanted(self, diagram: Diagram, branch: Branch, point: SpecialPoint, rule: Explored) -> bool:
+        """False, with a note, where families of orbits are too many or too late to be followed by themselves."""
+        reason = left_to_the_user(branch, point, rule)
+        if reason:
+            return self._note_once(diagram, f"{branch.name}: {reason}")
+        if rule.cascade and branch.born_at.count(point.type) >= self.doublings:
+            return self._note_once(diagram, f"{self.doublings} doublings in a row were followed; there may be more")
+        if rule.generation and generation(branch.born_at, families_at(branch.problem)) >= self.generations:
+            return self._note_once(
+                diagram, f"families of orbits of the generation after {branch.name} were not followed"
+            )
+        late = rule.generation and not rule.uncertain and not self.unstable_births
+        if late and point.values.get("unstable", 0) > 0:
+            return self._note_once(diagram, f"families born at unstable orbits of {branch.name} were not followed")
+        return True
+
+    def _halves(self, diagram: Diagram, branch: Branch) -> list[Task]:
         """Families of half the period that a family of orbits ended on."""
-        found: list[tuple[str, Seed]] = []
+        found: list[Task] = []
         for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
             if end.data.get("halved"):
                 name = f"{branch.name}/half{'.2' if found else ''}"
                 with noted(_teller(diagram, name)):
                     seed = halved(branch.problem, branch.z[row])
                     if self._known(diagram, seed) is None:
-                        found.append((name, seed))
+                        found.append(Task(name, seed, branch.born_at))
         return found
 
     @staticmethod
-    def _note_once(diagram: Diagram, note: str) -> None:
+    def _note_once(diagram: Diagram, note: str) -> Literal[False]:
         if note not in diagram.notes:
             diagram.notes.append(note)
+        return False
 
     def follow(self, diagram: Diagram, branch: str, label: str) -> list[Branch]:
         """See `Diagram.follow`."""
@@ -253,6 +268,7 @@ class Explorer:
             watch=self.watch,
             journal=self.journal,
         )
+        piece = replace(piece, born_at=origin.born_at)
         diagram.branches.append(piece)
         queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
         replace(self, bounds=limits)._work(diagram, queue)

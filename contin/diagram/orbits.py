@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.transitions.registry import Explored
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
 LONG = 0.4  # part of the period at the end of a family from which its orbits are long
@@ -20,27 +21,22 @@ SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their exte
 SAMPLES = 200
 
 
-def doublings(name: str) -> int:
-    """Period doublings on the way to a branch of a diagram, from its name."""
-    return sum(part.startswith("PD") for part in name.split("/"))
+def generation(born_at: Sequence[str], families: Sequence[str] = ("PD", "BPC")) -> int:
+    """How often, on the way to a branch, a family of orbits was born on another one (`Branch.born_at`)."""
+    return sum(type_ in families for type_ in born_at)
 
 
-def generation(name: str, born_at: tuple[str, ...] = ("PD", "BPC")) -> int:
-    """How often, on the way to a branch of a diagram, a family of orbits was born on another one."""
-    return sum(part.rstrip("0123456789.") in born_at for part in name.split("/"))
-
-
-def left_to_the_user(branch: Branch, point: SpecialPoint) -> str:
+def left_to_the_user(branch: Branch, point: SpecialPoint, rule: Explored) -> str:
     """Why the families born at a point of a family of orbits are not followed; empty where they are.
 
     There are infinitely many in a cascade of period doublings, and beside a homoclinic orbit to a saddle-focus.
     """
     if branch.kind != "orbit":
         return ""
-    if point.type == "PD" and doublings(branch.name) >= CASCADE:
+    if rule.cascade and branch.born_at.count(point.type) >= CASCADE:
         return f"orbits of {2**CASCADE} times the period are the last that are followed"
     for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
-        if not end.data.get("spiral") or point.type not in ("PD", "BPC"):
+        if not end.data.get("spiral") or not rule.crowded:
             continue
         if point.values["period"] > LONG * float(branch.columns["period"][row]):
             return "families of long orbits beside a homoclinic orbit to a saddle-focus are not followed"

@@ -2,7 +2,7 @@
 
 jet            Jet (what is needed of the equations), DerivativeJet (from a function of real directions)
 sources        compiled_jet(system, u, p, active)
-point          normal_form(type, jet) -> NormalForm by type code; ORDER of the forms each type needs
+point          normal_form(type, jet) -> NormalForm by type code; what each type needs is in contin.special
 fold           LP, CP
 reduction      Lyapunov-Schmidt reduction to a few equations, any dimension of the kernel
 branching      BP with a simple kernel;  multiple: larger kernels;  directions: all branches through either

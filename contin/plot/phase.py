@@ -18,14 +18,8 @@ from contin.plot.figure import STYLE
 from contin.plot.labels import densify, place
 from contin.plot.places import deepest
 from contin.plot.smooth import smooth
-from contin.plot.vocabulary import PALETTE, locus_words, style_of
+from contin.plot.vocabulary import colour_of, dashes_of, locus_words, style_of
 
-COLOURS: Final = {
-    "LP": PALETTE[0], "HB": PALETTE[1], "BP": PALETTE[2], "PD": PALETTE[3], "NS": PALETTE[4], "LPC": PALETTE[5],
-    "BPC": "#8C564B", "HOM": PALETTE[6],
-}  # fmt: skip
-DASHES: Final = {"BP": (0, (7, 1.5)), "LPC": (0, (4, 1.3)), "BPC": (0, (7, 1.5, 1.5, 1.5)), "PD": (0, (2.2, 1.0)),
-          "NS": (0, (3.5, 1.2, 1.0, 1.2))}  # fmt: skip
 SHADES: Final = {  # from few to many stable states: equilibria (blue), orbits (sand), both (green)
     (True, False): ("#e9f0f8", "#9fc1e2"),
     (False, True): ("#fdf3e3", "#efbf78"),
@@ -38,7 +32,6 @@ KEYS: Final = 22  # lines that explain letters, at most
 WIDTH: Final = 30  # characters of such a line
 HEIGHT, MARGIN = 5.0, 0.15  # inches: of the picture, more where the explanations need it, and around these
 CROWDED, BESIDE = 4, 0.04  # points of codimension two with so many others nearer (parts of the picture) have no code
-QUIET: Final = frozenset({"UZ", "R3", "R4"})
 
 
 def draw(
@@ -145,7 +138,7 @@ def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
     for branch in curves:
         code = branch["locus"] or ""
         x, y = (np.asarray(branch["columns"][name], dtype=float) for name in (first, second))
-        colour = COLOURS.get(code, PALETTE[-1])
+        colour = colour_of(code)
         neutral = np.asarray(branch["columns"].get("neutral") or np.zeros(len(x)), bool)
         cuts = np.flatnonzero(np.diff(neutral.astype(int))) + 1
         for rows in np.split(np.arange(len(x)), cuts):
@@ -153,7 +146,7 @@ def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
             words = "neutral saddles" if neutral[rows[0]] else locus_words(code)
             joined = np.append(rows, rows[-1] + 1) if rows[-1] + 1 < len(x) else rows
             extent = tuple(hi - lo for lo, hi in (data["range"][first], data["range"][second]))
-            line = {"lw": 0.8, "ls": ":"} if neutral[rows[0]] else {"lw": 1.6, "ls": DASHES.get(code, "-")}
+            line = {"lw": 0.8, "ls": ":"} if neutral[rows[0]] else {"lw": 1.6, "ls": dashes_of(code)}
             label = None if kind in seen else words
             axes.plot(*smooth(x[joined], y[joined], extent), color=colour, label=label, zorder=2, **line)
             seen.add(kind)
@@ -171,7 +164,7 @@ def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
             near = (
                 abs(x - a) < 1e-6 * width[0] and abs(y - b) < 1e-6 * width[1] for t, a, b in marked if t == p["type"]
             )
-            if p["type"] in QUIET or any(near):
+            if style_of(p["type"]).quiet or any(near):
                 continue
             style = style_of(p["type"])
             label = None if p["type"] in seen else f"{p['type']}: {style.words}"

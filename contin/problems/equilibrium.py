@@ -36,6 +36,7 @@ from contin.problems.symmetry import reversing_symmetries
 from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
+from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -310,7 +311,7 @@ class EquilibriumProblem:
         return special.explain(self.is_map, a, b)
 
     def watch(self, type_: str) -> int | None:
-        return special.TEST_OF[type_]
+        return test_on_branch(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         return self._described(self._turning(special.verify(self, type_, near, frame), near, frame), frame)

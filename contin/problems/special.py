@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from contin.problems.spectrum import noises, spectrum
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
-TEST_OF: Final = {"LP": 0, "BP": 1, "HB": 2, "NS": 2, "neutral": 2, "PD": 3}
 RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below this is not satisfied
 CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
 COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it

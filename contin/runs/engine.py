@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.problems.images import images
+from contin.special.table import special_type
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -157,7 +158,7 @@ class ContinEngine:
         return found
 
 
-_BRANCHING: Final = {"equilibrium": {"BP"}, "fixed-point": {"BP", "PD"}, "orbit": {"BPC", "PD"}}
+_BRANCHING: Final = ("equilibrium", "fixed-point", "orbit")  # kinds of branch that others of the kind leave
 
 
 def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
@@ -166,7 +167,7 @@ def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
     That is so at a user value; at other points where no branch of this kind is born, if another parameter varies or
     `as:` names the kind of the branch.
     """
-    if branch.kind not in _BRANCHING or point.type in _BRANCHING[branch.kind]:
+    if branch.kind not in _BRANCHING or branch.kind in special_type(point.type).continues:
         return False
     kind = "orbit" if branch.kind == "orbit" else "equilibrium"
     if run.as_ is not None or point.type == "UZ":

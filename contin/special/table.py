@@ -51,6 +51,17 @@ def codes(kind: str, codimension: int = 1) -> tuple[str, ...]:
     return tuple(row.code for row in table().values() if row.codimension == codimension and kind in row.on)
 
 
+def test_on_branch(code: str) -> int:
+    """Place of the test of a type on branches in one parameter, which have those of folds, branch points, pairs, flips.
+
+    A pair that is no Hopf or Neimark-Sacker point is `neutral`.
+    """
+    found = special_type("HB" if code == "neutral" else code).branch
+    if found is None:
+        raise KeyError(code)
+    return found
+
+
 @cache
 def tests_of_points(locus: str) -> Mapping[str, int]:
     """Code -> place of its test, on a curve of equilibria or fixed points of this type."""

@@ -13,8 +13,8 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.sparse.loci.problem import LargeLocus
+from contin.special.table import curves_of_points
 from contin.transitions.equilibrium_of_large_to_locus import seed_of_large
-from contin.transitions.locus_to_loci import CURVES
 from contin.transitions.registry import born
 
 SAME = 1e-6  # (relative) values of kappa nearer than this belong to one curve
@@ -28,7 +28,7 @@ def loci_through(problem: LargeLocus, point: SpecialPoint, parameters: Sequence[
     u, p = point.z[: problem.n], curve.full_parameters(point.z)
     known = point.vectors
     found: list[tuple[str, float, Vector]] = []
-    for type_ in dict.fromkeys(CURVES.get(point.type, (own,))):
+    for type_ in dict.fromkeys(curves_of_points(point.type, own)):
         if type_ == "LP":
             found.append(("LP", 0.0, np.real(known["null"])))
         elif point.type == "BT":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -14,18 +13,11 @@ from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems import newton_fixed
 from contin.problems.loci.problem import LocusProblem
+from contin.special.table import curves_of_points
 from contin.transitions.curve_through import seed_of
 from contin.transitions.registry import born
 from contin.transitions.zero_hopf_crossing import hopf_curves
 
-if TYPE_CHECKING:
-    pass
-
-CURVES: Final = {  # the curves that pass through a point
-    "CP": ("LP",), "BT": ("LP", "HB"), "ZH": ("LP", "HB"), "GH": ("HB",), "HH": ("HB", "HB"), "DP": ("LP", "BP"),
-    "R1": ("LP", "NS"), "R2": ("PD", "NS"), "LPPD": ("LP", "PD"), "LPNS": ("LP", "NS"), "PDNS": ("PD", "NS"),
-    "GPD": ("PD",), "CH": ("NS",), "NSNS": ("NS", "NS"),
-}  # fmt: skip
 SAME = 1e-6  # (of its typical size) values of kappa nearer than this belong to one curve
 BESIDE = (1e-3, 1e-4, 1e-2)  # scaled distances from a DP at which the curve of folds is solved for
 
@@ -40,7 +32,7 @@ def loci_through(problem: LocusProblem, point: SpecialPoint, parameters: Sequenc
     parent = Parent(point.branch, point.label)
     if point.vectors.get("plane"):
         return _across_plane(problem, point, parameters)
-    types = CURVES.get(point.type, (own,))
+    types = curves_of_points(point.type, own)
     found: list[tuple[str, float]] = []
     for type_ in dict.fromkeys(types):
         for scalar in _scalars(point, type_):

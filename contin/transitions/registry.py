@@ -26,6 +26,7 @@ from typing import Any, Final, TypeVar
 import contin.transitions
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
+from contin.special.table import codes
 
 GROUP: Final = "contin.transitions"
 KINDS: Final = {  # of branches, by the word of FORMATS, and how file names call them
@@ -112,6 +113,12 @@ def known_labels(problem: Any, parameters: int) -> tuple[str, ...]:
     """The types of points at which anything is registered for the branches of a problem."""
     rows = [row for row in everything() if row.parameters == parameters and isinstance(problem, row.problem)]
     return tuple(dict.fromkeys(label for row in rows for label in row.labels))
+
+
+def families_at(problem: Any) -> tuple[str, ...]:
+    """The types of points at which another family of orbits is born on one of this problem."""
+    found = {code: at_point(problem, code, 1) for code in codes(problem.kind)}
+    return tuple(code for code, rows in found.items() if any(r.explored and r.explored.generation for r in rows))
 
 
 def everything() -> list[Transition]:

@@ -12,12 +12,8 @@ from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.problems.two_parameters import indices
+from contin.special.table import curves_of_orbits
 from contin.transitions.found_beside import tori_beside
-
-MEETING = {  # curves that pass through a point of codimension two
-    "R1": ("LPC", "NS"), "R2": ("PD", "NS"), "LPPD": ("LPC", "PD"), "LPNS": ("LPC", "NS"), "PDNS": ("PD", "NS"),
-    "NSNS": ("NS",),
-}  # fmt: skip
 
 
 def seed_of(
@@ -58,7 +54,7 @@ def seeds_through(
 
 def meeting(point: str, locus: str) -> list[str]:
     """The types of the curves through a point of codimension two, but for the one it lies on if there are others."""
-    others = [t for t in MEETING.get(point, ()) if t != locus]
+    others = [t for t in curves_of_orbits(point) if t != locus]
     return others if others and point != "NSNS" else [locus]
 
 

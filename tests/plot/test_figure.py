@@ -9,8 +9,8 @@ import pytest
 from contin.errors import InputError
 from contin.plot.figure import STABLE, UNSTABLE, figure, image_names
 from contin.plot.series import from_branches, panels
-from contin.plot.vocabulary import TYPES
 from contin.plot.write import picture, write_picture
+from contin.special.table import table
 from contin.store.json_format import result_document
 from tests.plot.sample import bautin, branch, hysteresis, pitchfork, special
 
@@ -40,7 +40,7 @@ def test_every_type_that_can_share_a_panel_has_its_own_shape():
         "CPC CH GPD LPPD LPNS PDNS NSNS R1 R2 R3 R4".split(),
     )
     for codes in groups:
-        assert len({TYPES[code].marker for code in codes}) == len(codes)
+        assert len({table()[code].marker for code in codes}) == len(codes)
 
 
 def test_an_image_has_the_colour_of_its_original_and_no_entry_of_its_own():

@@ -8,17 +8,27 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.diagram.orbits import generation
 from contin.diagram.phase.curves import Curves
 from contin.diagram.phase.deferred import Deferred
-from contin.diagram.phase.orbit_curves import ORBITAL, passes_near
+from contin.diagram.phase.orbit_curves import passes_near
+from contin.special.table import codes, crossings, special_type
 
 MOST: Final = 60  # curves
 UNSTABLE: Final = 600  # points of curves of unstable orbits, which do not bound the region of a stable state
 CASCADES: Final = 2000  # ... of families born on others: there may be infinitely many, on ever smaller regions
 RESONANCES: Final = 3  # points R1, R2 beside which curves of tori are searched for, which takes long
-FOLLOWED: Final = {"equilibrium": ("LP", "HB", "BP"), "fixed-point": ("LP", "BP", "PD", "NS"), "orbit": ORBITAL}
 RESONANT: Final = frozenset({"R1", "R2"})
-ON_ORBITS: Final = frozenset({"R1", "R2", "GPD", "LPPD", "LPNS", "PDNS", "NSNS"})
+
+
+def _followed(kind: str) -> tuple[str, ...]:
+    """The types on a kind of branch through which a curve leads."""
+    return tuple(code for code in codes(kind) if special_type(code).curves)
+
+
+def _on_orbits(code: str) -> bool:
+    """True for points of codimension two of cycles from which other curves are followed."""
+    return code in crossings() and bool(special_type(code).orbits)
 
 
 @dataclass(eq=False)
@@ -36,7 +46,8 @@ class Agenda:
         """Follow the curves through the special points of branches that are new."""
         new = [b for b in branches if b.image_of is None and id(b) not in self.absorbed]
         self.absorbed |= {id(b): b for b in new}
-        self._work(deque(p for b in new for p in b.points if p.type in FOLLOWED[b.kind]))
+        self.curves.generations |= {b.name: generation(b.born_at) for b in new}
+        self._work(deque(p for b in new for p in b.points if p.type in _followed(b.kind)))
 
     def finish(self) -> None:
         """Curves of tori, of families that were born on others, and of unstable orbits, as far as the budgets go."""
@@ -72,7 +83,7 @@ class Agenda:
         """True for special orbits with unstable multipliers besides the critical ones."""
         if self.curves.is_map or "period" not in point.values:
             return False
-        return (point.type in ORBITAL or point.type in ON_ORBITS) and point.values.get("unstable", 0) >= 1
+        return (point.type in codes("orbit") or _on_orbits(point.type)) and point.values.get("unstable", 0) >= 1
 
     def _tori(self) -> None:
         """Curves of tori beside R1 and R2, unless they are known by now."""

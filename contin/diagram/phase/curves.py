@@ -15,16 +15,16 @@ from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, trace
-from contin.diagram.orbits import generation
 from contin.diagram.phase.cycles import is_shorter
 from contin.diagram.phase.known import is_known_locus, repeats
 from contin.diagram.phase.lines import is_orbital
 from contin.diagram.phase.notes import Notes
-from contin.diagram.phase.orbit_curves import ORBITAL, is_known_curve, is_known_point, repeats_curve
+from contin.diagram.phase.orbit_curves import is_known_curve, is_known_point, repeats_curve
 from contin.diagram.phase.places import Places
 from contin.diagram.phase.starts import was_stopped
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
+from contin.special.table import codes, crossings
 
 MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a homoclinic orbit to a saddle-focus
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones
@@ -32,7 +32,6 @@ COARSE, FEW, LEAST = 0.1, 60, 1e-5  # largest step, steps and smallest step of c
 LONGEST: Final = 4  # period of cycles of a map whose curves are followed
 TOTAL: Final = 12000  # points of curves of orbits
 REFUSED: Final = 1e-3  # distance, as part of the box, of two points of one type that are one
-CROSSING: Final = ("BT", "ZH", "HH", "DP", "GH", "R1", "R2", "GPD", "LPPD", "LPNS", "PDNS", "NSNS")
 
 
 @dataclass(eq=False)
@@ -58,7 +57,7 @@ class Curves:
 
     def generation(self, point: SpecialPoint) -> int:
         """Of the family, or of the curve, that a special orbit is on."""
-        return self.generations.get(point.branch, generation(point.branch))
+        return self.generations.get(point.branch, 0)
 
     def follow(self, point: SpecialPoint) -> list[SpecialPoint]:
         """Follow the curves through a point that are new; the codimension-two points on them."""
@@ -84,7 +83,7 @@ class Curves:
             return True
         if self.is_map:
             return is_shorter(point.problem, point.z)
-        if point.type not in ORBITAL or "period" not in point.values:
+        if point.type not in codes("orbit") or "period" not in point.values:
             return False
         names, place = self.problem.system.state_names, self.places.of(point)
         return is_known_point(self.loci, point, names, place, self.places.box)
@@ -115,7 +114,7 @@ class Curves:
         for end in branch.ends:
             if end.reason == "steps":
                 self.notes.add(f"{branch.name} was cut short: {end.text}")
-        return [p for p in branch.points if p.type in CROSSING]
+        return [p for p in branch.points if p.type in crossings()]
 
     def _traced(self, seed: Seed, orbital: bool) -> Branch:
         """The curve through a seed, named."""

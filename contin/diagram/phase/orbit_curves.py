@@ -18,8 +18,6 @@ ALIKE: Final = 0.05  # relative difference of period and extent of two orbits th
 SAMPLES: Final = 7  # rows of a curve that are looked up on another
 SAME_PARAMETER, SAME_PERIOD = 1e-6, 1e-3  # of two special orbits of a line, relative
 
-ORBITAL: Final = ("LPC", "BPC", "PD", "NS", "HOM")
-
 
 def is_known_curve(loci: Sequence[Branch], seed: Seed, box: Box) -> bool:
     """True where the seed is a point of one of the curves, or the image of one."""

@@ -21,38 +21,15 @@ from contin.problems.codim2.forms import described
 from contin.problems.codim2.functions import critical_indices, function_of, scaled_matrix
 from contin.problems.codim2.monitors import null_pair
 from contin.problems.codim2.triple_zero import triple_zero
+from contin.special.table import signs_of_points, tests_of_points
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
 
-TEST_OF: Final[Mapping[str, Mapping[str, int]]] = {
-    "LP": {"CP": 2, "BT": 3, "R1": 3, "double zero": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
-    "HB": {"BT": 2, "ZH": 3, "HH": 4, "neutral": 4, "GH": 5},
-    "BP": {"DP": 2, "BT": 3, "R1": 3, "ZH": 4, "LPNS": 4, "neutral": 4, "LPPD": 5},
-    "PD": {"GPD": 2, "R2": 3, "PDNS": 4, "neutral": 4, "LPPD": 5},
-    "NS": {"R1": 2, "R2": 3, "R3": 8, "R4": 9, "CH": 6, "LPNS": 4, "PDNS": 5, "NSNS": 7, "neutral": 7},
-}
-# test -> (type, how many eigenvalues change sides there; a pair that stays is a neutral saddle)
-EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
-    "LP": {2: ("CP", 0), 3: ("BT", 1), 4: ("ZH", 2)},
-    "HB": {2: ("BT", 0), 3: ("ZH", 1), 4: ("HH", 2), 5: ("GH", 0)},
-    "BP": {2: ("DP", 0), 3: ("BT", 1), 4: ("ZH", 2)},
-}
-MAP_EVENTS: Final[Mapping[str, Mapping[int, tuple[str, int]]]] = {
-    "LP": {2: ("CP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
-    "PD": {2: ("GPD", 0), 3: ("R2", 1), 4: ("PDNS", 2), 5: ("LPPD", 1)},
-    "BP": {2: ("DP", 0), 3: ("R1", 1), 4: ("LPNS", 2), 5: ("LPPD", 1)},
-    "NS": {
-        2: ("R1", 0),
-        3: ("R2", 0),
-        4: ("LPNS", 1),
-        5: ("PDNS", 1),
-        6: ("CH", 0),
-        7: ("NSNS", 2),
-        8: ("R3", 0),
-        9: ("R4", 0),
-    },  # fmt: skip  # noqa: RUF028
-}
+UNLABELLED: Final[Mapping[str, Mapping[str, int]]] = {  # events that are no special points, by their tests
+    "LP": {"double zero": 3, "neutral": 4}, "HB": {"neutral": 4}, "BP": {"neutral": 4}, "PD": {"neutral": 4},
+    "NS": {"neutral": 7},
+}  # fmt: skip
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
@@ -81,6 +58,12 @@ class _Solution:
     drift: Array | None = None
 
 
+def watch(locus: str, type_: str) -> int:
+    """Place of the test function whose zero is a point of this type, or another event, on a curve of type `locus`."""
+    tests = tests_of_points(locus)
+    return tests[type_] if type_ in tests else UNLABELLED[locus][type_]
+
+
 def explain(
     locus: str, a: Sample, b: Sample, is_map: bool = False, apart: Callable[[], bool] = lambda: False
 ) -> tuple[str, ...] | None:
@@ -88,7 +71,7 @@ def explain(
 
     apart : whether the points are so far from each other that tests may pass through zero where they seem to jump.
     """
-    events = (MAP_EVENTS if is_map else EVENTS)[locus]
+    events = signs_of_points(locus, is_map)
     crossed = [i for i in events if a.tests[i] * b.tests[i] < 0.0]
     moved = abs(b.unstable - a.unstable)
     if locus == "LP" and crossed == [2, 3] and moved == 1 and _orientation_jumps(a, b):
@@ -272,7 +255,7 @@ def is_neutral(problem: LocusProblem, type_: str, z: Array) -> bool:
 def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
     is_map = problem.system.kind == "map"
-    events = (MAP_EVENTS if is_map else EVENTS)[problem.locus]
+    events = signs_of_points(problem.locus, is_map)
     found: list[Verified | str] = []
     for index, (type_, _) in events.items():
         if a.tests[index] * b.tests[index] < 0.0:

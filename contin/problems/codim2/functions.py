@@ -18,12 +18,12 @@ from contin.machine import elementary
 from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
 from contin.problems.codim2.forms import jet_at
+from contin.special.table import special_type
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
 
 Function = Callable[[Array], float]
-COSINES = {"R1": 1.0, "R2": -1.0, "R3": -0.5, "R4": 0.0}
 REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
@@ -33,8 +33,9 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | s
     if type_ == "BT" and locus == "HB":
         size = elementary.square(float(np.linalg.norm(scaled_matrix(problem, near.z))))
         return lambda z: problem.curve.scalar(z) / size
-    if locus == "NS" and type_ in COSINES:
-        return lambda z: problem.curve.scalar(z) - COSINES[type_]
+    cosine = special_type(type_).cosine
+    if locus == "NS" and cosine is not None:
+        return lambda z: problem.curve.scalar(z) - cosine
     if type_ in ("BT", "R1", "R2"):
         return _border_function(problem, near.z, lambda z, right, left: float(left @ right))
     if type_ == "CP":

@@ -150,7 +150,7 @@ class LocusProblem(TwoParameterProblem):
         return events.explain(self.locus, a, b, self.system.kind == "map", apart)
 
     def watch(self, type_: str) -> int | None:
-        return events.TEST_OF[self.locus][type_]
+        return events.watch(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         return events.verify(self, type_, near, frame)

@@ -28,6 +28,7 @@ from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseMarch
 from contin.problems.maps.iterate import IteratedSystem
 from contin.problems.polish import at_parameter
+from contin.special.table import test_on_branch
 
 HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period
 SINGULAR = 1e-9
@@ -173,7 +174,7 @@ class CycleProblem:
         return special.explain(True, a, b)
 
     def watch(self, type_: str) -> int | None:
-        return special.TEST_OF[type_]
+        return test_on_branch(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         try:

@@ -20,6 +20,7 @@ from contin.problems.orbits.multipliers import critical, distance, nontrivial, w
 from contin.problems.orbits.normal_form import normal_form
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
+from contin.special.table import of_cycle
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -36,7 +37,6 @@ RESOLVED = 1e-3  # ... and the multiplier is told from 1
 BLURRED = 1e-10  # error of a fold (relative to the range) from which it may be a pitchfork passed on its side branch
 LEVEL = 0.02  # cosine of the left null vector and F_p below which a fold may be an imperfect pitchfork of the mesh
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
-TYPES = {"LP": "LPC", "BP": "BPC", "NS": "NS", "PD": "PD", "neutral": "neutral"}
 
 
 def explain(a: Sample, b: Sample, standing: bool = False) -> tuple[str, ...] | None:
@@ -58,7 +58,7 @@ def explain(a: Sample, b: Sample, standing: bool = False) -> tuple[str, ...] | N
         return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows
     found = special.explain(True, a, b)
     if found is not None:
-        return tuple(TYPES[t] for t in found)
+        return tuple(of_cycle(t) for t in found)
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(a.unstable - b.unstable)
     lagging = min(_distance_from_one(a), _distance_from_one(b)) < UNRESOLVED

@@ -15,11 +15,11 @@ from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
 from contin.simulate.reach import left_reach
+from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
-_TESTS = {"LPC": 0, "BPC": 1, "NS": 2, "neutral": 2, "PD": 3}
 
 SAME_PERIOD = 1e-5  # relative
 SAME_EXTENT = 2e-3  # relative: extents of sampled orbits are so accurate; nearby folds of one family differ by more
@@ -115,7 +115,7 @@ class FamilyOfOrbits:
         return abs(float(a.z[-1] - b.z[-1])) <= slack and alike(self.profile(a.z), self.profile(b.z))
 
     def watch(self, type_: str) -> int | None:
-        return _TESTS.get(type_)
+        return None if type_ == "flat" else test_on_branch(type_)
 
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""

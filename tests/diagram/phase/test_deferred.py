@@ -14,19 +14,17 @@ def point(branch):
 
 
 @pytest.mark.parametrize(
-    ("name", "expected"),
-    [("start", 0), ("start/BP1/HB2", 0), ("more1", 0), ("start/HB1/HOM1", 0), ("start/HB1/PD2", 1),
-     ("start/HB1/BPC1.2/PD10", 2)],
-)  # fmt: skip
-def test_generations_count_the_families_that_a_family_was_born_on(name, expected):
-    assert generation(name) == expected
+    ("born_at", "expected"), [("", 0), ("BP HB", 0), ("HB HOM", 0), ("HB PD", 1), ("HB BPC PD", 2)]
+)
+def test_generations_count_the_families_that_a_family_was_born_on(born_at, expected):
+    assert generation(born_at.split()) == expected
 
 
 def test_older_generations_come_first_and_in_the_order_found():
-    names = ["a/PD1/PD1", "b/PD1", "c/PD1/PD1", "d/PD2"]
+    names = {"a/PD1/PD1": 2, "b/PD1": 1, "c/PD1/PD1": 2, "d/PD2": 1}
     waiting = Deferred(most=10)
-    for name in names:
-        waiting.add(generation(name), point(name))
+    for name, age in names.items():
+        waiting.add(age, point(name))
     order = [waiting.next().branch for _ in names]
     assert order == ["b/PD1", "d/PD2", "a/PD1/PD1", "c/PD1/PD1"]
     assert waiting.next() is None

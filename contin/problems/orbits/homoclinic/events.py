@@ -24,6 +24,7 @@ from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 from contin.problems.orbits.saddles import extent_of
 from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.special.table import tests_of_connections
 
 if TYPE_CHECKING:
     from contin.problems.orbits.homoclinic.curve import ConnectionCurve
@@ -33,7 +34,6 @@ ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
 JUMP: Final = 1e-4  # of a test at its zero
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
-NAMES: Final = ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
 
 
 def tests_at(
@@ -47,13 +47,13 @@ def tests_at(
     values = np.linalg.eigvals(matrices[0]).astype(complex)
     values = values[np.lexsort((-values.imag, -values.real))]
     if curve.node:
-        tests = np.full(len(NAMES), np.nan)
+        tests = np.full(len(tests_of_connections()), np.nan)
         tests[1] = centrality(matrices[0], leaving, arriving, extent_of(curve.profile(z), sizes))
         return tests, values
     leave, arrive = n - curve.stable_count, n - curve.unstable_count  # dimensions of the manifolds that it lies in
     slow_out, slow_in = leading(matrices[0], leave, False), leading(matrices[-1], arrive, True)
     size = abs(slow_in.value) + abs(slow_out.value)
-    tests = np.full(len(NAMES), np.nan)
+    tests = np.full(len(tests_of_connections()), np.nan)
     sum_of_rates = (slow_in.value.real + slow_out.value.real) / size
     tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
@@ -97,12 +97,13 @@ def _component(memory: dict[str, Array], name: str, slow: Leading, direction: Ar
 
 
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
-    changed = tuple(name for name, x, y in zip(NAMES, a.tests[2:], b.tests[2:], strict=True) if x * y < 0.0)
+    names = tests_of_connections()
+    changed = tuple(name for name, x, y in zip(names, a.tests[2:], b.tests[2:], strict=True) if x * y < 0.0)
     return changed if len(changed) <= 1 else None
 
 
 def watch(type_: str) -> int:
-    return 2 + NAMES.index(type_)
+    return 2 + tests_of_connections().index(type_)
 
 
 def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:

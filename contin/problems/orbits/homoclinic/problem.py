@@ -26,6 +26,7 @@ from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
 from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.special.table import tests_of_connections
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
@@ -84,7 +85,7 @@ class ConnectionProblem(MarchedInPython):
         try:
             tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
         except (np.linalg.LinAlgError, ValueError):
-            return np.full(len(events.NAMES), np.nan), 0, np.full(self.curve.n, np.nan, complex)
+            return np.full(len(tests_of_connections()), np.nan), 0, np.full(self.curve.n, np.nan, complex)
         return tests, self._unstable(values), values
 
     def _unstable(self, values: NDArray[np.complex128]) -> int:
@@ -128,7 +129,7 @@ class ConnectionProblem(MarchedInPython):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
-        return [self.verify(t, a, frame) for t, c in zip(events.NAMES, changed, strict=True) if c]
+        return [self.verify(t, a, frame) for t, c in zip(tests_of_connections(), changed, strict=True) if c]
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

@@ -15,19 +15,11 @@ import numpy as np
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.special.table import tests_of_orbits
 
 if TYPE_CHECKING:
     from contin.problems.orbits.loci.special import OfSpecialOrbits
 
-
-# test functions from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself
-NAMES: Final = {
-    "LPC": ("LPNS", "LPPD", "R1", "CPC"),
-    "BPC": ("LPNS", "LPPD", "R1"),
-    "PD": ("PDNS", "R2", "LPPD", "GPD"),
-    "NS": ("NSNS", "PDNS", "LPNS", "R1", "R2", "R3", "R4", "CH"),
-}
-PAIRS: Final = {"LPC": "LPNS", "BPC": "LPNS", "PD": "PDNS", "NS": "NSNS"}  # a pair of the other multipliers
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
 NEUTRAL: Final = ""
@@ -35,14 +27,17 @@ DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
 
 def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
-    """The types whose test functions change sign; () where nothing of interest does."""
+    """The types whose test functions change sign; () where nothing of interest does.
+
+    Tests stand from index 2 on: of the remaining multipliers `pairs`, `flips`, `ones`, then those of the type itself.
+    """
     changed = a.tests[2:] * b.tests[2:] < 0.0
-    types = tuple(name for name, c in zip(NAMES[locus], changed, strict=True) if c)
+    types = tuple(name for name, c in zip(tests_of_orbits(locus), changed, strict=True) if c)
     return types if len(types) <= 1 else None
 
 
 def watch(locus: str, type_: str) -> int:
-    return 2 + NAMES[locus].index(type_)
+    return 2 + tests_of_orbits(locus).index(type_)
 
 
 def critical(locus: str, further: float) -> tuple[complex, ...]:
@@ -64,7 +59,7 @@ def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> 
     found = zero.sample
     if type_ == "CPC" and (problem.has_shrunk(found.z, frame.scale) or problem.has_met_half(found.z, frame.scale)):
         return NEUTRAL  # the curve turns round at its generalised Hopf point or period doubling
-    if type_ == PAIRS[problem.locus] and not _complex_pair(problem, found):
+    if type_ == tests_of_orbits(problem.locus)[0] and not _complex_pair(problem, found):
         return NEUTRAL
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
         return NEUTRAL

@@ -16,6 +16,7 @@ from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.multipliers import nontrivial, without
 from contin.problems.orbits.two_parameters import SMALL, OfPeriodicOrbits
+from contin.special.table import tests_of_orbits
 
 HALVES = 100
 
@@ -39,7 +40,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
-        return [self.verify(t, a, frame) for t, c in zip(events.NAMES[self.locus], changed, strict=True) if c]
+        return [self.verify(t, a, frame) for t, c in zip(tests_of_orbits(self.locus), changed, strict=True) if c]
 
     def remarks(self, z: Array) -> Sequence[str]:
         return criticality.remarks(self.curve)

@@ -13,12 +13,13 @@ from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
-from contin.problems.orbits.loci import criticality, events
+from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.loci.grazing import GrazingCurve
 from contin.problems.shooting.loci.shot import OfShotOrbits
 from contin.problems.shooting.loci.verify import verify
+from contin.special.table import tests_of_orbits
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         others = nontrivial(self.curve.orbits, values) if touching else self.others(values, z)
         unstable = int(map_tests(np.ascontiguousarray(others.real), np.ascontiguousarray(others.imag), four))
         if touching:
-            return np.full(len(events.NAMES[self.locus]), np.nan), unstable, values
+            return np.full(len(tests_of_orbits(self.locus)), np.nan), unstable, values
         tests = [four[2] if others.size > 1 else 1.0, four[3], ones(others)]
         if self.locus == "LPC":
             tests.append(self.curve.bend())

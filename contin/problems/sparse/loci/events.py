@@ -19,12 +19,12 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.vectors import norm
 from contin.errors import NotFiniteError
 from contin.machine import elementary
-from contin.problems.codim2.events import EVENTS
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.loci import forms
 from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.singular import Folds
 from contin.problems.sparse.special import At, refine, secant
+from contin.special.table import signs_of_points
 
 if TYPE_CHECKING:
     from contin.problems.sparse.loci.problem import LargeLocus
@@ -36,7 +36,8 @@ REAL = 1e-9  # relative size of an imaginary part that counts
 
 def crossed(locus: str, a: Sample, b: Sample) -> list[str]:
     """Types whose tests change sign."""
-    return [type_ for index, (type_, _) in EVENTS[locus].items() if a.tests[index] * b.tests[index] < 0.0]
+    signs = signs_of_points(locus, False)
+    return [type_ for index, (type_, _) in signs.items() if a.tests[index] * b.tests[index] < 0.0]
 
 
 def split(problem: LargeLocus, z: Array) -> tuple[Vector, Vector, Vector]:

@@ -15,8 +15,8 @@ from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import norm
 from contin.machine import elementary
-from contin.problems.codim2.events import TEST_OF
 from contin.problems.codim2.events import explain as explain_events
+from contin.problems.codim2.events import watch
 from contin.problems.sparse.loci import events
 from contin.problems.sparse.loci.curve import CurveLinearisation, LargeCurve
 from contin.problems.two_parameters import TwoParameterProblem
@@ -131,7 +131,7 @@ class LargeLocus(TwoParameterProblem):
         return explain_events(self.locus, a, b)
 
     def watch(self, type_: str) -> int | None:
-        return TEST_OF[self.locus][type_]
+        return watch(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         if type_ == "neutral":
