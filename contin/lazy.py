@@ -11,6 +11,8 @@ from typing import Any, Final
 
 MODULES: Final = {
     "births": "contin.transitions.births",  # a special point is asked what starts there: only the top floor knows
+    "simulated": "contin.cli.simulated",  # files of simulations: integrators, which few runs need
+    "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other
 }
 

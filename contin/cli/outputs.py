@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from contin import lazy
 from contin._version import __version__
 from contin.cli.printable import printable
 from contin.cli.report import print_report
@@ -129,9 +130,7 @@ def outputs_of(plan: Plan, document: Mapping[str, Any], json: str | None) -> lis
     if json is not None:
         outputs.append(Output("json", partial(_write_json, document, json)))
     if plan.simulations or plan.sweep:
-        from contin.cli.simulated import simulated_outputs
-
-        outputs += simulated_outputs(plan, document)
+        outputs += lazy.module("simulated").simulated_outputs(plan, document)
     return outputs
 
 
@@ -163,9 +162,7 @@ def _write(plan: Plan, kind: str, document: Mapping[str, Any]) -> str:
     make_folder(path)
     if kind in ("plot", "html"):
         if kind == "plot" and document.get("sweep"):
-            from contin.cli.simulated import draw_sweep
-
-            draw_sweep(plan, document, path)
+            lazy.module("simulated").draw_sweep(plan, document, path)
         elif not document["branches"]:
             return f"{path.name} is not drawn: there is no branch"
         else:

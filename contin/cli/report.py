@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from contin import lazy
 from contin.diagram.phase.report import region_lines
 from contin.plot.vocabulary import KINDS, locus_words, style_of
 
@@ -54,9 +55,7 @@ def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
 
 
 def _print_simulated(document: Mapping[str, Any], console: Console) -> None:
-    from contin.cli.simulated import lines
-
-    found = lines(document)
+    found = lazy.module("simulated").lines(document)
     if found:
         console.print()
     for line in found:

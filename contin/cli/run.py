@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contin import lazy
 from contin.cli.interrupt import check, hold
 from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
 from contin.cli.terminal import console
@@ -46,9 +47,8 @@ def run_file(
     """Carry out a run file, or a bundled one by its name; the exit code."""
     file, place = find_run(file)
     if is_scan(file):
-        from contin.cli.scan import scan_file
-
-        return scan_file(file, json, sets, None, None, resume, None, quiet, place)
+        code: int = lazy.module("scan").scan_file(file, json, sets, None, None, resume, None, quiet, place)
+        return code
     overrides = parse_sets(sets)
     entry, source = load_run_file(file)
     plan = make_plan(entry, source, place, overrides)

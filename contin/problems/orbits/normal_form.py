@@ -31,12 +31,12 @@ from contin.machine import elementary
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
 from contin.problems.orbits.bordered import Bordered, factors
-from contin.problems.orbits.defining import SolvedOrbit
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
 
 if TYPE_CHECKING:
+    from contin.problems.orbits.defining import SolvedOrbit
     from contin.problems.orbits.problem import OrbitProblem
 
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold

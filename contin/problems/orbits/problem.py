@@ -21,6 +21,7 @@ from contin.problems.neutral import remarks_on_orbits
 from contin.problems.orbits import marched_in_kernel
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.ends import foretold
+from contin.problems.orbits.events import explain, verify, verify_compound
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.in_phase import apart, cut_at_start, in_phase
@@ -144,18 +145,12 @@ class OrbitProblem(FamilyOfOrbits):
         return found.z
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        from contin.problems.orbits.events import explain
-
         return explain(a, b, stands_at_birth(self, a.z) and stands_at_birth(self, b.z))
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        from contin.problems.orbits.events import verify
-
         return verify(self, type_, near, frame)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
-        from contin.problems.orbits.events import verify_compound
-
         return verify_compound(self, a, b, frame)
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +11,9 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.ends import ending
-from contin.problems.orbits.layout import Profile, Transfer, make_scale
+from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
+from contin.problems.orbits.move import Move
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -65,35 +66,3 @@ def state_growth(problem: OrbitProblem, profile: Profile, sizes: Array) -> Array
     """The states' sizes, where an orbit has outgrown them its own; an angle's does not change."""
     largest = np.abs(profile.u).max(axis=0)
     return np.where((problem.state_periods == 0.0) & (largest > 1.5 * sizes), largest, sizes)
-
-
-class Move:
-    """Takes samples to another mesh (by interpolation: the next march corrects its origin) and another metric."""
-
-    def __init__(self, problem: OrbitProblem, old_scale: Array, scale: Array, h: Array) -> None:
-        self.problem, self.old_scale, self.scale, self.h = problem, old_scale, scale, h
-        self._transfers: dict[bytes, Transfer] = {}  # by the mesh from which they lead: mostly one
-
-    def __call__(self, sample: Sample) -> Sample:
-        profile, n = self.problem.profile(sample.z), self.problem.n
-        raw = sample.tangent * self._metric(sample, profile)
-        values = np.hstack([profile.u, raw[: profile.u.size].reshape(-1, n)])
-        if not np.array_equal(profile.h, self.h):
-            values = self._transfer(profile)(values)
-        moved = replace(profile, u=values[:, :n], h=self.h)
-        still = np.zeros(len(self.h))
-        t = np.concatenate([values[:, n:].ravel(), raw[profile.u.size : profile.u.size + 1], still, raw[-1:]])
-        t /= self.scale
-        return replace(sample, z=moved.vector(), tangent=t / np.linalg.norm(t))
-
-    def _metric(self, sample: Sample, profile: Profile) -> Array:
-        """The present metric on a sample's own mesh."""
-        if sample.z.size == self.old_scale.size:
-            return self.old_scale
-        return make_scale(profile.h, profile.m, np.ones(profile.n), 1.0, 1.0)
-
-    def _transfer(self, profile: Profile) -> Transfer:
-        key = profile.h.tobytes()
-        if key not in self._transfers:
-            self._transfers[key] = Transfer.to_mesh(profile.m, profile.h, self.h)
-        return self._transfers[key]

@@ -18,6 +18,7 @@ from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample
 from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.marched_in_kernel import corrected
+from contin.problems.orbits.move import Move
 from contin.problems.orbits.saddles import extent_of
 
 if TYPE_CHECKING:
@@ -80,8 +81,6 @@ def _hidden_by(problem: OrbitProblem, profile: Profile, origin: Sample, frame: F
 
 def _on_finer_mesh(problem: OrbitProblem, profile: Profile, origin: Sample, frame: Frame) -> Array | None:
     """The orbit on a mesh of half the lengths: where the plane normal to the family's tangent meets it."""
-    from contin.problems.orbits.renewal import Move
-
     h = np.repeat(profile.h / 2.0, 2)
     sizes, period = problem.sizes(origin.z, frame.scale), float(frame.scale[profile.u.size])
     scale = make_scale(h, profile.m, sizes, period, float(frame.scale[-1]))

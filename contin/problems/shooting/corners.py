@@ -16,7 +16,7 @@ from contin.continuation.settings import Settings
 from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
-from contin.problems.shooting.sampling import flights
+from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
@@ -25,27 +25,7 @@ AHEAD = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3)  # (arclength) how far ahead another sequ
 BEHIND = (1e-5, 1e-4, 1e-3)  # ... and how far behind the corner the family is taken up again
 BESIDE = (1e-8, 1e-6, 1e-4)  # ... or behind, for a test that fails to be blamed on the corner
 BACK = 1e-3  # (arclength) how far before it the search for a corner begins
-TOGETHER = 1e-6  # of the period: crossings this close have no order
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
-
-
-def signature(problem: ShootingProblem, z: Array) -> tuple[int, ...] | None:
-    """The surfaces crossed in a period, in order (crossings at one time sorted); None where a trajectory fails."""
-    found = flights(problem, z, np.empty(0))
-    if any(f.outcome != "done" for f in found):
-        return None
-    crossings = np.vstack([f.crossings for f in found])
-    period = float(z[-problem.n - 3])
-    surfaces: list[int] = []
-    group: list[int] = []
-    before = -np.inf
-    for time, surface in crossings:
-        if time - before > TOGETHER * period:
-            surfaces += sorted(group)
-            group = []
-        group.append(int(surface))
-        before = float(time)
-    return tuple(surfaces + sorted(group))
 
 
 def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:

@@ -16,6 +16,7 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.problems.shooting.sampling import crossings, states
+from contin.problems.shooting.signature import signature
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
@@ -35,8 +36,6 @@ def grazing(
     problem: ShootingProblem, near: Sample, arm: tuple[int, ...], other: tuple[int, ...], frame: Frame
 ) -> tuple[Array, float] | None:
     """(z, error in arclength) of the orbit that touches a surface, next to a sample of the arm with fewer crossings."""
-    from contin.problems.shooting.corners import signature
-
     missing = sorted({j for j in other if other.count(j) > arm.count(j)})
     for length in AWAY:
         for s in (length, -length):
@@ -53,8 +52,6 @@ def _secant(
     problem: ShootingProblem, base: Sample, sense: float, length: float, missing: list[int], arm: tuple[int, ...],
     frame: Frame
 ) -> tuple[Array, float] | None:  # fmt: skip
-    from contin.problems.shooting.corners import signature
-
     s0, e0, z0 = 0.0, clearance(problem, base.z, missing), base.z
     s1, beginning, along = 0.5 * length, e0, sense * _raw(base, frame)  # along: the last secant, which predicts
     slope = np.nan
@@ -85,8 +82,6 @@ def _on_arm(problem: Any, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
 
     The error that is stated covers the whole step.
     """
-    from contin.problems.shooting.corners import signature
-
     for short in BACK:
         if signature(problem, z + (1.0 - short) * step) == arm:
             return np.asarray(z + (1.0 - short) * step)

@@ -21,7 +21,7 @@ from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
-from contin.problems.shooting.corners import at_corner, cross_corner, signature, verify_corner
+from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
 from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.fixed_space import FixedSpace, fixed_space
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
@@ -30,6 +30,7 @@ from contin.problems.shooting.renewal import cut_where_oblique, renew
 from contin.problems.shooting.rest import has_shrunk
 from contin.problems.shooting.sampling import extremes, sampled, why_not
 from contin.problems.shooting.segments import Segments
+from contin.problems.shooting.signature import signature
 from contin.symbolic.calculus.derivatives import derivative
 
 ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch

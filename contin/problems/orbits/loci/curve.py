@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,9 +26,13 @@ from contin.machine import elementary
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.loci import frames
 from contin.problems.orbits.loci.work import KINDS, Normals, Work
-from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.normal_form import period_doubling, torus
 from contin.problems.orbits.rows import Rows
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
+
 
 _NO_WALLS = np.empty((0, 3))
 
@@ -72,8 +76,6 @@ class OrbitCurve(CurveOfPeriodicOrbits):
 
     def critical_coefficient(self, z: Array, scale: Array) -> tuple[float, float]:
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
-        from contin.problems.orbits.normal_form import period_doubling, torus
-
         orbit = self.orbit(z)
         linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
         found = period_doubling(linear) if self.type == "PD" else torus(linear, self.theta(z))

@@ -11,7 +11,8 @@ from contin.abi import Array
 from contin.continuation.problem import Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.problems.orbits.layout import make_scale
-from contin.problems.orbits.renewal import Move, refitted
+from contin.problems.orbits.move import Move
+from contin.problems.orbits.renewal import refitted
 
 if TYPE_CHECKING:
     from contin.problems.orbits.loci.curve import OrbitCurve
