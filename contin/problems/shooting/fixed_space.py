@@ -20,7 +20,8 @@ from contin.problems.symmetry import symmetry_names
 
 KEPT: Final = 1e-7  # distance from its image, relative to the orbit's largest state, up to which a point is kept
 LINEAR: Final = 1e-12  # relative: a symmetry is a matrix to this
-DOUBLINGS: Final = 40  # of the length of random words in the symmetries, whose mean tends to the group's
+DOUBLINGS: Final = 14  # of the length of random words in the symmetries, whose mean tends to the group's
+PURIFICATIONS: Final = 3
 SIMPLE: Final = 1e-6  # distance of an eigenvalue of a symmetry from 1, up to which a direction is kept
 
 
@@ -55,6 +56,8 @@ def fixed_space(problem: Any, u: Array, p: Array) -> FixedSpace | None:
     mean = (np.eye(problem.n) + sum(matrices)) / (1.0 + len(matrices))
     for _ in range(DOUBLINGS):
         mean = mean @ mean
+    for _ in range(PURIFICATIONS):  # rounding has been multiplied, too: the nearest matrix with P P = P
+        mean = 3.0 * mean @ mean - 2.0 * mean @ mean @ mean
     return FixedSpace(tuple(matrices), mean)
 
 
