@@ -51,7 +51,7 @@ class _Package(_ModuleType):
     Importing a subpackage sets it as an attribute of its parent; `from contin.diagram.x import` needs no attribute.
     """
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if not (name in _EXPORTS and isinstance(value, _ModuleType)):
             super().__setattr__(name, value)
 

@@ -17,6 +17,7 @@ from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import InputError
+from contin.records import Fields, Record
 
 
 def continuation(
@@ -27,7 +28,7 @@ def continuation(
     name: str = "branch",
     direction: str = "both",
     values: Mapping[str, Sequence[float]] | None = None,
-    settings: Settings | Mapping[str, Any] | None = None,
+    settings: Settings | Record | None = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
 ) -> Branch:
@@ -67,8 +68,8 @@ def walk(
     *,
     direction: str = "up",
     values: Mapping[str, Sequence[float]] | None = None,
-    settings: Settings | Mapping[str, Any] | None = None,
-) -> Iterator[dict[str, Any]]:
+    settings: Settings | Record | None = None,
+) -> Iterator[Fields]:
     """The points of one arm as they are computed: mappings of columns, with `label` (a type such as 'LP', or None).
 
     The start is not repeated. Computing goes chunk by chunk, a little ahead of what is taken; stop whenever you like.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
 from contin.problems.start import Equilibrium
+from contin.records import Record
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 EVERYWHERE: Final = "all"  # the start of a diagram that stands for all equilibria
 
@@ -29,10 +33,10 @@ def diagram(
     *,
     start: Any = None,
     box: Any = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Record | None = None,
     orbits: bool = True,
     values: Mapping[str, Sequence[float]] | None = None,
-    settings: Settings | Mapping[str, Any] | None = None,
+    settings: Settings | Record | None = None,
     budget: Any = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
@@ -75,14 +79,14 @@ def diagram(
 
 
 def phase(
-    model: Any,
+    model: Model,
     pair: Sequence[str],
     range: Mapping[str, Sequence[float]] | None = None,
     *,
-    start: Any = None,
-    parameters: Mapping[str, Any] | None = None,
+    start: object = None,
+    parameters: Record | None = None,
     orbits: bool = True,
-    settings: Settings | Mapping[str, Any] | None = None,
+    settings: Settings | Record | None = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
 ) -> Any:
@@ -119,7 +123,7 @@ def phase(
     return compute(found, pair, box, settings, watch, orbits, journal)
 
 
-def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
+def _named_starts(model: Model, start: object) -> tuple[list[tuple[str, Any]], bool]:
     """Starts with their names, and whether all equilibria are wanted too."""
     given = list(start) if isinstance(start, list | tuple) else [start]
     everywhere = any(isinstance(one, str) and one == EVERYWHERE for one in given) and not any(
@@ -135,7 +139,7 @@ def _named_starts(model: Any, start: Any) -> tuple[list[tuple[str, Any]], bool]:
 
 
 def everywhere_in(
-    model: Any, parameter: str, limits: tuple[float, float] | None, box: Any, parameters: Mapping[str, Any] | None
+    model: Any, parameter: str, limits: tuple[float, float] | None, box: Any, parameters: Record | None
 ) -> list[Seed]:
     """Seeds of all equilibria (of a forced flow: periodic responses) at the parameter's own value and some others."""
     _, p = model.start_point(None, dict(parameters or {}))
@@ -152,14 +156,14 @@ def everywhere_in(
     return seeds
 
 
-def _noun(model: Any) -> str:
+def _noun(model: Model) -> str:
     return "equilibrium" if getattr(model, "forcing", None) is None else "periodic response"
 
 
 class _Ranges:
     """The default ranges of a model, for `bounds_of`."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: Model) -> None:
         self.model = model
 
     def default_range(self, parameter: str) -> tuple[float, float] | None:

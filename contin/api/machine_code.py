@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, ref
 
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import is_large
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 _compiled: WeakKeyDictionary[Any, ref[Any]] = WeakKeyDictionary()  # of equal models one serves all
 
@@ -30,7 +33,7 @@ def _made_for(model: Any) -> Any:
     return system
 
 
-def prepare(model: Any) -> None:
+def prepare(model: Model) -> None:
     """Make what every run of a model needs: its machine code, of large sparse ones their formulas by shapes."""
     if not is_large(model):
         compiled(model)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, Final
 
@@ -15,11 +14,12 @@ from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
 from contin.problems.deflation import make_box
 from contin.problems.orbits.responses import Response, response
+from contin.records import Record
 
 SCATTERED: Final = 12  # trajectories at each value of the parameter
 
 
-def solution(model: Any, start: Any, parameters: Mapping[str, Any] | None) -> Any:
+def solution(model: Any, start: Any, parameters: Record | None) -> Any:
     """An equilibrium; of a forced flow the periodic response that its trajectory settles on.
 
     Raises as `contin.equilibrium` and `contin.problems.orbits.responses.response` do.

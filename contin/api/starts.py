@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,13 +19,17 @@ from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled
 from contin.problems.sparse.from_model import sparse_function
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
+from contin.records import Record
 from contin.symbolic.passes.corotating import frame_for
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 
 def equilibrium(
     model: Any,
-    start: str | Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    start: str | Record | None = None,
+    parameters: Record | None = None,
     *,
     period: int = 1,
 ) -> Any:
@@ -65,7 +69,7 @@ def _large_equilibrium(model: FunctionProblem, u: Any, p: Any, period: int) -> L
 def periodic_orbit(
     model: Any,
     start: Any = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Record | None = None,
     *,
     period: float | None = None,
     times: Any = None,
@@ -109,10 +113,10 @@ def periodic_orbit(
 
 
 def connecting_orbit(
-    model: Any,
-    first: str | Mapping[str, Any],
-    last: str | Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    model: Model,
+    first: str | Record,
+    last: str | Record | None = None,
+    parameters: Record | None = None,
 ) -> ConnectingOrbit:
     """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
 
@@ -129,7 +133,7 @@ def connecting_orbit(
 def find_equilibria(
     model: Any,
     box: Mapping[str, Sequence[float]] | Sequence[float] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    parameters: Record | None = None,
     *,
     starts: int | None = None,
 ) -> list[FoundEquilibrium]:
@@ -150,7 +154,7 @@ def find_equilibria(
     return find(system, make_box(system.state_names, wanted, periods), p, starts)
 
 
-def _need_parameters(model: Any) -> None:
+def _need_parameters(model: Model) -> None:
     """A solution is one of a branch, whose last unknown is a parameter."""
     if not model.parameter_names:
         raise InputError(
@@ -159,7 +163,7 @@ def _need_parameters(model: Any) -> None:
         )
 
 
-def refuse_forced(model: Any) -> None:
+def refuse_forced(model: Model) -> None:
     """Raises InputError for a flow whose equations know the time: it has no equilibria."""
     if getattr(model, "forcing", None) is not None:
         raise InputError(
@@ -168,7 +172,7 @@ def refuse_forced(model: Any) -> None:
         )
 
 
-def reach_of(model: Any, parameters: Mapping[str, Any] | None = None) -> dict[str, tuple[float, float]]:
+def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[float, float]]:
     """Twice the largest size of each state in the model's default and named starts, in both directions.
 
     Angles apart.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin import lazy
 from contin._version import __version__
@@ -17,6 +17,7 @@ from contin.cli.report import print_report
 from contin.continuation.defects import described
 from contin.errors import ContinError, InputError
 from contin.plot.write import write_picture
+from contin.records import Record
 from contin.runs.outputs import make_folder
 from contin.store import digest, json_format, sqlite
 from contin.store.json_format import escaped
@@ -124,7 +125,7 @@ def _told(tell: Callable[[], object]) -> None:
     tell()
 
 
-def outputs_of(plan: Plan, document: Mapping[str, Any], json: str | None) -> list[Output]:
+def outputs_of(plan: Plan, document: Record, json: str | None) -> list[Output]:
     """Every file that the run file and the command line ask for."""
     outputs = [Output(kind, partial(_write, plan, kind, document)) for kind in plan.outputs]
     if json is not None:
@@ -134,7 +135,7 @@ def outputs_of(plan: Plan, document: Mapping[str, Any], json: str | None) -> lis
     return outputs
 
 
-def report_on(document: Mapping[str, Any], report: Console) -> None:
+def report_on(document: Record, report: Console) -> None:
     """Print the report of a run."""
     print_report(document, report)
 
@@ -149,14 +150,14 @@ def json_to_stdout(text: str) -> None:
     sys.stdout.flush()
 
 
-def _write_json(document: Mapping[str, Any], json: str) -> None:
+def _write_json(document: Record, json: str) -> None:
     if json == "-":
         json_to_stdout(json_format.dumps(digest.signed(document)))
     else:
         json_format.write(document, Path(json))
 
 
-def _write(plan: Plan, kind: str, document: Mapping[str, Any]) -> str:
+def _write(plan: Plan, kind: str, document: Record) -> str:
     """One of the run file's `outputs`."""
     path = plan.outputs[kind]
     make_folder(path)

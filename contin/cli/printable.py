@@ -16,7 +16,7 @@ def printable(text: str) -> str:
 class _Printed:
     """What rich would print, with its own styles but without control characters of the text."""
 
-    def __init__(self, inner: Any) -> None:
+    def __init__(self, inner: object) -> None:
         self.inner = inner
 
     def __rich_console__(self, console: Any, options: Any) -> Iterator[Any]:

@@ -12,13 +12,14 @@ from rich.text import Text
 from contin import lazy
 from contin.diagram.phase.report import region_lines
 from contin.plot.vocabulary import KINDS, locus_words, style_of
+from contin.records import Record
 
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
 _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there is decides
 _OF_KIND: Final = {"pitchfork": "b30", "transcritical": "b20"}
 
 
-def print_report(document: Mapping[str, Any], console: Console) -> None:
+def print_report(document: Record, console: Console) -> None:
     """Print every branch of a result document, then notes and time."""
     model = document["model"]
     console.print(Text.assemble((model["name"], "bold"), f"  ({len(model['states'])} states)"))
@@ -33,7 +34,7 @@ def print_report(document: Mapping[str, Any], console: Console) -> None:
     console.print(_effort(document), style="dim", highlight=False)
 
 
-def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Console) -> None:
+def _print_branch(branch: Record, states: Iterable[str], console: Console) -> None:
     console.print(heading(branch), highlight=False)
     if branch["points"]:
         console.print(_table(branch, states))
@@ -45,7 +46,7 @@ def _print_branch(branch: Mapping[str, Any], states: Iterable[str], console: Con
             console.print(Text(f"  {which}: {end['text']}", style=style))
 
 
-def _print_regions(phase: Mapping[str, Any], console: Console) -> None:
+def _print_regions(phase: Record, console: Console) -> None:
     if not phase["regions"]:  # stopped before the first one; the notes say so
         return
     console.print()
@@ -62,7 +63,7 @@ def _print_simulated(document: Mapping[str, Any], console: Console) -> None:
         console.print(Text(line))
 
 
-def heading(branch: Mapping[str, Any]) -> Text:
+def heading(branch: Record) -> Text:
     """One line that says what the branch is: name, kind, parameters, origin."""
     kind, parameters = branch["kind"], " and ".join(branch["parameters"])
     what = f"locus of {locus_words(branch['locus'])}" if kind == "locus" else KINDS.get(kind, kind)
@@ -75,7 +76,7 @@ def heading(branch: Mapping[str, Any]) -> Text:
     return Text.assemble((branch["name"], "bold cyan"), f"  {what} in {parameters}{origin}; {rows} points")
 
 
-def _table(branch: Mapping[str, Any], states: Iterable[str]) -> Table:
+def _table(branch: Record, states: Iterable[str]) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
     shown = _shown_columns(branch, list(states))
     table.add_column("  label", style="bold", no_wrap=True)
@@ -89,14 +90,14 @@ def _table(branch: Mapping[str, Any], states: Iterable[str]) -> Table:
     return table
 
 
-def _shown_columns(branch: Mapping[str, Any], states: list[str]) -> list[str]:
+def _shown_columns(branch: Record, states: list[str]) -> list[str]:
     columns = branch["columns"]
     named = [name for state in states for name in (state, f"{state}.max") if name in columns]
     period = ["period"] if "period" in columns else []
     return [*branch["parameters"], *period, *named[:MOST_STATES]]
 
 
-def words(point: Mapping[str, Any]) -> str:
+def words(point: Record) -> str:
     """The type of a point in words: 'Hopf point, subcritical'."""
     form = point["normal_form"]
     parts = [style_of(point["type"]).words]
@@ -111,7 +112,7 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.8g}"
 
 
-def _coefficient(form: Mapping[str, Any]) -> str:
+def _coefficient(form: Record) -> str:
     for key in (_OF_KIND.get(str(form.get("kind")), ""), *_COEFFICIENTS):
         value = form.get(key)
         if isinstance(value, int | float) and not isinstance(value, bool):
@@ -130,7 +131,7 @@ def _print_notes(notes: Iterable[str], console: Console) -> None:
         console.print(Text(f"  {note}"))
 
 
-def _effort(document: Mapping[str, Any]) -> str:
+def _effort(document: Record) -> str:
     branches = [branch for branch in document["branches"] if not branch["image_of"]]
     steps, seconds = sum(b["steps"] for b in branches), sum(b["seconds"] for b in branches)
     timing = document["timing"]

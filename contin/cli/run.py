@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from contin.errors import InputError
 from contin.kernels.clock import CLOCK
 from contin.machine.progress import telling
 from contin.model.source import CallSource
+from contin.records import Fields, Record
 from contin.runs.bundled import find_run, is_scan
 from contin.runs.engine import ContinEngine
 from contin.runs.execute import execute
@@ -106,9 +107,9 @@ def run_phase(
     return carry_out(plan, json, False, quiet, began)
 
 
-def parse_sets(sets: Sequence[str]) -> dict[str, Any]:
+def parse_sets(sets: Sequence[str]) -> Fields:
     """--set NAME=VALUE, as overrides; a value may be a formula in the parameters."""
-    overrides: dict[str, Any] = {}
+    overrides: Fields = {}
     for text in sets:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
@@ -171,7 +172,7 @@ def open_keeper(plan: Plan, json: str | None, resume: bool) -> SqliteJournal | P
 
 def compute(
     plan: Plan, orbits: bool, errors: Console, began: float, keeper: SqliteJournal | PartialJson | None = None
-) -> tuple[dict[str, Any], bool]:
+) -> tuple[Fields, bool]:
     """The result document, and whether every requested branch is whole."""
     status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, keeper)
@@ -232,7 +233,7 @@ class Status:
         check()
         self._update(f"{self.run}: {done} of {total} runs")
 
-    def watch(self, progress: Mapping[str, Any]) -> None:
+    def watch(self, progress: Record) -> None:
         """After every chunk of a branch; raises KeyboardInterrupt after Ctrl-C."""
         check()
         labels = ", ".join(progress["labels"]) or "none"

@@ -19,6 +19,7 @@ from contin.cli.simulate import PICTURES, write_figure, write_json, write_table
 from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.plot.scan import figure
+from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 from contin.runs.scan_plan import plan_scan
 from contin.simulate.scan.carry_out import carry_out, document_of
@@ -130,14 +131,14 @@ def export_scan(file: Path, out: Path) -> int:
     return DONE
 
 
-def _results(path: Path | None) -> dict[str, Any] | None:
+def _results(path: Path | None) -> Fields | None:
     if path is None:
         return None
 
     return read_results(path)
 
 
-def _tell(document: Mapping[str, Any], report: Any) -> None:
+def _tell(document: Record, report: Any) -> None:
     columns = document["columns"]
     report.print(f"{len(columns['class'])} runs")
     for label, count in Counter(columns["class"]).most_common():
@@ -147,13 +148,13 @@ def _tell(document: Mapping[str, Any], report: Any) -> None:
         report.print(f"{unsettled} runs did not settle within `longest`; their class is that of the last window")
 
 
-def _outputs(outputs: Mapping[str, Path], document: dict[str, Any], beneath: Any, json: str | None) -> list[Output]:
+def _outputs(outputs: Mapping[str, Path], document: Fields, beneath: object, json: str | None) -> list[Output]:
     """Every file that the scan file and the command line ask for; the store is there already."""
     files = [Output(kind, partial(_write, kind, path, document, beneath)) for kind, path in outputs.items()]
     return [*files, *([Output("json", partial(write_json, document, json))] if json is not None else [])]
 
 
-def _write(kind: str, path: Path, document: dict[str, Any], beneath: Any) -> str | None:
+def _write(kind: str, path: Path, document: Fields, beneath: Any) -> str | None:
     make_folder(path)
     if kind == "csv":
         write_table(document["columns"], path)

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.cli.outputs import CUT_SHORT, DONE, Output, json_to_stdout, writable, write_all
 from contin.cli.run import parse_sets
@@ -17,17 +17,21 @@ from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.model.registry import load
 from contin.plot.trajectory import figure
+from contin.records import Fields
 from contin.simulate.run import simulate
 from contin.store.atomic import write_bytes, write_text
 from contin.store.digest import signed
 from contin.store.json_format import plain, write_json_text
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 ROWS: Final = 11  # of the table on the terminal
 PICTURES: Final = (".png", ".pdf", ".svg")
 
 
 def simulate_model(
-    reference: str, start: str | None, states: Sequence[str], sets: Sequence[str], out: dict[str, Any], quiet: bool,
+    reference: str, start: str | None, states: Sequence[str], sets: Sequence[str], out: Fields, quiet: bool,
     **options: Any,
 ) -> int:  # fmt: skip
     """Simulate, print a table, write the files of `out` (csv, plot, json, x, y); exit code 1 where it ended early."""
@@ -61,7 +65,7 @@ def simulate_model(
 
 
 def table_outputs(
-    columns: dict[str, Any], table: Path | None, draw: Callable[[], str] | None, document: dict[str, Any],
+    columns: Fields, table: Path | None, draw: Callable[[], str] | None, document: Fields,
     json: str | None,
 ) -> list[Output]:  # fmt: skip
     """What `contin simulate` and `contin sweep` write: a table, a picture, JSON."""
@@ -75,12 +79,12 @@ def table_outputs(
     return outputs
 
 
-def _write_table(columns: dict[str, Any], path: Path) -> str:
+def _write_table(columns: Fields, path: Path) -> str:
     write_table(columns, path)
     return str(path)
 
 
-def starting_point(model: Any, start: str | None, states: Sequence[str]) -> Any:
+def starting_point(model: Model, start: str | None, states: Sequence[str]) -> Any:
     """--start NAME and --state NAME=VALUE as a start: the values replace those of the named one."""
     values = parse_sets(states)
     if not values:
@@ -94,7 +98,7 @@ def starting_point(model: Any, start: str | None, states: Sequence[str]) -> Any:
     return {**named.states, **values, **({"parameters": dict(named.parameters)} if named.parameters else {})}
 
 
-def write_table(columns: dict[str, Any], path: Path) -> None:
+def write_table(columns: Fields, path: Path) -> None:
     """Columns of equal length as CSV, numbers with all their digits."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -111,7 +115,7 @@ def write_figure(drawing: Any, path: Path) -> None:
     write_bytes(path, stream.getvalue())
 
 
-def write_json(document: dict[str, Any], target: str) -> None:
+def write_json(document: Fields, target: str) -> None:
     """A document with its `sha256` as JSON, to a file or to standard output for '-'; NaN and infinity as null."""
     text = json_library.dumps(signed(plain(document)), indent=1) + "\n"
     if target == "-":
@@ -120,7 +124,7 @@ def write_json(document: dict[str, Any], target: str) -> None:
         write_json_text(text, Path(target))
 
 
-def _print_table(columns: dict[str, Any], report: Any) -> None:
+def _print_table(columns: Fields, report: Any) -> None:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)

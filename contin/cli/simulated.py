@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.cli.outputs import Output
 from contin.cli.simulate import write_figure, write_table
 from contin.plot.trajectory import figure
+from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from contin.runs.simulation_plan import SimulationPlan
 
 
-def simulated_outputs(plan: Plan, document: Mapping[str, Any]) -> list[Output]:
+def simulated_outputs(plan: Plan, document: Record) -> list[Output]:
     """One for each file that a simulation or the sweep writes; a simulation that could not be carried out has none."""
     outputs = []
     found = {entry["name"]: entry for entry in document.get("simulations", [])}
@@ -32,7 +32,7 @@ def simulated_outputs(plan: Plan, document: Mapping[str, Any]) -> list[Output]:
     return outputs
 
 
-def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any]) -> str:
+def _write(plan: SimulationPlan, kind: str, path: Path, columns: Fields) -> str:
     if kind == "csv":
         return _table(columns, path)
 
@@ -42,13 +42,13 @@ def _write(plan: SimulationPlan, kind: str, path: Path, columns: dict[str, Any])
     return f"wrote {os.path.relpath(path)}"
 
 
-def _table(columns: dict[str, Any], path: Path) -> str:
+def _table(columns: Fields, path: Path) -> str:
     make_folder(path)
     write_table(columns, path)
     return f"wrote {os.path.relpath(path)}"
 
 
-def draw_sweep(plan: Plan, document: Mapping[str, Any], path: Path) -> None:
+def draw_sweep(plan: Plan, document: Record, path: Path) -> None:
     """The sweep over the branches of the same file; alone where there is none."""
     from contin.plot.sweep import figure
 
@@ -59,7 +59,7 @@ def draw_sweep(plan: Plan, document: Mapping[str, Any], path: Path) -> None:
     write_figure(drawing, path)
 
 
-def lines(document: Mapping[str, Any]) -> list[str]:
+def lines(document: Record) -> list[str]:
     """What became of every simulation and of the sweep, in words."""
     text = []
     for found in document.get("simulations", []):

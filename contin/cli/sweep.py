@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from contin.cli.counting import counted
 from contin.cli.outputs import CUT_SHORT, DONE, writable, write_all
@@ -15,6 +14,7 @@ from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.model.registry import load
 from contin.plot.sweep import figure
+from contin.records import Fields
 from contin.simulate.steady import Criterion
 from contin.simulate.sweep import sweep
 from contin.store.results import read_results
@@ -22,7 +22,7 @@ from contin.store.results import read_results
 
 def sweep_model(
     reference: str, parameter: str, low: float, high: float, start: str | None, states: Sequence[str],
-    sets: Sequence[str], measures: Sequence[str], steps: int, waiting: dict[str, float | None], out: dict[str, Any],
+    sets: Sequence[str], measures: Sequence[str], steps: int, waiting: dict[str, float | None], out: Fields,
     over: Path | None, quiet: bool,
 ) -> int:  # fmt: skip
     """Sweep, report jumps, write files; exit code 1 where a run did not settle."""
@@ -34,7 +34,7 @@ def sweep_model(
     document = None
     if over is not None:
         document = read_results(over)
-    given: dict[str, Any] = {key: value for key, value in waiting.items() if value is not None}
+    given: Fields = {key: value for key, value in waiting.items() if value is not None}
     if given and "window" not in given:
         raise InputError("--longest and --tolerance belong to a --window: give that too")
     quantities = {name: str(formula) for name, formula in parse_sets(measures).items()}

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 EVERY: Final = 5.0  # seconds between two lines
 
@@ -15,7 +18,7 @@ class Ticker:
     From a thread of its own: kernels and long searches do not come back for minutes.
     """
 
-    def __init__(self, console: Any) -> None:
+    def __init__(self, console: Console) -> None:
         self._console, self._text = console, ""
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.abi import Array, Vector
 from contin.continuation.frames import dataframe, dataset
+from contin.records import Record
 
 ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
 
@@ -22,7 +23,7 @@ class End:
 
     reason: str
     text: str
-    data: Mapping[str, Any] = field(default_factory=dict)
+    data: Record = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,8 +43,8 @@ class SpecialPoint:
     residual: float  # of the defining system
     error: float  # estimated error of the (first) varying parameter
     eigenvalues: NDArray[np.complex128]
-    normal_form: Mapping[str, Any]
-    vectors: Mapping[str, Any] = field(default_factory=dict)
+    normal_form: Record
+    vectors: Record = field(default_factory=dict)
     also: tuple[str, ...] = ()  # degeneracies that coincide with it, e.g. ('ZH',)
     branch: str = ""
     scale: Array = field(default_factory=lambda: np.empty(0))  # the metric in which it was found

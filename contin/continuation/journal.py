@@ -8,7 +8,7 @@ of a run that was never interrupted, and only the chunk in flight is computed tw
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from contin.continuation.problem import Chunk
 
@@ -58,7 +58,7 @@ def journaled(march: Callable[..., Chunk], journal: Journal, key: str) -> Callab
     """`march` that answers from the journal first and records what it computes."""
     number = 0
 
-    def marching(*arguments: Any) -> Chunk:
+    def marching(*arguments: object) -> Chunk:
         nonlocal number
         chunk = journal.replay(key, number)
         if chunk is None:

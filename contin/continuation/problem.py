@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Any, Final, Protocol, TypeGuard, runtime_checkable
+from typing import Final, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.settings import Settings
+from contin.records import Record
 
 
 class Stop(Enum):
@@ -101,8 +102,8 @@ class Verified:
     error: float
     eigenvalues: NDArray[np.complex128]
     unstable: int  # critical ones not counted
-    normal_form: Mapping[str, Any] = field(default_factory=dict)
-    vectors: Mapping[str, Any] = field(default_factory=dict)
+    normal_form: Record = field(default_factory=dict)
+    vectors: Record = field(default_factory=dict)
     also: tuple[str, ...] = ()
     remark: str = ""  # what could not be told about it, such as why its normal form is empty: a note of the branch
     touches: bool = False  # verified although its test need not change sign there: two branches with one tangent

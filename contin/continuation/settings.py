@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any
 
 from contin.errors import InputError
 from contin.limits import MOST_INTERVALS, MOST_POINTS, check_count
+from contin.records import Record
 
 LOOSEST_TOLERANCE = 1e-4
 
@@ -64,7 +63,7 @@ class Settings:
         return min(self.tolerance, LOOSEST_TOLERANCE)
 
     @classmethod
-    def of(cls, given: Settings | Mapping[str, Any] | None) -> Settings:
+    def of(cls, given: Settings | Record | None) -> Settings:
         """Settings from a mapping (a run file's `settings:`), None (the defaults) or Settings."""
         if given is None:
             return cls()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,8 +36,9 @@ from contin.continuation.settings import Settings
 from contin.continuation.targets import Target
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
+from contin.records import Fields, Record
 
-Watcher = Callable[[Mapping[str, Any]], None]
+Watcher = Callable[[Record], None]
 
 
 @dataclass(eq=False)
@@ -144,7 +145,7 @@ def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
 
 def _progress(
     problem: Problem, piece: Piece, rows: int, bounds: tuple[float, float], known: list[Verified]
-) -> dict[str, Any]:
+) -> Fields:
     value = float(piece.z[-1, -1]) if len(piece.z) else float("nan")
     return {
         "parameter": problem.parameters[0],
@@ -180,7 +181,7 @@ def _assemble(
         for piece in records[1].pieces:
             rows.add_piece(piece)
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
-    columns: dict[str, Any] = dict(problem.columns(z))
+    columns: Fields = dict(problem.columns(z))
     if is_remarking(problem):
         with contained(notes.append):
             notes.extend(problem.remarks(z))
@@ -237,7 +238,7 @@ def _changes(rows: list[int], unstable: Any, z: Array, problem: Problem) -> list
     ]
 
 
-def unrecorded(columns: Mapping[str, Any], z: Array, problem: Problem) -> list[str]:
+def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
     """A note for every column without a value on some rows: an observable that is not defined there, or that failed."""
     notes = []
     for name, column in columns.items():
@@ -277,7 +278,7 @@ def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, A
 
 
 def _label(
-    branch: str, labelled: list[tuple[int, Verified, Array]], columns: dict[str, Any], tangents: Array, problem: Problem
+    branch: str, labelled: list[tuple[int, Verified, Array]], columns: Fields, tangents: Array, problem: Problem
 ) -> tuple[SpecialPoint, ...]:
     counts: dict[str, int] = {}
     points = []

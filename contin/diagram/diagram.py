@@ -13,6 +13,7 @@ from contin.diagram.graph import build_graph
 from contin.diagram.report import report
 from contin.plot.figure import draw
 from contin.plot.html import write_html
+from contin.records import Fields
 from contin.store.results import save_branches
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class Diagram:
         """One pandas.DataFrame of all branches, indexed by `branch` and `row`; needs pandas."""
         return dataframes(self.branches)
 
-    def to_xarray(self) -> dict[str, Any]:
+    def to_xarray(self) -> Fields:
         """An xarray.Dataset for each branch, by name (`xarray.DataTree.from_dict` joins them); needs xarray."""
         return {branch.name: branch.to_xarray() for branch in self.branches}
 

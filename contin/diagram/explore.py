@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from contin.kernels.clock import computing_time
 from contin.problems.contracts import InOneParameter
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
+from contin.records import Record
 from contin.transitions.births import departures, explored
 from contin.transitions.halved import halved
 from contin.transitions.registry import Explored, families_at
@@ -44,7 +45,7 @@ class Budget:
     seconds: float = math.inf
 
     @classmethod
-    def of(cls, given: Budget | Mapping[str, Any] | None) -> Budget:
+    def of(cls, given: Budget | Record | None) -> Budget:
         if given is None or isinstance(given, Budget):
             return given or cls()
         unknown = sorted(set(given) - {f.name for f in fields(cls)})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from contin.continuation.branch import Branch, SpecialPoint
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 from contin.transitions.registry import Explored
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
 LONG = 0.4  # part of the period at the end of a family from which its orbits are long
@@ -103,7 +106,7 @@ def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> t
     return None
 
 
-def copies(problem: Any, z: Array) -> int:
+def copies(problem: EquilibriumProblem, z: Array) -> int:
     """How many different orbits the declared symmetries make of one."""
     distinct: list[Any] = []
     for profile in _variants(problem, z):

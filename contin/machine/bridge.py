@@ -367,7 +367,7 @@ def slow_call(entry: Address, plan: Plan) -> Callable[..., Any]:
     function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(entry)
     begin = 1 + max(len(plan.results), 1)
 
-    def call(*arguments: Any) -> Any:
+    def call(*arguments: object) -> Any:
         words = (ctypes.c_int64 * plan.size)()
         codes = iter(plan.arguments)
         _pack(words, begin, codes, arguments)

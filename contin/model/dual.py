@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from contin.model.evaluate import node_values
 from contin.model.expression import COMPARISONS, LOGICAL, Expression, postorder
+from contin.records import Record
 
 # Derivative at x of a function of one argument whose value there is y, with the elementary functions of `m`
 _DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
@@ -33,7 +34,7 @@ _DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
 
 
 def directional(
-    expressions: Iterable[Expression], env: Mapping[str, Any], direction: Mapping[str, Any], lib: Any = math
+    expressions: Iterable[Expression], env: Record, direction: Record, lib: object = math
 ) -> list[Any]:
     """d/dh of each expression at env + h*direction, h = 0; symbols that `direction` lacks stay fixed. O(nodes).
 

@@ -7,31 +7,32 @@ negative number gives NaN. Conditions have the values True and False.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import Any, Final
 
 from contin.machine import elementary
 from contin.model.expression import COMPARISONS, Expression, postorder
+from contin.records import Record
 
 Value = Any  # float, or mpmath's mpf
 
 _RENAMED: Final = {"abs": "fabs"}
 
 
-def evaluate(expression: Expression, env: Mapping[str, Any], lib: Any = math) -> Value:
+def evaluate(expression: Expression, env: Record, lib: object = math) -> Value:
     """Value of one expression where the symbols have the values `env`; `lib` is `math` or `mpmath`."""
     return evaluate_all([expression], env, lib)[0]
 
 
-def evaluate_all(expressions: Iterable[Expression], env: Mapping[str, Any], lib: Any = math) -> list[Value]:
+def evaluate_all(expressions: Iterable[Expression], env: Record, lib: object = math) -> list[Value]:
     """Values of several expressions; what they share is computed once. O(nodes)."""
     roots = list(expressions)
     values = node_values(roots, env, lib)
     return [values[root] for root in roots]
 
 
-def node_values(roots: Iterable[Expression], env: Mapping[str, Any], lib: Any = math) -> dict[Expression, Value]:
+def node_values(roots: Iterable[Expression], env: Record, lib: Any = math) -> dict[Expression, Value]:
     """Value of every node below `roots`."""
     arithmetic = _Arithmetic(lib)
     values: dict[Expression, Value] = {}
@@ -57,7 +58,7 @@ class _Arithmetic:
         self.nan = self.real("nan")
         self.inf = self.real("inf")
 
-    def constant(self, value: Any) -> Value:
+    def constant(self, value: object) -> Value:
         if isinstance(value, Fraction):
             if self.real is float:
                 return float(value)

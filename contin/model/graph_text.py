@@ -101,7 +101,7 @@ def _node(row: list[Any], nodes: list[Expression]) -> Expression:
     return exactly(op, tuple([nodes[k] for k in rest]))
 
 
-def _plain(value: Any, places: Mapping[Expression, int]) -> Any:
+def _plain(value: object, places: Mapping[Expression, int]) -> Any:
     """Plain data as they are; anything else as a list that begins with its kind."""
     if isinstance(value, Expression):
         return ["formula", places[value]]
@@ -118,7 +118,7 @@ def _plain(value: Any, places: Mapping[Expression, int]) -> Any:
     raise TypeError(f"a model with {type(value).__name__} has no such text")
 
 
-def _value(data: Any, nodes: list[Expression]) -> Any:
+def _value(data: object, nodes: list[Expression]) -> Any:
     if not isinstance(data, list):
         return data
     kind, *rest = data

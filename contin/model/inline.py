@@ -16,6 +16,7 @@ from contin.model.parser import Operand, parse_operand
 from contin.model.scope import Budget, Function, Scope, placeholders
 from contin.model.source import Path, Problems, Span
 from contin.model.templates import Templates
+from contin.records import Record
 
 MANY: Final = 100  # symbols from which formulas are likely to be written alike
 HEADING = re.compile(r"\s*([^\W\d]\w*)\s*\(([^()]*)\)\s*")
@@ -61,7 +62,7 @@ class Formulas:
         table = {**usable, **allowed}
         return Scope(table, self.functions, self.conditions, {**reasons, **hidden}, self.budget)
 
-    def read(self, value: Any, path: Path, scope: Scope) -> Expression:
+    def read(self, value: object, path: Path, scope: Scope) -> Expression:
         """One formula whose value is a number; after a mistake, the number 1."""
         operand = self.read_operand(value, path, scope)
         if operand.condition:
@@ -69,7 +70,7 @@ class Formulas:
             return number(1)
         return operand.node
 
-    def read_operand(self, value: Any, path: Path, scope: Scope) -> Operand:
+    def read_operand(self, value: object, path: Path, scope: Scope) -> Operand:
         """One formula, a number or a condition."""
         if isinstance(value, Expression):
             return self._expression(value, path, scope)
@@ -90,7 +91,7 @@ class Formulas:
             known = self._numbers[key] = Operand(number(value), False, 0)
         return known
 
-    def _note(self, path: Path, value: Any, message: str, position: int) -> None:
+    def _note(self, path: Path, value: object, message: str, position: int) -> None:
         text = value if isinstance(value, str) else None
         end = position + 1
         if text is not None:
@@ -108,7 +109,7 @@ class Formulas:
         nodes = {symbol(name): node for name, node in used.items() if node is not None}
         return Operand(substitute([as_written(value)], nodes)[0], is_condition(value), 0)
 
-    def declare(self, functions: Mapping[str, Any], definitions: Mapping[str, Any]) -> None:
+    def declare(self, functions: Record, definitions: Record) -> None:
         """Read all functions and definitions, whatever their order."""
         headings = {}
         for heading, body in functions.items():
@@ -158,7 +159,7 @@ class Formulas:
             return None
         return name, parameters
 
-    def _function(self, name: str, heading: str, parameters: tuple[str, ...], body: Any) -> None:
+    def _function(self, name: str, heading: str, parameters: tuple[str, ...], body: object) -> None:
         slots = placeholders(name, parameters)
         outer = self.scope
         arguments = dict(zip(parameters, slots, strict=True))
@@ -173,14 +174,14 @@ class Formulas:
         text = " ".join(body.split()) if isinstance(body, str) else str(body)
         self.functions[name] = Function.make(name, parameters, text, operand.node, operand.condition)
 
-    def _definition(self, name: str, key: str, body: Any) -> None:
+    def _definition(self, name: str, key: str, body: object) -> None:
         operand = self.read_operand(body, ("definitions", key), self.scope)
         self.definitions[name] = self.names[name] = operand.node
         if operand.condition:
             self.conditions.add(name)
 
 
-def _references(body: Any, parameters: tuple[str, ...]) -> list[str]:
+def _references(body: object, parameters: tuple[str, ...]) -> list[str]:
     """Names that a body mentions; mistakes in it are found when it is parsed."""
     if isinstance(body, Expression):
         return symbols_in([body])

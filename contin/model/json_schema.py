@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from contin.model.schema import FORMAT_VERSION, ModelEntry
+from contin.records import Fields
 
 
-def model_schema() -> dict[str, Any]:
+def model_schema() -> Fields:
     """JSON Schema (draft 2020-12) of a model file; names and formulas are checked only on loading.
 
     In a file `contin: 1` is required; a model inside a run file and a call from Python may leave it out.

@@ -21,6 +21,7 @@ from contin.model.scope import Function
 from contin.model.source import CallSource
 from contin.model.values import Override, parameter_values
 from contin.model.writer import model_latex, model_text, summary
+from contin.records import Record
 
 Array = NDArray[np.float64]
 
@@ -56,17 +57,17 @@ class Model:
     limits: tuple[Limit, ...] = ()
     expect: tuple[Expectation, ...] = ()
 
-    def __init__(self, name: str, **entries: Any) -> None:
+    def __init__(self, name: str, **entries: object) -> None:
         parts = parts_from_mapping({"name": name, **entries}, CallSource(f"Model({name!r})"))
         self._set(parts)
 
     @classmethod
-    def build(cls, name: str, **entries: Any) -> Model:
+    def build(cls, name: str, **entries: object) -> Model:
         """The same as `Model(name, ...)`."""
         return cls(name, **entries)
 
     @classmethod
-    def from_parts(cls, **parts: Any) -> Model:
+    def from_parts(cls, **parts: object) -> Model:
         """A model of finished parts (the fields of this class); nothing is parsed or checked."""
         model = object.__new__(cls)
         model._set(parts)
@@ -76,7 +77,7 @@ class Model:
         """A copy with some fields exchanged for other finished parts."""
         return Model.from_parts(**{f.name: getattr(self, f.name) for f in fields(self)} | parts)
 
-    def _set(self, parts: Mapping[str, Any]) -> None:
+    def _set(self, parts: Record) -> None:
         known = {f.name for f in fields(self)}
         if not known.issuperset(parts):
             raise TypeError(f"a model has no part {', '.join(sorted(set(parts) - known))}")
@@ -160,7 +161,7 @@ class Model:
 
     def start_point(
         self,
-        start: str | Mapping[str, Any] | None = None,
+        start: str | Record | None = None,
         parameters: Mapping[str, Override] | None = None,
     ) -> tuple[Array, Array]:
         """Vectors u (n,) and p (m,) of a starting point.
@@ -176,7 +177,7 @@ class Model:
             raise NotFiniteError(f"model {self.name}, start: " + explain_not_finite(formulas, values, "state"))
         return u, np.array(list(values.values()), dtype=float)
 
-    def _start(self, start: Any) -> Start:
+    def _start(self, start: object) -> Start:
         if start is None:
             return Start("", {})
         if isinstance(start, str):

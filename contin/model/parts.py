@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from contin.model.expression import Expression
+from contin.records import Record
 
 TIME: Final = "t"  # the name of time in a forced flow
 TAKEN_NAMES: Final = frozenset({TIME, "period", "stable", "unstable", "parameters"})  # columns and keys of results
@@ -104,5 +105,5 @@ class Expectation:
     label: str
     at: tuple[Mapping[str, Expression], ...]
     tolerance: float = 1e-8
-    runs: tuple[Mapping[str, Any], ...] = ()
+    runs: tuple[Record, ...] = ()
     transform: tuple[Any, ...] = ()

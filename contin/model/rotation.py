@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from contin.model.dual import directional
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import number
 from contin.model.source import Problems
 from contin.model.values import parameter_values
+from contin.records import Record
 
 SAMPLES: Final = 3
 TRIES: Final = 30
 TOLERANCE: Final = 1e-8  # of the largest component
 
 
-def check_rotation(parts: Mapping[str, Any], problems: Problems) -> None:
+def check_rotation(parts: Record, problems: Problems) -> None:
     """Note the component in which the two sides differ most, if they do."""
     names = [s.name for s in parts["states"]]
     generator = [parts["rotation"].get(n, number(0)) for n in names]

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from contin.limits import brief, is_finite
 from contin.model.expression import Expression
+from contin.records import Fields
 
 FORMAT_VERSION: Final = 1
 TAGS: Final = frozenset({"(short)", "(long)", "(one)", "(several)"})  # parts of pydantic's paths that are not keys
@@ -155,7 +156,7 @@ class LimitEntry(_Entry):
     beyond: Text
 
 
-Run = dict[str, Any]
+Run = Fields
 Points = Annotated[
     Annotated[dict[str, Formula], Tag("(one)")] | Annotated[list[dict[str, Formula]], Tag("(several)")],
     Discriminator(_one_or_several),

@@ -13,6 +13,7 @@ from contin.model.advice import closest
 from contin.model.expression import Expression
 from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
 from contin.model.source import Path, Problems
+from contin.records import Fields
 
 MAX_DEPTH: Final = 40
 _NAMED_FORMULAS: Final = frozenset({"states", "parameters", "equations", "definitions", "functions", "observables"})
@@ -50,7 +51,7 @@ def plain(value: Any, depth: int = 0) -> Any:
     return value
 
 
-def check_version(data: Any, problems: Problems, required: bool) -> None:
+def check_version(data: object, problems: Problems, required: bool) -> None:
     """Refuse files of a newer format before anything else is read."""
     if not isinstance(data, Mapping):
         return
@@ -130,7 +131,7 @@ def _allowed_keys(loc: tuple[int | str, ...]) -> list[str]:
     return list(entry.model_fields) if entry is not None else []
 
 
-def _mend(data: dict[str, Any], path: Path, kind: str) -> None:
+def _mend(data: Fields, path: Path, kind: str) -> None:
     """Take a wrong value out, or put a harmless one in its place, so that the rest can be checked."""
     if not path or (kind == "missing" and len(path) == 1):
         return

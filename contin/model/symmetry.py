@@ -19,6 +19,7 @@ from contin.model.expression import Expression, depends_on, number, symbol
 from contin.model.parts import TIME, State, Symmetry
 from contin.model.source import Problems
 from contin.model.values import parameter_values
+from contin.records import Record
 
 SAMPLES: Final = 5  # random points at which the equations are finite
 TRIES: Final = 60
@@ -28,7 +29,7 @@ _FLOOR: Final = 1e-25  # of the largest component: below it both sides are zero 
 _RANK_LIMIT: Final = 150  # states; Dg is tested for rank up to this size
 
 
-def check_symmetries(parts: Mapping[str, Any], problems: Problems) -> None:
+def check_symmetries(parts: Record, problems: Problems) -> None:
     """Note every symmetry that the equations do not have, with the equation that breaks it and by how much."""
     for symmetry in parts["symmetries"]:
         message = _Check(symmetry, parts).run()
@@ -39,7 +40,7 @@ def check_symmetries(parts: Mapping[str, Any], problems: Problems) -> None:
 class _Check:
     """One symmetry of one system."""
 
-    def __init__(self, symmetry: Symmetry, parts: Mapping[str, Any]) -> None:
+    def __init__(self, symmetry: Symmetry, parts: Record) -> None:
         self.symmetry = symmetry
         self.states: tuple[State, ...] = parts["states"]
         self.names = [s.name for s in self.states]
@@ -89,7 +90,7 @@ class _Check:
         point[TIME] = chance.uniform(0.0, 1.0)
         return point
 
-    def sides(self, point: Mapping[str, Any], lib: Any) -> tuple[list[Any], list[Any]]:
+    def sides(self, point: Record, lib: object) -> tuple[list[Any], list[Any]]:
         """The two sides of the condition at one point."""
         value = dict(zip(self.names, evaluate_all(self.equations, point, lib), strict=True))
         image = dict(zip(self.names, evaluate_all(self.images, point, lib), strict=True))
@@ -110,7 +111,7 @@ class _Check:
         worst = max(range(len(gaps)), key=gaps.__getitem__)
         return worst if gaps[worst] > TOLERANCE else None
 
-    def gaps(self, left: list[Any], right: list[Any], floor: Any = 0.0) -> list[float]:
+    def gaps(self, left: list[Any], right: list[Any], floor: object = 0.0) -> list[float]:
         """Difference of the sides, equation by equation, relative to the larger one; angles modulo their period."""
         found = []
         for a, b, period in zip(left, right, self.periods, strict=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.model.expression import Expression
 from contin.model.latex import latex_name, to_latex
@@ -147,7 +147,7 @@ def _key(name: str) -> str:
     return name if re.fullmatch(r"[^\W\d]\w*(-\w+)*", name) else json.dumps(name, ensure_ascii=False)
 
 
-def _data(value: Any) -> str:
+def _data(value: object) -> str:
     """Plain data of a run: JSON is YAML."""
     return json.dumps(value, ensure_ascii=False)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path as FilePath
-from typing import Any
 
 from contin.model.build import parts_from_mapping
 from contin.model.model import Model
 from contin.model.source import CallSource, Source
 from contin.model.yaml_reader import Document, read_file, read_text
+from contin.records import Record
 
 
 def load_model(path: str | FilePath) -> Model:
@@ -30,7 +29,7 @@ def load_model_text(text: str, filename: str = "model", check: bool = True) -> M
     return model_from_document(read_text(text, filename), check)
 
 
-def model_from_mapping(mapping: Mapping[str, Any], where: str | Source = "model", *, check: bool = True) -> Model:
+def model_from_mapping(mapping: Record, where: str | Source = "model", *, check: bool = True) -> Model:
     """The model in plain data of the shape of a model file.
 
     `where` is for messages: a name, or the `Source` of the data, so that they name file, line and column. `check`

@@ -16,6 +16,7 @@ from contin.errors import InputError
 from contin.limits import is_finite
 from contin.model.source import Marks, Path, Problems, Span, YamlSource
 from contin.model.yaml_lines import HELD, Entry, Shortened, shorten
+from contin.records import Fields
 
 MAX_BYTES: Final = 20_000_000
 MAX_DEPTH: Final = 40  # mappings and lists inside each other
@@ -23,7 +24,7 @@ MAX_VALUES: Final = 1_000_000  # values, counted once for every alias that repea
 
 _INTEGER: Final = re.compile(r"[-+]?[0-9]+")
 _FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_CONSTANTS: Final[dict[str, Any]] = {
+_CONSTANTS: Final[Fields] = {
     "": None, "~": None, "null": None, "Null": None, "NULL": None,
     "true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False,
 }  # fmt: skip
@@ -93,7 +94,7 @@ class _NotHeldError(Exception):
 class _Open:
     """A mapping or list whose end has not come yet."""
 
-    container: dict[str, Any] | list[Any]
+    container: Fields | list[Any]
     path: Path
     span: Span
     key: str | None = None  # that waits for its value
@@ -207,7 +208,7 @@ class _Reader:
         except UnicodeDecodeError:
             self.fail(span, "half of a character: a \\u escape between \\ud800 and \\udfff without its partner")
 
-    def open(self, event: Any, span: Span, container: dict[str, Any] | list[Any]) -> None:
+    def open(self, event: Any, span: Span, container: Fields | list[Any]) -> None:
         if event.tag is not None:
             self.fail(span, f"the tag {event.tag} is not allowed; write the plain value")
         if self.expects_key():
@@ -251,7 +252,7 @@ class _Reader:
         top.first.setdefault(key, span)
         top.key, top.key_span = key, span
 
-    def put(self, value: Any, span: Span) -> Path:
+    def put(self, value: object, span: Span) -> Path:
         """Hang a value into the open container; its path."""
         if not self.stack:
             self.root = value

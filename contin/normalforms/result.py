@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from contin.abi import Vector
+from contin.records import Record
 
 # A coefficient is zero to its estimated error when it is below this fraction of the sum of the moduli of its summands.
 # Points are located to about 1e-11 relative and derivatives are exact, so eleven digits can cancel and ten can be
@@ -29,7 +29,7 @@ class NormalForm:
     """Coefficients of a special point under FORMATS' keys, ready for JSON (complex numbers as [re, im])."""
 
     type: str
-    coefficients: Mapping[str, Any]
+    coefficients: Record
     words: str
     vectors: Mapping[str, Vector] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)  # estimated, of the real coefficients that decide

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
+from contin.records import Record
 from contin.special.table import special_type, table
 
 CRITICALITY: Final[Mapping[str, str]] = {
@@ -14,7 +15,7 @@ CRITICALITY: Final[Mapping[str, str]] = {
 }
 
 
-def describe(type_: str, normal_form: Mapping[str, Any] | None = None) -> str:
+def describe(type_: str, normal_form: Record | None = None) -> str:
     """One phrase for a point, such as 'supercritical Hopf point' or 'transcritical branch point'.
 
     >>> describe("BP", {"kind": "pitchfork", "criticality": "subcritical"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from contin.plot.labels import densify, merged, place
 from contin.plot.series import Panel, Source, is_constant
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import KINDS, PALETTE, locus_words, style_of
+from contin.records import Fields
 from contin.store.json_format import model_of
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from contin.continuation.branch import Branch
 
-STYLE: Final[dict[str, Any]] = {
+STYLE: Final[Fields] = {
     "font.family": "sans-serif",
     "font.size": 9.0,
     "axes.labelsize": 10.0,
@@ -36,12 +37,12 @@ STYLE: Final[dict[str, Any]] = {
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
-STABLE: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.9}
-UNSTABLE: Final[dict[str, Any]] = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
-CIRCLES: Final[dict[str, Any]] = {  # on orbits: filled where stable, open where unstable
+STABLE: Final[Fields] = {"linestyle": "-", "linewidth": 1.9}
+UNSTABLE: Final[Fields] = {"linestyle": (0, (3.2, 1.8)), "linewidth": 1.1}
+CIRCLES: Final[Fields] = {  # on orbits: filled where stable, open where unstable
     "linestyle": "none", "marker": "o", "markersize": 3.4, "markeredgewidth": 0.8, "markevery": (0.02, 0.05),
 }  # fmt: skip
-PLAIN: Final[dict[str, Any]] = {"linestyle": "-", "linewidth": 1.5}  # loci
+PLAIN: Final[Fields] = {"linestyle": "-", "linewidth": 1.5}  # loci
 MOST_NAMES: Final = 8  # with more branches than this the legend names kinds of branches instead
 
 

@@ -7,13 +7,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.plot.figure import colour_of_branches, image_names
 from contin.plot.series import Source, from_branches, ordinates, panels, segment_stability, wrapped
 from contin.plot.vocabulary import KINDS, locus_words, style_of
+from contin.records import Fields
 from contin.store.atomic import write_text
 from contin.store.json_format import model_of
 
@@ -75,7 +76,7 @@ def write_html(
     write_text(Path(path), page)
 
 
-def _branch(source: Source, colour: str, wanted: set[str], periods: Mapping[str, float]) -> dict[str, Any]:
+def _branch(source: Source, colour: str, wanted: set[str], periods: Mapping[str, float]) -> Fields:
     names = [name for name in ordinates(source) if name not in ("stable", "unstable")]
     names = [*names[:MOST_COLUMNS], *(name for name in names[MOST_COLUMNS:] if name in wanted)]
     columns = [c for name in names for c in (name, f"{name}.max", f"{name}.min") if c in source.columns]

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.errors import InputError
 from contin.plot.trajectory import figure
 from contin.plot.write import PICTURES
+from contin.records import Record
 from contin.store.atomic import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def orbit_figure(document: Mapping[str, Any], point: str, x: str | None = None, y: str | None = None) -> Figure:
+def orbit_figure(document: Record, point: str, x: str | None = None, y: str | None = None) -> Figure:
     """The orbit at `point`, BRANCH.LABEL; y against x (default: the first two states) in the phase portrait.
 
     Raises InputError where the results have no such point, or hold no orbit there.
@@ -33,7 +33,7 @@ def orbit_figure(document: Mapping[str, Any], point: str, x: str | None = None, 
     return figure(found["orbit"], states, title=f"{point}: {where}", x=x, y=y, closed=True)
 
 
-def write_orbit(document: Mapping[str, Any], point: str, out: Path, x: str | None, y: str | None) -> None:
+def write_orbit(document: Record, point: str, out: Path, x: str | None, y: str | None) -> None:
     """Write `orbit_figure` as .png, .pdf or .svg."""
     import io
 

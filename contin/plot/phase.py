@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from contin.plot.labels import densify, place
 from contin.plot.places import deepest
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import colour_of, dashes_of, locus_words, style_of
+from contin.records import Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SHADES: Final = {  # from few to many stable states: equilibria (blue), orbits (sand), both (green)
     (True, False): ("#e9f0f8", "#9fc1e2"),
@@ -35,7 +39,7 @@ CROWDED, BESIDE = 4, 0.04  # points of codimension two with so many others neare
 
 
 def draw(
-    data: Mapping[str, Any], branches: Sequence[Mapping[str, Any]], title: str | None = None, scan: Any = None
+    data: Record, branches: Sequence[Record], title: str | None = None, scan: Any = None
 ) -> Any:
     """A matplotlib figure that belongs to no window.
 
@@ -69,11 +73,11 @@ def draw(
     return figure
 
 
-def _stable(region: Mapping[str, Any]) -> int:
+def _stable(region: Record) -> int:
     return int(region["stable"] + region.get("stable_orbits", 0) + region.get("aperiodic", 0))
 
 
-def _shade_of(region: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
+def _shade_of(region: Record, data: Record) -> Any:
     """The colour says which kinds of states are stable; the darker, the more of them there are in this diagram."""
     from matplotlib.colors import to_rgb
 
@@ -86,7 +90,7 @@ def _shade_of(region: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
     return tuple((1.0 - part) * pale + part * deep)
 
 
-def _legends(figure: Any, axes: Any, data: Mapping[str, Any]) -> None:
+def _legends(figure: Any, axes: Any, data: Record) -> None:
     """Types of curves and points below; what the letters of the regions mean, at the right."""
     from matplotlib.patches import Patch
 
@@ -121,7 +125,7 @@ def _explained(name: str, words: str) -> str:
     return f"{name}  " + "\n     ".join(lines)
 
 
-def _shade(axes: Any, data: Mapping[str, Any]) -> None:
+def _shade(axes: Axes, data: Record) -> None:
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -132,7 +136,7 @@ def _shade(axes: Any, data: Mapping[str, Any]) -> None:
         axes.add_patch(PathPatch(shape, facecolor=_shade_of(region, data), edgecolor="none", zorder=0))
 
 
-def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> None:
+def _curves(axes: Axes, data: Record, curves: Sequence[Record]) -> None:
     seen: set[str] = set()
     first, second = data["parameters"]
     for branch in curves:
@@ -152,7 +156,7 @@ def _curves(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
             seen.add(kind)
 
 
-def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> list[tuple[str, float, float]]:
+def _points(axes: Any, data: Record, curves: Sequence[Record]) -> list[tuple[str, float, float]]:
     """Mark the points of codimension two; (type, x, y) of each."""
     marked: list[tuple[str, float, float]] = []
     seen: set[str] = set()
@@ -174,7 +178,7 @@ def _points(axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, An
     return marked
 
 
-def _uncrowded(marked: Sequence[tuple[str, float, float]], data: Mapping[str, Any]) -> list[tuple[str, float, float]]:
+def _uncrowded(marked: Sequence[tuple[str, float, float]], data: Record) -> list[tuple[str, float, float]]:
     """The points beside which there is room for a code; the marker says what the others are."""
     if not marked:
         return []
@@ -185,7 +189,7 @@ def _uncrowded(marked: Sequence[tuple[str, float, float]], data: Mapping[str, An
 
 
 def _names(
-    axes: Any, data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]], marked: Sequence[tuple[str, float, float]]
+    axes: Any, data: Record, curves: Sequence[Record], marked: Sequence[tuple[str, float, float]]
 ) -> None:
     """Letters of regions inside them, or beside a narrow one with a line to it; codes of points beside these."""
     from matplotlib.patheffects import withStroke

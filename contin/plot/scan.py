@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.plot.figure import STYLE
 from contin.plot.vocabulary import PALETTE, locus_words
+from contin.records import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,7 +22,7 @@ GREYS: Final = ("0.65", "0.4", "0.85", "0.2")  # of what is no class: escaped, o
 
 
 def figure(
-    document: Mapping[str, Any], *, x: str | None = None, y: str | None = None, over: Mapping[str, Any] | None = None
+    document: Record, *, x: str | None = None, y: str | None = None, over: Record | None = None
 ) -> Figure:
     """Classes over one or two axes (default: the first two; of more axes, at the first values of the rest).
 
@@ -97,7 +98,7 @@ def _colours(classes: Mapping[str, str], found: Sequence[str]) -> dict[str, str]
     return colours | {name: GREYS[k % len(GREYS)] for k, name in enumerate(rest)}
 
 
-def _curves(over: Mapping[str, Any], across: str, up: str) -> list[tuple[str, Any, Any]]:
+def _curves(over: Record, across: str, up: str) -> list[tuple[str, Any, Any]]:
     """(words, x, y) of the loci in these two parameters; those of one kind under one name, broken where they end."""
     found: dict[str, tuple[list[float], list[float]]] = {}
     for branch in over["branches"]:
@@ -112,7 +113,7 @@ def _curves(over: Mapping[str, Any], across: str, up: str) -> list[tuple[str, An
 
 
 def _map(
-    document: Mapping[str, Any], across: str, up: str | None, start: str, labels: Sequence[str]
+    document: Record, across: str, up: str | None, start: str, labels: Sequence[str]
 ) -> tuple[Array, Array, Array]:
     """Values on both axes and the class number at each point, -1 where no run is finished."""
     columns, axes = document["columns"], document["scan"]["axes"]

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.branch import Branch
 from contin.errors import InputError
+from contin.records import Record
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def from_branches(branches: Iterable[Branch]) -> list[Source]:
     ]
 
 
-def from_document(document: Mapping[str, Any]) -> list[Source]:
+def from_document(document: Record) -> list[Source]:
     """Sources of the branches of a JSON result.
 
     Raises
@@ -106,7 +106,7 @@ def from_document(document: Mapping[str, Any]) -> list[Source]:
         raise InputError(f"the document is not a contin result of format 1: {error!r} in a branch") from None
 
 
-def _from_json(branch: Mapping[str, Any]) -> Source:
+def _from_json(branch: Record) -> Source:
     columns = {
         str(name): np.array(column, dtype=bool if name == "stable" else float)  # None becomes NaN
         for name, column in branch["columns"].items()
@@ -127,7 +127,7 @@ def _from_json(branch: Mapping[str, Any]) -> Source:
     )
 
 
-def _note(normal_form: Mapping[str, Any]) -> str:
+def _note(normal_form: Record) -> str:
     return " ".join(str(normal_form[key]) for key in ("criticality", "kind", "case") if normal_form.get(key))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from contin.plot.figure import STYLE, image_names
 from contin.plot.figure import figure as diagram_figure
 from contin.plot.series import from_document, panels
 from contin.plot.vocabulary import PALETTE
+from contin.records import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,8 +22,8 @@ ON_DIAGRAM, ON_DIAGRAM_DOWN = "0.1", "0.5"  # the diagram has the colours
 
 
 def figure(
-    columns: Mapping[str, Any], parameter: str, names: Sequence[str], *, title: str | None = None, y: str | None = None,
-    over: Mapping[str, Any] | None = None,
+    columns: Record, parameter: str, names: Sequence[str], *, title: str | None = None, y: str | None = None,
+    over: Record | None = None,
 ) -> Figure:  # fmt: skip
     """Largest and smallest value of quantity y (default: the first) against the parameter.
 
@@ -63,7 +64,7 @@ def figure(
     return drawing
 
 
-def _diagram(over: Mapping[str, Any], parameter: str, quantity: str, title: str | None) -> tuple[Figure, Any]:
+def _diagram(over: Record, parameter: str, quantity: str, title: str | None) -> tuple[Figure, Any]:
     sources = from_document(over)
     if not sources:
         raise InputError("the results to draw over hold no branch")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from contin.errors import InputError
 from contin.plot.figure import STYLE
 from contin.plot.vocabulary import PALETTE
+from contin.records import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +19,7 @@ MOST_PANELS: Final = 6  # states drawn against time
 
 
 def figure(
-    columns: Mapping[str, Any], states: Sequence[str], *, title: str | None = None, x: str | None = None,
+    columns: Record, states: Sequence[str], *, title: str | None = None, x: str | None = None,
     y: str | None = None, closed: bool = False,
 ) -> Figure:  # fmt: skip
     """Each of the first states against t, and column y against column x (default: the first two states).

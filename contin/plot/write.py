@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
 from contin.plot.figure import figure, image_names
 from contin.plot.html import html_page
 from contin.plot.phase import draw
 from contin.plot.series import from_document, panels
+from contin.records import Record
 from contin.store.atomic import write_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PICTURES: Final = (".png", ".pdf", ".svg")
 PAGES: Final = (".html",)
 
 
 def picture(
-    document: Mapping[str, Any], suffix: str, *, x: str | None = None, y: str | Sequence[str] | None = None
+    document: Record, suffix: str, *, x: str | None = None, y: str | Sequence[str] | None = None
 ) -> bytes:
     """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results."""
     model = document["model"]
@@ -43,14 +47,14 @@ def picture(
     return _drawn(drawing, suffix)
 
 
-def _drawn(drawing: Any, suffix: str) -> bytes:
+def _drawn(drawing: Figure, suffix: str) -> bytes:
     stream = io.BytesIO()
     drawing.savefig(stream, format=suffix[1:])
     return stream.getvalue()
 
 
 def write_picture(
-    document: Mapping[str, Any], path: Path, *, x: str | None = None, y: str | Sequence[str] | None = None
+    document: Record, path: Path, *, x: str | None = None, y: str | Sequence[str] | None = None
 ) -> None:
     """Write `picture` to a file whose ending chooses the kind."""
     data = picture(document, path.suffix, x=x, y=y)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,7 +23,7 @@ APART = 1e-6  # two surfaces crossed in one step are told apart where they are t
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
-def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
     """A fold at a corner between a and b: f = 0 on the switching surface, with the parameter turning there.
 
     a and b are so close that only a switching function can separate them. None where no switching function changes sign

@@ -226,7 +226,7 @@ class _address_of:
         n, m = self.system.n, self.system.m
         vector = ctypes.POINTER(ctypes.c_double)
 
-        def call(u: Any, p: Any, f: Any, jacobian: Any) -> None:
+        def call(u: object, p: object, f: object, jacobian: object) -> None:
             out_f = np.ctypeslib.as_array(f, (n,))
             out_j = np.ctypeslib.as_array(jacobian, (n, n + m))
             try:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -56,7 +57,7 @@ def image(branch: Branch, symmetry: str) -> Branch:
     """`branch` with every row, tangent and labelled point mapped by a declared symmetry."""
     problem = branch.problem
     z = apply_symmetry(problem, symmetry, branch.z)
-    columns: dict[str, Any] = dict(problem.columns(z))
+    columns: Fields = dict(problem.columns(z))
     columns |= {key: branch.columns[key] for key in ("unstable", "stable")}
     tangents = _mapped_tangents(problem, symmetry, branch.z, branch.tangents)
     name = f"{branch.name}~{symmetry}"
@@ -82,7 +83,7 @@ def _mapped_tangents(problem: EquilibriumProblem, symmetry: str, z: Array, tange
 
 def _mapped_point(
     problem: EquilibriumProblem, symmetry: str, point: SpecialPoint, branch: str, z: Array, tangents: Array,
-    columns: dict[str, Any]
+    columns: Fields
 ) -> SpecialPoint:  # fmt: skip
     row = point.index
     values = dict(point.values) | {key: column[row].item() for key, column in columns.items()}

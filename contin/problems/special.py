@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems import defining
@@ -107,7 +107,7 @@ def _opposite_zeros(
     return found if isinstance(found, Verified) else ""
 
 
-def nearest_pair(values: Any, is_map: bool) -> complex | None:
+def nearest_pair(values: Vector, is_map: bool) -> complex | None:
     """The eigenvalue (Im >= 0) of the pair nearest to the stability boundary; None where there is no pair."""
     best, chosen = np.inf, None
     for i in range(len(values)):
@@ -223,7 +223,7 @@ def _branch_point(
     if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # with borders of its own
         solved = defining.branch_point(local, solved.y, corank) or solved
 
-    def critical(values: Any) -> list[int]:
+    def critical(values: Vector) -> list[int]:
         target = 1.0 if problem.is_map else 0.0
         return list(np.argsort(np.abs(values - target))[:corank])
 
@@ -243,7 +243,7 @@ def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Any:
     return lambda values: [int(np.argmin(np.abs(values - target)))]
 
 
-def _nearest(values: Any, targets: Sequence[complex]) -> list[int]:
+def _nearest(values: Vector, targets: Sequence[complex]) -> list[int]:
     chosen: list[int] = []
     for t in targets:
         order = [int(i) for i in np.argsort(np.abs(values - t)) if int(i) not in chosen]
@@ -307,7 +307,7 @@ def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fr
     return _merge(found, frame)
 
 
-def _pairs_on_boundary(values: Any, rates: Array, is_map: bool) -> list[tuple[complex, int]]:
+def _pairs_on_boundary(values: Vector, rates: Array, is_map: bool) -> list[tuple[complex, int]]:
     """Complex pairs on the stability boundary (one of each, Im > 0), with how many share the same value."""
     groups: list[tuple[complex, int]] = []
     for value, rate in zip(values, noises(values, rates), strict=True):

@@ -127,7 +127,7 @@ class TwoParameterProblem(ABC):
         return None
 
 
-def indices(system: Any, parameters: Sequence[str]) -> tuple[int, int]:
+def indices(system: System, parameters: Sequence[str]) -> tuple[int, int]:
     """Places of two parameters among those of the system."""
     known = list(system.parameter_names)
     names = list(parameters)

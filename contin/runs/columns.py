@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.model.advice import closest
 from contin.model.source import Path, Problems
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 OF_BRANCHES: Final = frozenset(
     {"period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle"}
@@ -15,7 +18,7 @@ OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
 
 
 def check_columns(
-    written: Iterable[tuple[Path, str | None]], model: Any, problems: Problems, others: Iterable[str] = ()
+    written: Iterable[tuple[Path, str | None]], model: Model, problems: Problems, others: Iterable[str] = ()
 ) -> None:
     """Note each name that can be no column of this model's branches, nor one of `others`; `s.min` counts as s."""
     named = [*model.parameter_names, *model.state_names, *model.observables, *others]

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.problems.images import images
+from contin.records import Record
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
+    from contin.continuation.journal import Journal
     from contin.model.model import Model
     from contin.runs.plan import DiagramPlan, PhasePlan, RunPlan
 
-Watcher = Callable[[Mapping[str, Any]], None]
+Watcher = Callable[[Record], None]
 
 
 class Found(Protocol):
@@ -42,7 +44,7 @@ class FoundPhase(Protocol):
     @property
     def stopped(self) -> bool: ...
 
-    def as_data(self) -> Mapping[str, Any]: ...
+    def as_data(self) -> Record: ...
 
 
 class Engine(Protocol):
@@ -51,26 +53,26 @@ class Engine(Protocol):
     def prepare(self, model: Model) -> None:
         """Make the model's machine code: what is not part of any run."""
 
-    def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
+    def start(self, model: Model, run: RunPlan, parameters: Record) -> Any:
         """The start of a run from the model's starts."""
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:
         """The start of a run from a labelled point of a branch."""
 
-    def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
+    def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
         """The branch and its images under declared symmetries; several where several branches start at the point."""
 
-    def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
+    def diagram(self, model: Model, diagram: DiagramPlan, parameters: Record) -> Found:
         """Everything that is connected to the starts."""
 
-    def phase(self, model: Model, phase: PhasePlan, parameters: Mapping[str, Any]) -> FoundPhase:
+    def phase(self, model: Model, phase: PhasePlan, parameters: Record) -> FoundPhase:
         """The curves and regions of a phase diagram."""
 
 
 class ContinEngine:
     """The engine of this package; `watch` is called after every chunk."""
 
-    def __init__(self, watch: Watcher | None = None, journal: Any = None) -> None:
+    def __init__(self, watch: Watcher | None = None, journal: Journal | None = None) -> None:
         self.watch, self.journal = watch, journal
 
     def load(self) -> None:
@@ -80,7 +82,7 @@ class ContinEngine:
     def prepare(self, model: Model) -> None:
         _verbs().prepare(model)
 
-    def start(self, model: Model, run: RunPlan, parameters: Mapping[str, Any]) -> Any:
+    def start(self, model: Model, run: RunPlan, parameters: Record) -> Any:
         api = _verbs()
         if run.as_ == "orbit":
             mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
@@ -101,7 +103,7 @@ class ContinEngine:
             return _same_solution(branch, point, run.parameters[0])
         return point.switch(run.parameters[0])
 
-    def continuation(self, start: Any, run: RunPlan) -> Iterable[Branch]:
+    def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
         seeds = start if isinstance(start, list) else [start]
         for position, seed in enumerate(seeds):
@@ -126,7 +128,7 @@ class ContinEngine:
             self.journal.finished(branch)
         return branch
 
-    def diagram(self, model: Model, diagram: DiagramPlan, parameters: Mapping[str, Any]) -> Found:
+    def diagram(self, model: Model, diagram: DiagramPlan, parameters: Record) -> Found:
         found: Found = _verbs().diagram(
             model,
             diagram.parameter,
@@ -143,7 +145,7 @@ class ContinEngine:
         )
         return found
 
-    def phase(self, model: Model, phase: PhasePlan, parameters: Mapping[str, Any]) -> FoundPhase:
+    def phase(self, model: Model, phase: PhasePlan, parameters: Record) -> FoundPhase:
         found: FoundPhase = _verbs().phase(
             model,
             phase.parameters,

@@ -11,6 +11,7 @@ from typing import Any
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
 from contin.continuation.defects import DEFECT
 from contin.errors import InputError
+from contin.records import Record
 from contin.runs.engine import Engine
 from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
 from contin.runs.skipping import skipping
@@ -27,7 +28,7 @@ class RunResult:
     notes: Sequence[str]
     complete: bool
     seconds: float
-    phase: Mapping[str, Any] | None = None  # the regions of a phase diagram, as plain data
+    phase: Record | None = None  # the regions of a phase diagram, as plain data
     stopped: bool = False  # by the user
 
 
@@ -36,7 +37,7 @@ class _State:
     branches: dict[str, Branch] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     complete: bool = True
-    phase: Mapping[str, Any] | None = None
+    phase: Record | None = None
     stopped: bool = False
     refused: list[InputError] = field(default_factory=list)  # what is wrong with runs as they are written
 

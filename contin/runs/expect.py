@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.model.evaluate import evaluate
 from contin.model.source import CallSource, Problems
+from contin.records import Fields, Record
 from contin.runs.engine import ContinEngine, Engine
 from contin.runs.execute import execute
 from contin.runs.load import read_run
@@ -63,12 +64,12 @@ def verify(model: Model, expectation: Expectation, engine: Engine) -> Report:
 def plan_of(model: Model, expectation: Expectation) -> Plan:
     """The runs of an expectation, written as in a run file, as a plan."""
     source = CallSource(f"expect {expectation.label} of {model.name}")
-    runs: Sequence[Mapping[str, Any]] = expectation.runs or ({"parameter": model.parameter_names[0]},)
+    runs: Sequence[Record] = expectation.runs or ({"parameter": model.parameter_names[0]},)
     problems = Problems(source)
     passed = apply_passes(model, expectation.transform, problems)
     problems.raise_if_any()
     written = [dict(run) for run in runs]
-    parameters: dict[str, Any] = {}
+    parameters: Fields = {}
     for run in written:
         parameters.update(run.pop("parameters", {}))  # an expectation may set parameters beside its run
     data = {"model": model.name, "parameters": parameters, "continuations": written}
@@ -76,7 +77,7 @@ def plan_of(model: Model, expectation: Expectation) -> Plan:
     return make_plan_for(passed, entry, source, Path(model.name))
 
 
-def _numbers(point: Mapping[str, Any], plan: Plan) -> dict[str, float]:
+def _numbers(point: Record, plan: Plan) -> dict[str, float]:
     values = plan.model.default_parameters(plan.parameters)
     return {name: float(evaluate(expression, values)) for name, expression in point.items()}
 

@@ -38,7 +38,7 @@ def load_run_file(path: FilePath) -> tuple[RunEntry, Source]:
     return read_run(document.data, document.source), document.source
 
 
-def read_run(data: Any, source: Source, *, version_required: bool = True) -> RunEntry:
+def read_run(data: object, source: Source, *, version_required: bool = True) -> RunEntry:
     """The entries of a run file from plain data; `source` finds their places for messages."""
     return read_entries(data, source, RunEntry, version_required=version_required)
 
@@ -112,7 +112,7 @@ def _keys_at(path: Path, shape: type[BaseModel]) -> list[str]:
     return [field.alias or name for name, field in entry.model_fields.items()]
 
 
-def _entry_in(annotation: Any) -> type[BaseModel] | None:
+def _entry_in(annotation: object) -> type[BaseModel] | None:
     """The entry type inside `Entry | None` or `list[Entry]`."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation

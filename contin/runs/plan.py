@@ -16,6 +16,7 @@ from contin.model.parser import parse
 from contin.model.registry import find
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
+from contin.records import Record
 from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
 from contin.runs.references import check_references
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from contin.runs.simulation_plan import SimulationPlan, SweepPlan
 
 Number = float | int | str | Any  # a number, or a formula in the parameters
-StartPoint = str | Mapping[str, Any] | None
+StartPoint = str | Record | None
 
 EVERYWHERE = "all"  # the start of a diagram that stands for all equilibria in its box
 
@@ -45,7 +46,7 @@ class RunPlan:
     as_: str | None = None
     direction: str = "both"
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: Record = field(default_factory=dict)
     to: StartPoint = None  # of a connecting orbit: the saddle that it leads to
     samples: Samples | None = None  # of an orbit to begin with
 
@@ -59,8 +60,8 @@ class DiagramPlan:
     starts: Sequence[StartPoint] = (None,)
     orbits: bool = True
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    budget: Mapping[str, Any] = field(default_factory=dict)
+    settings: Record = field(default_factory=dict)
+    budget: Record = field(default_factory=dict)
     box: Mapping[str, Sequence[float]] | None = None  # where `start: all` looks for equilibria
 
 
@@ -71,7 +72,7 @@ class PhasePlan:
     parameters: tuple[str, str]
     range: Mapping[str, tuple[float, float]]
     starts: Sequence[StartPoint] = (None,)
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: Record = field(default_factory=dict)
     orbits: bool = True
 
 
@@ -350,11 +351,11 @@ class _Planner:
                 self.formula(value, (*path, "parameters", name))
         return {**states, "parameters": dict(written.parameters)} if written.parameters else states
 
-    def bounds(self, written: Any, parameters: Iterable[str], path: Path) -> dict[str, tuple[float, float]]:
+    def bounds(self, written: object, parameters: Iterable[str], path: Path) -> dict[str, tuple[float, float]]:
         """The range of every parameter that varies: as written, or the model's own."""
         parameters = list(parameters)
         path = (*path, "range")
-        given: Mapping[str, Any] = {}
+        given: Record = {}
         if isinstance(written, Mapping):
             given = written
             for name in written:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.model.advice import closest
 from contin.model.source import Path, Problems
 from contin.runs.schema import RunEntry
 
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
 LABEL: Final = re.compile(r"[A-Z][A-Z0-9]*[0-9]+")
 
 
-def check_references(entry: RunEntry, model: Any, problems: Problems) -> None:
+def check_references(entry: RunEntry, model: Model, problems: Problems) -> None:
     """Note each `from:` that names a run which the file does not define, or defines later.
 
     Whether a branch has the label is known only when it is computed: a run from one that is not found is skipped then.
@@ -26,7 +29,7 @@ def check_references(entry: RunEntry, model: Any, problems: Problems) -> None:
 
 
 def _check(
-    reference: str, names: Sequence[str], position: int, entry: RunEntry, model: Any, problems: Problems, path: Path
+    reference: str, names: Sequence[str], position: int, entry: RunEntry, model: Model, problems: Problems, path: Path
 ) -> None:
     branch, _, label = reference.rpartition(".")
     if not LABEL.fullmatch(label):
@@ -46,7 +49,7 @@ def _check(
     problems.add(path, f"there is no run {branch!r}: {advice}")
 
 
-def _run_of(branch: str, names: Sequence[str], model: Any) -> str:
+def _run_of(branch: str, names: Sequence[str], model: Model) -> str:
     """The run that makes a branch of this name: NAME, its images NAME~SYMMETRY, further branches NAME.2."""
     name, tilde, symmetry = branch.partition("~")
     if tilde and all(s.name != symmetry for s in model.symmetries):
@@ -55,7 +58,7 @@ def _run_of(branch: str, names: Sequence[str], model: Any) -> str:
     return name if name in names else plain
 
 
-def _of_diagram(branch: str, entry: RunEntry, model: Any) -> bool:
+def _of_diagram(branch: str, entry: RunEntry, model: Model) -> bool:
     """True for START, START/LABEL, ...: branches that the explorer may find."""
     roots = _roots(entry)
     root = branch.split("/")[0].split("~")[0]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from contin.continuation.defects import noted
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
@@ -21,14 +22,14 @@ class OrbitSamples:
     def __init__(self, tell: Callable[[str], object]) -> None:
         self.tell = tell
 
-    def __call__(self, branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
-        found: list[Mapping[str, Any] | None] = [None]
+    def __call__(self, branch: Branch, point: SpecialPoint) -> Record | None:
+        found: list[Record | None] = [None]
         with noted(lambda text: self.tell(f"{branch.name}.{point.label}: its orbit is not written: {text}")):
             found = [_sampled(branch, point)]
         return found[0]
 
 
-def _sampled(branch: Branch, point: SpecialPoint) -> Mapping[str, Any] | None:
+def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
     if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
         return None
     profile = branch.problem.profile(point.z)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Any
 
 import numpy as np
 
 from contin.errors import ContinError, InputError
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
+from contin.records import Record
 from contin.runs.load import read_entries
 from contin.runs.outputs import ENDINGS, files_read, output_paths
 from contin.runs.plan import _model, _Planner
@@ -30,7 +30,7 @@ class ScanPlan:
 
 
 def plan_scan(
-    path: FilePath, overrides: Mapping[str, Any] | None = None, counts_as: FilePath | None = None
+    path: FilePath, overrides: Record | None = None, counts_as: FilePath | None = None
 ) -> ScanPlan:
     """Read and check a scan file; InputError with every mistake at its place.
 

@@ -6,7 +6,7 @@ What the names mean (parameters, states, starts) is decided in `plan`; here a nu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import (
     BaseModel,
@@ -23,6 +23,7 @@ from pydantic_core import PydanticCustomError
 
 from contin.limits import LARGEST_COUNT, LARGEST_TABLE, MOST_INTERVALS, MOST_POINTS, as_double, is_finite
 from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
+from contin.records import Fields
 
 DIRECTIONS: Final = ("both", "up", "down")
 
@@ -119,10 +120,10 @@ Starts = Annotated[
     list[Start], BeforeValidator(_listed, json_schema_input_type=Start | list[Start]), Field(min_length=1)
 ]
 Pass = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[dict[str, Any], Tag("(long)")], Discriminator(_mapping_or_not)
+    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(_mapping_or_not)
 ]
 ModelReference = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[dict[str, Any], Tag("(long)")], Discriminator(_mapping_or_not)
+    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(_mapping_or_not)
 ]
 
 
@@ -146,7 +147,7 @@ class SettingsEntry(Section):
     method: Literal["collocation", "shooting"] | None = None
     stop_at: Texts | None = None
 
-    def chosen(self) -> dict[str, Any]:
+    def chosen(self) -> Fields:
         """What was written, by name."""
         return self.model_dump(exclude_none=True)
 
@@ -243,7 +244,7 @@ class SimulateEntry(Section):
     x: Text | None = None
     y: Text | None = None
 
-    def chosen(self) -> dict[str, Any]:
+    def chosen(self) -> Fields:
         """The options of the integration that were written."""
         options = {"samples": self.samples, "method": self.method, "rtol": self.rtol, "box": self.box}
         return {key: value for key, value in options.items() if value is not None}

@@ -9,13 +9,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contin.errors import ContinError
 from contin.model.source import Path, Problems, Source
+from contin.records import Fields, Record
 from contin.runs.outputs import output_path
 from contin.runs.plan import Plan, StartPoint, _Planner
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 
 @dataclass(frozen=True)
@@ -25,10 +29,10 @@ class SimulationPlan:
     name: str
     model: Any
     start: StartPoint
-    parameters: Mapping[str, Any]
+    parameters: Record
     time: float
     transient: float
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Record = field(default_factory=dict)
     outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
     x: str | None = None
     y: str | None = None
@@ -42,11 +46,11 @@ class SweepPlan:
     parameter: str
     range: tuple[float, float]
     start: StartPoint
-    parameters: Mapping[str, Any]
+    parameters: Record
     steps: int
     down: bool
     measures: Mapping[str, str]
-    settle: Mapping[str, Any] = field(default_factory=dict)
+    settle: Record = field(default_factory=dict)
     outputs: Mapping[str, FilePath] = field(default_factory=dict)  # csv
 
 
@@ -86,8 +90,8 @@ def _files(
 
 
 def _planner(
-    model: Any, shared: Mapping[str, Any], own: Mapping[str, Any], problems: Problems, path: Path
-) -> tuple[_Planner, dict[str, Any]]:
+    model: Model, shared: Record, own: Record, problems: Problems, path: Path
+) -> tuple[_Planner, Fields]:
     """The checker of names and numbers for this model, and the parameters of the file and of the entry together."""
     known = {name: value for name, value in shared.items() if name in model.parameter_names}  # a pass may bring others
     planner = _Planner(model, problems, known)
@@ -102,7 +106,7 @@ def _planner(
 
 
 def _start(
-    planner: _Planner, written: Any, parameters: Mapping[str, Any], problems: Problems, path: Path
+    planner: _Planner, written: Any, parameters: Record, problems: Problems, path: Path
 ) -> StartPoint:
     start = None if written is None else planner.start(written, (*path, "start"))
     if not problems:
@@ -114,7 +118,7 @@ def _start(
 
 
 def _simulation(
-    item: SimulateEntry, name: str, model: Any, shared: Mapping[str, Any], problems: Problems, path: Path
+    item: SimulateEntry, name: str, model: Any, shared: Record, problems: Problems, path: Path
 ) -> SimulationPlan:
     planner, parameters = _planner(model, shared, item.parameters, problems, path)
     start = _start(planner, item.start, parameters, problems, path)
@@ -125,7 +129,7 @@ def _simulation(
     return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), x=item.x, y=item.y)
 
 
-def _sweep(item: SweepEntry, model: Any, shared: Mapping[str, Any], problems: Problems) -> SweepPlan | None:
+def _sweep(item: SweepEntry, model: Any, shared: Record, problems: Problems) -> SweepPlan | None:
     path: Path = ("sweep",)
     planner, parameters = _planner(model, shared, item.parameters, problems, path)
     start = _start(planner, item.start, parameters, problems, path)

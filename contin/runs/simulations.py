@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from contin.records import Fields, Record
 from contin.runs.skipping import skipping
 from contin.simulate.run import simulate
 from contin.simulate.steady import Criterion
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 class Simulated:
     """The entries `simulations` and `sweep` of the result document; not `complete` where one did not run to its end."""
 
-    found: Mapping[str, Any]
+    found: Record
     complete: bool
     notes: Sequence[str]
 
@@ -37,7 +38,7 @@ def carry_out(
     names = [*(s.name for s in plan.simulations), *(["sweep"] if plan.sweep is not None else [])]
     if stopped:
         return Simulated({}, not names, [f"{name} skipped: stopped by the user" for name in names])
-    found: dict[str, Any] = {"simulations": []} if plan.simulations else {}
+    found: Fields = {"simulations": []} if plan.simulations else {}
     notes: list[str] = []
     complete = True
     name = ""
@@ -67,7 +68,7 @@ def carry_out(
     return Simulated(found, complete, notes)
 
 
-def _simulated(plan: SimulationPlan) -> dict[str, Any]:
+def _simulated(plan: SimulationPlan) -> Fields:
     found = simulate(plan.model, plan.start, plan.parameters, time=plan.time, transient=plan.transient, **plan.options)
     return {
         "name": plan.name,
@@ -80,7 +81,7 @@ def _simulated(plan: SimulationPlan) -> dict[str, Any]:
     }
 
 
-def _swept(plan: SweepPlan, watch: Callable[[int, int], None] | None) -> dict[str, Any]:
+def _swept(plan: SweepPlan, watch: Callable[[int, int], None] | None) -> Fields:
     found = sweep(
         plan.model, plan.parameter, plan.range, start=plan.start, parameters=plan.parameters, steps=plan.steps,
         down=plan.down, measures=dict(plan.measures) or None, watch=watch,

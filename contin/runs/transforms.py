@@ -14,6 +14,7 @@ from contin.model.expression import as_expression, number
 from contin.model.model import Model
 from contin.model.schema import shown
 from contin.model.source import Path, Problems
+from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -30,10 +31,10 @@ PASSES: Final[Mapping[str, tuple[str, str]]] = {
 
 
 def apply_passes(
-    model: Any,
-    written: Sequence[str | Mapping[str, Any]],
+    model: Model,
+    written: Sequence[str | Record],
     problems: Problems,
-    values: Mapping[str, Any] | None = None,
+    values: Record | None = None,
     ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> Any:
     """The model after the passes, in order; what is wrong with them is noted in `problems`.
@@ -74,13 +75,13 @@ def apply_passes(
     return model
 
 
-def _with_ranges(model: Any, ranges: Mapping[str, tuple[float, float]]) -> Any:
+def _with_ranges(model: Model, ranges: Mapping[str, tuple[float, float]]) -> Any:
     """The model with these ranges."""
     pairs = {name: (number(low), number(high)) for name, (low, high) in ranges.items() if low < high}
     return model.replace(parameters=tuple(replace(p, range=pairs.get(p.name, p.range)) for p in model.parameters))
 
 
-def _with_values(model: Any, values: Mapping[str, Any]) -> Any:
+def _with_values(model: Model, values: Record) -> Any:
     """The model with these values as defaults; what is wrong with them is said where the run is planned."""
     known = {name: value for name, value in values.items() if name in model.parameter_names}
     try:
@@ -101,7 +102,7 @@ def _function(name: str) -> Callable[..., Model]:
     return found
 
 
-def _options_fit(function: Callable[..., Any], name: str, options: Any, path: Path, problems: Problems) -> bool:
+def _options_fit(function: Callable[..., Any], name: str, options: object, path: Path, problems: Problems) -> bool:
     if options is None:
         return True
     if not isinstance(options, Mapping):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from contin.errors import ExpressionError, InputError
 from contin.model.parser import parse_operand
 from contin.model.scope import Scope
+from contin.records import Record
 
 
-def condition(text: str, names: Mapping[str, Any], functions: Mapping[str, Any], where: str) -> Any:
+def condition(text: str, names: Record, functions: Record, where: str) -> Any:
     """The condition that `text` spells, over these names; `where` begins the message of an error.
 
     Raises ExpressionError for what is no formula over the names, InputError for a number.

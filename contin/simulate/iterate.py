@@ -16,13 +16,15 @@ from contin.simulate.run import EVENT, NO_EVENT, Simulation, observed
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
+    from contin.model.model import Model
 
 LONGEST: Final = 10_000_000
 
 
 def iterated(
-    model: Any, system: CompiledSystem, u: Array, p: Array, time: float, transient: float, box: float, until: str | None
-) -> Simulation:
+    model: Model, system: CompiledSystem, u: Array, p: Array, time: float, transient: float, box: float,
+    until: str | None
+) -> Simulation:  # fmt: skip
     """Every iterate after the transient, up to the first one (but the start) for which `until` is true."""
     count, skipped = round(time), round(transient)
     if count + skipped > LONGEST:
@@ -48,7 +50,7 @@ def iterated(
     return Simulation(model, "map", p, t, states, observed(system, states, p, t), end, len(kept) - 1, 0, outcome, why)
 
 
-def _test(model: Any, until: str) -> Any:
+def _test(model: Model, until: str) -> Any:
     """u, p -> whether the condition holds."""
     names = (*model.state_names, *model.parameter_names)
     known = {**model.observables, **model.definitions, **{n: symbol(n) for n in names}}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -12,6 +11,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
 from contin.lowering import compile_system
+from contin.records import Fields, Record
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
 from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
@@ -20,6 +20,7 @@ from contin.simulate.until import fly_until, with_clock
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
+    from contin.model.model import Model
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
@@ -74,7 +75,7 @@ class Simulation:
 
 
 def simulate(
-    model: Any, start: str | Mapping[str, Any] | None = None, parameters: Mapping[str, Any] | None = None, *,
+    model: Any, start: str | Record | None = None, parameters: Record | None = None, *,
     time: float = 100.0, transient: float = 0.0, samples: int = SAMPLES, method: str = "DOP853", rtol: float = RTOL,
     atol: float | None = None, box: float = 1e100, budget: int = BUDGET, until: str | None = None,
 ) -> Simulation:  # fmt: skip
@@ -128,7 +129,7 @@ def simulate(
 
 
 def _flown(
-    model: Any, system: CompiledSystem, u: Array, p: Array, times: Array, until: str | None, options: dict[str, Any]
+    model: Model, system: CompiledSystem, u: Array, p: Array, times: Array, until: str | None, options: Fields
 ) -> tuple[Any, str, str]:
     """(flight, outcome, why) of the compiled integrator."""
     if until is None:

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering import compile_system
+from contin.records import Fields, Record
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
@@ -36,9 +37,9 @@ class Sweep:
     statistics: Array
 
     @property
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> Fields:
         """parameter, direction, outcome, and {quantity}.{min|mean|max}."""
-        columns: dict[str, Any] = {
+        columns: Fields = {
             self.parameter: self.values, "direction": self.directions, "outcome": list(self.outcomes)
         }  # fmt: skip
         for k, name in enumerate(self.names):
@@ -61,7 +62,7 @@ class Sweep:
 
 def sweep(
     model: Any, parameter: str, range: tuple[float, float], *, start: Any = None,
-    parameters: Mapping[str, Any] | None = None, steps: int = STEPS, down: bool = True,
+    parameters: Record | None = None, steps: int = STEPS, down: bool = True,
     measures: Mapping[str, str] | None = None, criterion: Criterion | None = None, disturb: float = 1e-6,
     watch: Callable[[int, int], None] | None = None,
 ) -> Sweep:  # fmt: skip
@@ -107,7 +108,7 @@ def sweep(
     )  # fmt: skip
 
 
-def parameters_of(model: Any, start: Any) -> dict[str, Any]:
+def parameters_of(model: Any, start: Any) -> Fields:
     """The parameter values that belong to a start."""
     if start is None:
         return {}

@@ -7,7 +7,7 @@ nothing, its crossings are landed on exactly, and the first turn of its slope fr
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,15 +15,19 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.model.expression import if_, number, symbol
 from contin.model.parts import TIME, State
+from contin.records import Fields
 from contin.simulate.condition import condition
 from contin.simulate.flight import CROSSINGS, Flight, fly
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 CLOCK: Final = "event clock"  # no name in a model contains a blank
 PIECES: Final = 64  # of the time, looked at one after the other
 ALWAYS: Final = 1e-12  # relative: a clock that ran back all the time
 
 
-def with_clock(model: Any, until: str) -> Any:
+def with_clock(model: Model, until: str) -> Any:
     """The flow with the further state e' = (1 if the condition holds else -1)."""
     names = {n: symbol(n) for n in (*model.state_names, *model.parameter_names)}
     if model.forcing is not None:
@@ -49,7 +53,7 @@ def fly_until(
     """
     errors = np.append(atol, 1e-3 * rtol * duration)  # of the clock: it runs for the time of the flight
     boxes = np.append(np.full(len(atol), box), np.inf)
-    options: dict[str, Any] = {"rtol": rtol, "atol": errors, "box": boxes}
+    options: Fields = {"rtol": rtol, "atol": errors, "box": boxes}
     y, t, steps, crossed, before = np.append(np.asarray(u, dtype=float), 0.0), 0.0, 0, 0, 1.0
     kept_t, kept_u = [times[:0]], [np.empty((0, y.size))]
     length, came = duration / PIECES, False
@@ -83,7 +87,7 @@ def fly_until(
 
 
 def _turn(
-    clocked: Any, flight: Flight, y: Array, p: Array, t: float, before: float, options: dict[str, Any]
+    clocked: Any, flight: Flight, y: Array, p: Array, t: float, before: float, options: Fields
 ) -> tuple[float | None, float]:
     """When the clock turned from -1 to 1 in this flight, if it did; and its last slope."""
     span = flight.end_time - t

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.errors import InputError
 from contin.model.expression import Expression, call, symbol
+from contin.records import Fields
 from contin.simulate.natural import sizes_of
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
 
 
-def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
+def watching(model: Model, measures: Mapping[str, str | Any] | None) -> Any:
     """The model with the quantities to watch as its observables.
 
     By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, c13, .. of
@@ -33,8 +37,8 @@ def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Any:
     return model.replace(observables=chosen)
 
 
-def _of_states(model: Any) -> dict[str, Any]:
-    chosen: dict[str, Any] = {}
+def _of_states(model: Model) -> Fields:
+    chosen: Fields = {}
     for state in model.states:
         if state.period is None:
             chosen[state.name] = symbol(state.name)
@@ -44,7 +48,7 @@ def _of_states(model: Any) -> dict[str, Any]:
     return chosen
 
 
-def _of_oscillators(model: Any) -> dict[str, Any]:
+def _of_oscillators(model: Any) -> Fields:
     pairs = [(o.position, o.velocity) for o in model.averaging.oscillators]
     amplitudes = {f"r{k + 1}": model.expression(f"sqrt({x}^2 + {y}^2)") for k, (x, y) in enumerate(pairs)}
     declared, usual = sizes_of(model, tuple(model.default_parameters().values()))

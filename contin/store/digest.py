@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
+
+from contin.records import Fields, Record
 
 KEY: Final = "sha256"
 ENCODER: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
@@ -24,19 +25,19 @@ class LeftOutWarning(DamageWarning):
     """Damaged parts of a result are left out: what is read is not all that was written."""
 
 
-def document_digest(document: Mapping[str, Any]) -> str:
+def document_digest(document: Record) -> str:
     """Of a JSON document's canonical text without its own `sha256`."""
     text = ENCODER.encode({key: value for key, value in document.items() if key != KEY})
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def signed(document: Mapping[str, Any]) -> dict[str, Any]:
+def signed(document: Record) -> Fields:
     """The document with its `sha256` as the last key."""
     rest = {key: value for key, value in document.items() if key != KEY}
     return {**rest, KEY: document_digest(rest)}
 
 
-def mistake(document: Mapping[str, Any]) -> str | None:
+def mistake(document: Record) -> str | None:
     """What a note says about a document's checksum; None where it is right."""
     stored = document.get(KEY)
     if stored is None:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import fields
 from pathlib import Path
@@ -25,6 +25,7 @@ import numpy as np
 
 from contin.continuation.problem import Chunk, Stop
 from contin.errors import InputError
+from contin.records import Fields, Record
 from contin.store.digest import parts_digest
 from contin.store.json_format import FORMAT_VERSION, branch_document
 from contin.store.lock import Lock
@@ -62,7 +63,7 @@ class SqliteJournal:
     `trouble` says why it stopped keeping, if it did; `notes` what of the earlier run was damaged and is computed anew.
     """
 
-    def __init__(self, path: Path, mark: str, resume: bool, model: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, path: Path, mark: str, resume: bool, model: Record | None = None) -> None:
         self.path, self.trouble, self.replayed = path, "", 0
         self.notes: list[str] = []
         self._lock = Lock(path)
@@ -79,7 +80,7 @@ class SqliteJournal:
             self._lock.release()
             raise
 
-    def _open(self, mark: str, resume: bool, model: Mapping[str, Any]) -> None:
+    def _open(self, mark: str, resume: bool, model: Record) -> None:
         """The file of the earlier run if it is resumed, or a new one: where nothing stands, else beside."""
         states = {place: state_of(place, APPLICATION_ID) for place in (beside(self.path), self.path)}
         if states[self.path] is State.FOREIGN:
@@ -97,7 +98,7 @@ class SqliteJournal:
         self.place = beside(self.path) if self.path.exists() else self.path
         self._begin(mark, model)
 
-    def _begin(self, mark: str, model: Mapping[str, Any]) -> None:
+    def _begin(self, mark: str, model: Record) -> None:
         self._connection = _connected(self.place)
         self._connection.execute("BEGIN IMMEDIATE")
         begin(self._connection)
@@ -223,9 +224,9 @@ def _taken(connection: sqlite3.Connection, count: int) -> list[Kept]:
     return [kept for _, kept in zip(range(count), _whole(connection), strict=False)]
 
 
-def packed(chunk: Chunk) -> tuple[dict[str, Any], bytes]:
+def packed(chunk: Chunk) -> tuple[Fields, bytes]:
     """A chunk as JSON-ready scalars (with the arrays' types and shapes) and the arrays' bytes, one after the other."""
-    scalars: dict[str, Any] = {}
+    scalars: Fields = {}
     arrays: dict[str, list[Any]] = {}
     data = []
     for field in fields(chunk):
@@ -241,9 +242,9 @@ def packed(chunk: Chunk) -> tuple[dict[str, Any], bytes]:
     return {"scalars": scalars, "arrays": arrays}, b"".join(data)
 
 
-def unpacked(header: Mapping[str, Any], data: bytes) -> Chunk:
+def unpacked(header: Record, data: bytes) -> Chunk:
     """The chunk that `packed` took apart, bit for bit."""
-    values: dict[str, Any] = dict(header["scalars"])
+    values: Fields = dict(header["scalars"])
     values["stop"] = Stop(values["stop"])
     position = 0
     for name, (kind, shape) in header["arrays"].items():

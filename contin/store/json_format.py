@@ -10,33 +10,37 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.errors import FormatVersionError, InputError
+from contin.records import Fields, Record
 from contin.store.atomic import write_text
 from contin.store.built import built
 from contin.store.digest import KEY, DamageWarning, mistake, signed
 from contin.store.validate import validate
 
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
 FORMAT_VERSION: Final = 1
 
-OrbitSampler = Callable[[Branch, SpecialPoint], Mapping[str, Any] | None]
+OrbitSampler = Callable[[Branch, SpecialPoint], Record | None]
 """Gives the orbit at a point as {'t': .., state: ..}, or None where the point has none."""
 
 
 def result_document(
-    model: Mapping[str, Any],
+    model: Record,
     branches: Iterable[Branch],
     *,
     timing: Mapping[str, float],
     notes: Sequence[str] = (),
     orbit: OrbitSampler | None = None,
-    phase: Mapping[str, Any] | None = None,
-    simulated: Mapping[str, Any] | None = None,
-) -> dict[str, Any]:
+    phase: Record | None = None,
+    simulated: Record | None = None,
+) -> Fields:
     """The results of a run as nested dicts, lists, numbers and strings only.
 
     Parameters
@@ -71,7 +75,7 @@ def result_document(
     }
 
 
-def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> dict[str, Any]:
+def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> Fields:
     """One branch as in the document."""
     parent, image = branch.parent, branch.image_of
     return {
@@ -90,7 +94,7 @@ def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> dict[s
     }
 
 
-def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> dict[str, Any]:
+def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> Fields:
     document = {
         "label": point.label,
         "type": point.type,
@@ -108,13 +112,13 @@ def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> d
     return document
 
 
-def _end(end: End) -> dict[str, Any]:
+def _end(end: End) -> Fields:
     return {"reason": end.reason, "text": end.text, **plain(end.data)}
 
 
-def describe_model(model: Any, overrides: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def describe_model(model: Model, overrides: Record | None = None) -> Fields:
     """The `model` entry: names, parameter values with `overrides`, and what is declared of title, units, angles."""
-    described: dict[str, Any] = {
+    described: Fields = {
         "name": model.name,
         "states": list(model.state_names),
         "parameters": model.default_parameters(overrides),
@@ -130,7 +134,7 @@ def describe_model(model: Any, overrides: Mapping[str, Any] | None = None) -> di
     return described
 
 
-def model_of(branches: Sequence[Branch]) -> dict[str, Any]:
+def model_of(branches: Sequence[Branch]) -> Fields:
     """The `model` entry of branches in memory, at the parameter values of the first."""
     if not branches:
         raise InputError("there is no branch to draw or to save")
@@ -138,7 +142,7 @@ def model_of(branches: Sequence[Branch]) -> dict[str, Any]:
     return describe_model(problem.system.model, problem.constants())
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """`value` in JSON's own types: arrays as lists, complex numbers as [re, im], NaN and infinity as None."""
     if value is None or isinstance(value, str | bool):
         return value
@@ -167,7 +171,7 @@ def _plain_array(array: np.ndarray[Any, Any]) -> Any:
     return plain(array.tolist())
 
 
-def dumps(document: Mapping[str, Any]) -> str:
+def dumps(document: Record) -> str:
     """The document as text: a line for each column and point, numbers in the shortest form that reads back equal."""
     return _lay_out(document, 0) + "\n"
 
@@ -177,7 +181,7 @@ def escaped(text: str) -> str:
     return "".join(c if c < "\x7f" else json.dumps(c)[1:-1] for c in text) if not text.isascii() else text
 
 
-def _lay_out(value: Any, depth: int) -> str:
+def _lay_out(value: object, depth: int) -> str:
     """Nested mappings and lists of mappings over several lines, anything else (long number lists) on one."""
     inner = "  " * (depth + 1)
     if isinstance(value, Mapping) and value and any(isinstance(entry, Mapping | list) for entry in value.values()):
@@ -188,7 +192,7 @@ def _lay_out(value: Any, depth: int) -> str:
     return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
-def write(document: Mapping[str, Any], path: Path) -> None:
+def write(document: Record, path: Path) -> None:
     """Write the document with its `sha256` so that a reader sees the old file or the whole new one, never a part."""
     write_json_text(dumps(signed(document)), path)
 
@@ -202,7 +206,7 @@ def write_json_text(text: str, path: Path) -> None:
     write_text(path, text)
 
 
-def read(path: Path) -> dict[str, Any]:
+def read(path: Path) -> Fields:
     """Read a document that `write` wrote; where its `sha256` is absent or wrong, it gets a note, and a warning is made.
 
     Raises
@@ -229,7 +233,7 @@ def read(path: Path) -> dict[str, Any]:
     return document
 
 
-def read_mapping(path: Path) -> dict[str, Any]:
+def read_mapping(path: Path) -> Fields:
     """A JSON file that holds a mapping; InputError for anything else, also for numbers beyond all bounds."""
     try:
         document = json.loads(path.read_text(encoding="utf-8"))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
+from contin.records import Fields, Record
 from contin.store.digest import signed
 from contin.store.json_format import FORMAT_VERSION, branch_document, dumps, write_json_text
 from contin.store.places import beside
@@ -26,10 +26,10 @@ class PartialJson:
     the run has ended. `trouble` says why it stopped keeping, if it did.
     """
 
-    def __init__(self, path: Path, model: Mapping[str, Any]) -> None:
+    def __init__(self, path: Path, model: Record) -> None:
         self.path, self.trouble, self.model = path, "", model
         self.place = beside(path) if path.exists() and path.stat().st_size else path
-        self.branches: dict[str, dict[str, Any]] = {}
+        self.branches: dict[str, Fields] = {}
 
     def replay(self, key: str, number: int) -> Chunk | None:
         return None

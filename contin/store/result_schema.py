@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
+
+from contin.records import Fields
 
 KINDS: Final = ["equilibrium", "fixed-point", "orbit", "bvp", "locus", "algebraic", "connection", "manifold"]
 _NUMBER: Final = {"type": ["number", "null"]}  # null stands for NaN and infinity
@@ -13,7 +15,7 @@ _POINT_REFERENCE: Final = {
     "properties": {"branch": {"type": "string"}, "label": {"type": "string"}},
 }
 
-POINT: Final[dict[str, Any]] = {
+POINT: Final[Fields] = {
     "type": "object",
     "required": ["label", "type", "index", "values", "residual", "error", "normal_form"],
     "oneOf": [{"required": ["eigenvalues"]}, {"required": ["multipliers"]}],
@@ -32,7 +34,7 @@ POINT: Final[dict[str, Any]] = {
     },
 }
 
-BRANCH: Final[dict[str, Any]] = {
+BRANCH: Final[Fields] = {
     "type": "object",
     "required": [
         "name", "kind", "locus", "parameters", "parent", "image_of", "columns", "points", "ends", "steps", "seconds",
@@ -61,7 +63,7 @@ BRANCH: Final[dict[str, Any]] = {
     },
 }  # fmt: skip
 
-PHASE: Final[dict[str, Any]] = {
+PHASE: Final[Fields] = {
     "type": "object",
     "required": ["parameters", "range", "curves", "regions", "borders"],
     "properties": {
@@ -109,7 +111,7 @@ PHASE: Final[dict[str, Any]] = {
 }
 
 _TABLE: Final = {"type": "object", "additionalProperties": {"type": "array"}}
-SIMULATION: Final[dict[str, Any]] = {
+SIMULATION: Final[Fields] = {
     "type": "object",
     "required": ["name", "model", "parameters", "outcome", "end_time", "columns"],
     "properties": {
@@ -119,13 +121,13 @@ SIMULATION: Final[dict[str, Any]] = {
         "columns": _TABLE,
     },
 }
-SWEEP: Final[dict[str, Any]] = {
+SWEEP: Final[Fields] = {
     "type": "object",
     "required": ["parameter", "quantities", "columns"],
     "properties": {"parameter": {"type": "string"}, "quantities": {"type": "array"}, "columns": _TABLE},
 }
 
-RESULT_SCHEMA: Final[dict[str, Any]] = {
+RESULT_SCHEMA: Final[Fields] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "contin results, format 1",
     "type": "object",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.errors import InputError
+from contin.records import Fields, Record
 from contin.store import json_format, sqlite
 from contin.store.places import ending_of
 from contin.store.tables import write_csv, write_netcdf
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from contin.continuation.branch import Branch
 
 
-def read_results(path: Path) -> dict[str, Any]:
+def read_results(path: Path) -> Fields:
     """The result document in a file.
 
     Raises
@@ -41,7 +42,7 @@ def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[
     export_results(document, Path(path))
 
 
-def export_results(document: Mapping[str, Any], path: Path) -> None:
+def export_results(document: Record, path: Path) -> None:
     """Write a result document in the format that the file's ending names: `.json`, `.contin`, `.csv` or `.nc`."""
     writers = {".json": json_format.write, ".contin": sqlite.save, ".csv": write_csv, ".nc": write_netcdf}
     writer = writers.get(path.suffix)

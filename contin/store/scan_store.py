@@ -16,12 +16,12 @@ import os
 import sqlite3
 import time
 import warnings
-from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from contin.errors import InputError
+from contin.records import Fields, Record
 from contin.simulate.scan.grid import Outcome, table
 from contin.store.atomic import flush_folder
 from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
@@ -45,7 +45,7 @@ class ScanStore:
     `trouble` says why it stopped keeping, if it did; `notes` what of the earlier scan was damaged.
     """
 
-    def __init__(self, path: Path, mark: str, head: Mapping[str, Any], resume: bool) -> None:
+    def __init__(self, path: Path, mark: str, head: Record, resume: bool) -> None:
         self.path, self.trouble = path, ""
         self.notes: list[str] = []
         self.rows: dict[int, Outcome] = {}
@@ -153,7 +153,7 @@ class ScanStore:
             self._lock.release()
 
 
-def read_scan(path: Path) -> dict[str, Any]:
+def read_scan(path: Path) -> Fields:
     """The document of a scan, finished or not; InputError for any other file.
 
     Runs that fail their checksum are left out, with a note (`notes`) and a warning.

@@ -21,6 +21,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.errors import FormatVersionError, InputError
+from contin.records import Fields, Record
 from contin.store.atomic import replacing
 from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
 from contin.store.json_format import FORMAT_VERSION, plain
@@ -42,7 +43,7 @@ PROVENANCE: Final = ("model_text", "run", "versions")
 UNFINISHED: Final = ("unfinished", "fingerprint")
 
 
-def save(document: Mapping[str, Any], path: Path, provenance: Mapping[str, str] | None = None) -> None:
+def save(document: Record, path: Path, provenance: Mapping[str, str] | None = None) -> None:
     """Write a result document; an existing file is replaced whole, or not at all.
 
     `provenance` (of the names in `PROVENANCE`: the model's text, the run, versions) goes to the table `meta` too, for
@@ -75,14 +76,14 @@ def begin(connection: sqlite3.Connection) -> None:
     connection.execute(f"PRAGMA user_version = {FORMAT_VERSION}")
 
 
-def insert_meta(connection: sqlite3.Connection, key: str, value: Any) -> None:
+def insert_meta(connection: sqlite3.Connection, key: str, value: object) -> None:
     """One entry of the document that is not its branches, or of the provenance."""
     text = json.dumps(value)
     connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, text))
     _sign(connection, f"meta/{key}", key, text)
 
 
-def insert_branch(connection: sqlite3.Connection, position: int, branch: Mapping[str, Any]) -> None:
+def insert_branch(connection: sqlite3.Connection, position: int, branch: Record) -> None:
     """One branch and its columns, in place of what stood at this position."""
     connection.execute("DELETE FROM series WHERE branch = ?", (position,))
     connection.execute("DELETE FROM checksum WHERE part LIKE ?", (f"series/{position}/%",))
@@ -109,7 +110,7 @@ def _packed(column: list[Any]) -> tuple[str, bytes]:
     return kind, np.array(column, dtype=float if kind == "f" else None).astype(_TYPES[kind]).tobytes()
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> Fields:
     """Read a result document that `save` wrote.
 
     Branches of which a part fails its checksum are left out; a note of the document and a warning name them. Of a run
@@ -150,7 +151,7 @@ def load(path: Path) -> dict[str, Any]:
     return document
 
 
-def _document(connection: sqlite3.Connection, path: Path) -> tuple[dict[str, Any], list[str]]:
+def _document(connection: sqlite3.Connection, path: Path) -> tuple[Fields, list[str]]:
     """The document of what is whole, and what is to be said of the rest."""
     stored = _stored(connection)
     left = set(stored or ())
@@ -160,7 +161,7 @@ def _document(connection: sqlite3.Connection, path: Path) -> tuple[dict[str, Any
         left.discard(part)
         return stored is None or stored.get(part) == parts_digest(part, *content)
 
-    meta: dict[str, Any] = {}
+    meta: Fields = {}
     for key, text in connection.execute("SELECT key, value FROM meta ORDER BY rowid"):
         if good(f"meta/{key}", key, text):
             meta[key] = json.loads(text)
@@ -215,9 +216,9 @@ def _stored(connection: sqlite3.Connection) -> dict[str, str] | None:
     return {part: digest for part, digest in found if isinstance(part, str)}  # what is damaged fits to nothing
 
 
-def _with_columns(header: dict[str, Any], columns: dict[str, Any]) -> dict[str, Any]:
+def _with_columns(header: Fields, columns: Fields) -> Fields:
     """The branch with its columns where they stand in the format: before the points."""
-    branch: dict[str, Any] = {}
+    branch: Fields = {}
     for key, value in header.items():
         if key == "points":
             branch["columns"] = columns

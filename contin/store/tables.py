@@ -5,15 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from contin.errors import InputError
+from contin.records import Record
 from contin.store.atomic import replacing, write_text
 
 
-def write_csv(document: Mapping[str, Any], path: Path) -> None:
+def write_csv(document: Record, path: Path) -> None:
     """One row for each row of each branch: `branch`, `label` (where the row is labelled), then every column."""
     names = list(dict.fromkeys(name for branch in document["branches"] for name in branch["columns"]))
     stream = io.StringIO()
@@ -28,11 +28,11 @@ def write_csv(document: Mapping[str, Any], path: Path) -> None:
     write_text(path, stream.getvalue())
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: object) -> Any:
     return int(value) if isinstance(value, bool) else "" if value is None else repr(value)
 
 
-def write_netcdf(document: Mapping[str, Any], path: Path) -> None:
+def write_netcdf(document: Record, path: Path) -> None:
     """One NetCDF group for each branch, with its columns over the dimension `row`; needs the extra `frames`.
 
     A group's attributes say what the branch is; `points` and `ends` are JSON. The file appears whole or not at all.
@@ -52,7 +52,7 @@ def write_netcdf(document: Mapping[str, Any], path: Path) -> None:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
 
 
-def _dataset(branch: Mapping[str, Any], xarray: Any) -> Any:
+def _dataset(branch: Record, xarray: Any) -> Any:
     columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
     labels = [""] * len(next(iter(branch["columns"].values()), []))
     for point in branch["points"]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from contin.errors import InputError
+from contin.records import Record
 from contin.store.result_schema import RESULT_SCHEMA
 
 _TYPES: Final[Mapping[str, frozenset[type]]] = {
@@ -24,13 +25,13 @@ LARGEST: Final = 10**300  # integers beyond have no floating-point form
 Mistake = tuple[str, str]  # where, what
 
 
-def validate(document: Mapping[str, Any], path: Path) -> None:
+def validate(document: Record, path: Path) -> None:
     """Raise InputError with the first place where a result document does not follow its schema."""
     for where, what in chain(_mistakes(document, RESULT_SCHEMA, ""), _uneven(document)):  # the second needs the first
         raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
 
 
-def _mistakes(value: Any, schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+def _mistakes(value: Any, schema: Record, where: str) -> Iterator[Mistake]:
     allowed = _allowed(schema)
     if allowed is not None and type(value) not in allowed:
         yield where, f"should be {_named(schema['type'])}, is {_shown(value)}"
@@ -51,7 +52,7 @@ def _mistakes(value: Any, schema: Mapping[str, Any], where: str) -> Iterator[Mis
         yield from _in_list(value, schema, where)
 
 
-def _in_mapping(value: Mapping[str, Any], schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+def _in_mapping(value: Record, schema: Record, where: str) -> Iterator[Mistake]:
     for key in schema.get("required", ()):
         if key not in value:
             yield where, f"has no {key!r}"
@@ -64,7 +65,7 @@ def _in_mapping(value: Mapping[str, Any], schema: Mapping[str, Any], where: str)
             yield from _mistakes(entry, inner, f"{where}.{key}".lstrip("."))
 
 
-def _in_list(value: list[Any], schema: Mapping[str, Any], where: str) -> Iterator[Mistake]:
+def _in_list(value: list[Any], schema: Record, where: str) -> Iterator[Mistake]:
     if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
         yield where, f"should have {schema.get('minItems', 0)} to {schema.get('maxItems', 'many')} entries"
     inner = schema.get("items")
@@ -83,7 +84,7 @@ def _is_int(value: object) -> bool:
     return type(value) is int
 
 
-def _uneven(document: Mapping[str, Any]) -> Iterator[Mistake]:
+def _uneven(document: Record) -> Iterator[Mistake]:
     """What a schema cannot say: columns of one length, points on rows."""
     for position, branch in enumerate(document["branches"]):
         where = f"branches[{position}]"
@@ -100,7 +101,7 @@ def _uneven(document: Mapping[str, Any]) -> Iterator[Mistake]:
             yield "simulations or sweep", "have columns of different lengths"
 
 
-def _allowed(schema: Mapping[str, Any]) -> frozenset[type] | None:
+def _allowed(schema: Record) -> frozenset[type] | None:
     written = schema.get("type")
     if written is None:
         return None
@@ -111,6 +112,6 @@ def _named(written: Any) -> str:
     return str(written) if isinstance(written, str) else " or ".join(written)
 
 
-def _shown(value: Any) -> str:
+def _shown(value: object) -> str:
     text = repr(value) if isinstance(value, str | int | float | bool | None) else f"a {type(value).__name__}"
     return text if len(text) <= 40 else f"{text[:37]}..."

@@ -110,7 +110,7 @@ def _fold(system: CompiledSystem, u: Array, p: Array, active: tuple[int, int], u
     return found.x[:n], moved
 
 
-def _away(seed: Seed, origin: Array, problem: Any, parameters: Sequence[str], point: SpecialPoint) -> Seed:
+def _away(seed: Seed, origin: Array, problem: LocusProblem, parameters: Sequence[str], point: SpecialPoint) -> Seed:
     """The seed with one arm, away from the point (q, p) = origin that it was born at."""
     connection: Any = seed.problem
     widths = dict(zip(problem.parameters, (float(x) for x in point.scale[[-1, -2]]), strict=True))

@@ -26,7 +26,7 @@ BESIDE: Final = (0.03, 0.1, 0.01)  # of the range of the parameter that moves mo
 
 
 @born((OrbitLocusProblem, ShotLocusProblem), "GPD", "the curve of folds of doubled orbits", parameters=2)
-def folds_of_doubled(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def folds_of_doubled(problem: OrbitLocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of folds (LPC) of doubled orbits that ends at a GPD; raises InputError where none is found."""
     done = 0
     widths = np.abs(point.scale[[-1, -2]])
@@ -57,7 +57,7 @@ def folds_of_doubled(problem: Any, point: SpecialPoint, parameters: Sequence[str
     raise InputError(f"{point.branch}.{point.label}: no fold of doubled orbits was found beside this point")
 
 
-def _doubling_beside(problem: Any, point: SpecialPoint, length: float, axis: int) -> tuple[Any, Any]:
+def _doubling_beside(problem: OrbitLocusProblem, point: SpecialPoint, length: float, axis: int) -> tuple[Any, Any]:
     """The orbits in parameter `axis` and the one on the curve of PD where the tangent leads, None if there is none."""
     guess = point.z + length * point.tangent
     index = -1 if axis == 1 else -2

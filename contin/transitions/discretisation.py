@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.problem import ShotLocusProblem
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.start import orbit_from_return, shooting_chosen
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.problem import OrbitProblem
 
 REACH = 3e-2  # (arclength) from an equilibrium to the first special orbit
 NEARBY = 1e-4  # scaled time after which the direction of a small cycle is looked at again
@@ -51,7 +54,7 @@ class OnNodes:
     h: Array
 
     @classmethod
-    def along(cls, orbits: Any, z: Array, raw: Array, sizes: Array, count: int) -> Self:
+    def along(cls, orbits: OrbitProblem, z: Array, raw: Array, sizes: Array, count: int) -> Self:
         """For a family that leaves the orbit z in the direction `raw`.
 
         The section is square to the flow; around a point at rest it contains the direction to the first node.
@@ -92,7 +95,7 @@ class OnNodes:
         return found
 
 
-def shot(orbits: Any, count: int) -> ShootingProblem:
+def shot(orbits: OrbitProblem, count: int) -> ShootingProblem:
     """The same orbits by shooting, in `count` segments."""
     winding = np.asarray(orbits.winding, dtype=float)
     return ShootingProblem(orbits.system, orbits.base, orbits.active, winding, count, orbits.multiple)

@@ -24,7 +24,7 @@ DIGITS: Final = 3  # of the normal rate
 
 
 @born(EquilibriumProblem, "BE", "the pseudo-equilibria", explored=Explored(when=lambda problem: not problem.is_map))
-def switched(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def switched(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The branch that goes on at a boundary equilibrium.
 
     Raises InputError where several surfaces meet: the sliding motion is not defined by the two fields of one.
@@ -74,7 +74,7 @@ def _beside(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
     return _seed(regular, point, along if rises == upper else -along)
 
 
-def _tangent(problem: Any, z: Array, scale: Array) -> Array:
+def _tangent(problem: EquilibriumProblem, z: Array, scale: Array) -> Array:
     _, matrix = problem.linearise(z)
     return np.asarray(np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1])
 

@@ -5,8 +5,6 @@ Curvature and metric of the new branch.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from contin.abi import Array
@@ -27,7 +25,7 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 
 
 @born(EquilibriumProblem, "BP", "the branches that cross", explored=Explored())
-def branches(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale

@@ -33,7 +33,7 @@ SMALL: Final = Explored(orbits=True, when=lambda problem: dense_problem(problem)
 
 
 @born(EquilibriumProblem, "HB", "the periodic orbits", explored=ORBITS)
-def hopf_seeds(equilibria: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def hopf_seeds(equilibria: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The families of cycles born at a Hopf point of equilibria, with direction and curvature of their normal forms.
 
     There is one, unless symmetries make several pairs of eigenvalues cross together.

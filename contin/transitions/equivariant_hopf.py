@@ -9,7 +9,7 @@ rotating wave and two patterns in which two cells agree up to the phase.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from contin.continuation.departure import Seed
 from contin.machine import elementary
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 STEP = 1e-6  # of the difference quotient that makes a matrix of a symmetry, relative to the states' sizes
 KEPT = 1e-8  # ... and distance of the equilibrium from its image up to which the symmetry keeps it
@@ -34,7 +37,7 @@ LARGEST = 1500  # unknowns of dense matrices
 Complex = NDArray[np.complex128]
 
 
-def patterns(equilibria: Any, point: SpecialPoint, omega: float) -> list[tuple[Complex, Complex]]:
+def patterns(equilibria: EquilibriumProblem, point: SpecialPoint, omega: float) -> list[tuple[Complex, Complex]]:
     """(q, p) of every pattern, |q| = 1, <p, q> = 1, one of those that symmetries map onto each other; may be empty."""
     count = int(point.vectors.get("kernel", 1))
     sizes = point.scale[:-1]
@@ -92,7 +95,7 @@ def through_an_orbit(seed: Seed, size: float) -> Seed:
     return replace(seed, curvature=curvature, reach=size)
 
 
-def _matrices(equilibria: Any, z: Array, sizes: Array) -> list[Array]:
+def _matrices(equilibria: EquilibriumProblem, z: Array, sizes: Array) -> list[Array]:
     """Of the symmetries that keep the equilibrium."""
     n = len(z) - 1
     rows = np.vstack([z, z + np.hstack([STEP * np.diag(sizes), np.zeros((n, 1))])])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from contin.errors import ContinError, InputError
 from contin.problems.orbits.problem import OrbitProblem
 from contin.transitions import births
 
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
+
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions
 QUICK: Final = Settings(steps=60, max_step=0.1)
@@ -28,7 +31,7 @@ WORK: Final = 4_000_000  # accepted points times unknowns, until the search is g
 POINT: Final = 30  # a special point costs as much as so many others
 
 
-def tori_beside(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def tori_beside(problem: EquilibriumProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of NS that passes nearest to the point; raises InputError where none is found."""
     here = np.array([point.values[name] for name in problem.parameters])
     widths = np.abs(point.scale[[-1, -2]])
@@ -51,7 +54,7 @@ def work_of(branch: Branch) -> int:
     return (branch.steps + POINT * len(branch.points)) * int(branch.z.shape[1])
 
 
-def quick(orbits: Any) -> Settings:
+def quick(orbits: OrbitProblem) -> Settings:
     """Settings of short families; orbits by collocation stay so, whatever the flow."""
     return replace(QUICK, method="collocation") if isinstance(orbits, OrbitProblem) else QUICK
 

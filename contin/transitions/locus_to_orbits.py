@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
@@ -11,9 +11,12 @@ from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.transitions.registry import born
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 
 @born(OfPeriodicOrbits, "", "the family of orbits")
-def orbits_through(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def orbits_through(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the family."""
     names = list(problem.system.parameter_names)
     if parameter not in names:
@@ -22,6 +25,6 @@ def orbits_through(problem: Any, point: SpecialPoint, parameter: str) -> list[Se
 
 
 @born(ConnectionProblem, "", "nothing")
-def no_connection(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def no_connection(problem: LocusProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Raises InputError: there is no family."""
     raise InputError(f"{point.branch}.{point.label}: one connecting orbit is isolated in one parameter; give two")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -23,7 +23,7 @@ DOUBLED: Final = Explored(cascade=True)
 
 
 @born(EquilibriumProblem, "PD", "the cycles of twice the period", explored=DOUBLED)
-def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def doubled(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """The seed of the doubled cycles at a PD point of `problem`, with `parameter` free.
 
     Its two halves are the two points of one cycle (each the image of the other under the map), so one arm is followed.

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.problems.maps.cycle import LONGEST, CycleProblem, lifted
 from contin.transitions import births
 from contin.transitions.registry import Explored, born
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 SHORT: Final = Explored(cascade=True, when=lambda problem: 2 * problem.period <= LONGEST)
 
@@ -20,13 +23,13 @@ def _switched(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
 
 
 @born(CycleProblem, "BP", "the branches that cross", explored=Explored())
-def crossing_cycles(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def crossing_cycles(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of cycles of the same period."""
     return _switched(problem, point, parameter)
 
 
 @born(CycleProblem, "PD", "the cycles of twice the period", explored=SHORT)
-def doubled_cycles(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def doubled_cycles(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled cycles; the explorer stops at a longest one."""
     return _switched(problem, point, parameter)
 

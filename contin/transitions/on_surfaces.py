@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
 from contin.errors import InputError
 
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
-def refuse_sliding(problem: Any, point: SpecialPoint) -> None:
+
+def refuse_sliding(problem: EquilibriumProblem, point: SpecialPoint) -> None:
     """Raises InputError at a pseudo-equilibrium."""
     if problem.sliding is not None:
         raise InputError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -20,7 +20,7 @@ CROSSING: Final = Explored(generation=True, crowded=True)
 
 
 @born(OrbitProblem, "BPC", "the family that crosses", explored=CROSSING)
-def crossing(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def crossing(problem: OrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the families that cross, each along its own tangent."""
     along_own_parameter(problem, point, parameter)
     several = crossing_tangents(problem, point.z, point.scale, point.eigenvalues)
@@ -34,7 +34,7 @@ def crossing(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
     return [_along(problem, point, min(tangents, key=lambda t: abs(float(t @ own))))]
 
 
-def _along(problem: Any, point: SpecialPoint, direction: Array) -> Seed:
+def _along(problem: OrbitProblem, point: SpecialPoint, direction: Array) -> Seed:
     symmetries = halves_alike(problem, point.z, direction * point.scale)
     halves = (1,) if symmetries else (-1, 1)
     if direction[-1] < 0.0:

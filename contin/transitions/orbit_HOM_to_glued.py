@@ -7,7 +7,7 @@ follow one and then the other exist too (gluing bifurcation). One of them, with 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -33,7 +33,7 @@ GLUED: Final = Explored(generation=True, uncertain=True)
 
 
 @born(OrbitProblem, "HOM", "the orbits that follow both loops", explored=GLUED)
-def glued(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def glued(problem: OrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the family of joined orbits, which begins with a long period and runs to shorter ones.
 
     Raises InputError where no symmetry keeps the saddle and moves the loop, or where no orbit is found.
@@ -68,7 +68,7 @@ def _from_the_saddle(profile: Profile) -> Profile:
     return replace(profile, u=u, h=np.roll(profile.h, -first))
 
 
-def _joined(problem: Any, point: SpecialPoint, loop: Profile, image: Array, sizes: Array) -> Seed | None:
+def _joined(problem: OrbitProblem, point: SpecialPoint, loop: Profile, image: Array, sizes: Array) -> Seed | None:
     """The orbit of twice the period near loop and image, by Newton at this period, in a metric of these sizes."""
     h = np.tile(loop.h / 2.0, 2)
     both = Profile(loop.m, np.concatenate([loop.u, image[1:]]), 2.0 * loop.period, h, loop.parameter)

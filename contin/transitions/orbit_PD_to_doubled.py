@@ -20,12 +20,12 @@ CASCADE: Final = Explored(generation=True, cascade=True, crowded=True)
 
 
 @born(OrbitProblem, "PD", "the orbits of twice the period", explored=CASCADE)
-def doubled(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def doubled(problem: OrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled orbits, with any parameter free that moves the point."""
     return [_doubled(*in_another(problem, point, parameter))]
 
 
-def _doubled(problem: Any, point: SpecialPoint) -> Seed:
+def _doubled(problem: OrbitProblem, point: SpecialPoint) -> Seed:
     profile = problem.profile(point.z)
     n, m = problem.n, problem.points
     sizes = problem.sizes(point.z, point.scale)
@@ -47,5 +47,5 @@ def _doubled(problem: Any, point: SpecialPoint) -> Seed:
     )  # fmt: skip
 
 
-def _squared(values: Any) -> Any:
+def _squared(values: object) -> Any:
     return elementary.square(np.asarray(values))

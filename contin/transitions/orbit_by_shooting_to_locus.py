@@ -42,7 +42,7 @@ def loci_of_shot_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[s
     return [seed_of(partial(ShootingCurve, point.type), ShotLocusProblem, free, point.z, point, parameters, further)]
 
 
-def _touching(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
+def _touching(problem: ShootingProblem, point: SpecialPoint, parameters: Sequence[str]) -> Seed:
     """The curve of orbits that touch a surface, through a nonsmooth fold."""
     first, second = indices(problem.system, parameters)
     orbits, orbit = problem.freed(problem.system.parameter_names[first], point.z)

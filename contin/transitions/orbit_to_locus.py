@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
@@ -19,7 +18,7 @@ from contin.transitions.special_orbits import seed_of
 
 
 @born(OrbitProblem, "UZ", "the orbits of this period", parameters=2)
-def isoperiodic(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def isoperiodic(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of orbits of the same period, of autonomous systems."""
     if not problem.autonomous:
         raise InputError(
@@ -29,7 +28,7 @@ def isoperiodic(problem: Any, point: SpecialPoint, parameters: Sequence[str]) ->
 
 
 @born(OrbitProblem, "LPC PD NS BPC", "the curve of such orbits", parameters=2)
-def loci_of_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def loci_of_orbit(problem: OrbitProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
     further = float(elementary.cos(point.vectors["theta"])) if point.type == "NS" else 0.0
     return [seed_of(partial(OrbitCurve, point.type), OrbitLocusProblem, problem, point.z, point, parameters, further)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from contin.transitions.registry import born
 
 
 @born(EquilibriumProblem, "LP BP HB PD NS", "the curve of such points", parameters=2)
-def loci_of_point(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def loci_of_point(problem: EquilibriumProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seed of the curve of points of the same type."""
     refuse_sliding(problem, point)
     if point.normal_form.get("kind") == "nonsmooth":

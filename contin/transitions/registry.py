@@ -21,12 +21,15 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import contin.transitions
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
 from contin.special.table import codes
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 GROUP: Final = "contin.transitions"
 KINDS: Final = {  # of branches, by the word of FORMATS, and how file names call them
@@ -91,7 +94,7 @@ def born(
     return register
 
 
-def at_point(problem: Any, label: str, parameters: int) -> list[Transition]:
+def at_point(problem: EquilibriumProblem, label: str, parameters: int) -> list[Transition]:
     """What is born at points of this type on the branches of a problem, in order.
 
     Of the classes of the problem the first one decides for which anything is registered; a row that names the label
@@ -109,7 +112,7 @@ def at_point(problem: Any, label: str, parameters: int) -> list[Transition]:
     return []
 
 
-def known_labels(problem: Any, parameters: int) -> tuple[str, ...]:
+def known_labels(problem: EquilibriumProblem, parameters: int) -> tuple[str, ...]:
     """The types of points at which anything is registered for the branches of a problem."""
     rows = [row for row in everything() if row.parameters == parameters and isinstance(problem, row.problem)]
     return tuple(dict.fromkeys(label for row in rows for label in row.labels))

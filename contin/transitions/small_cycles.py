@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.two_parameters import indices
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +43,7 @@ class Place:
         p = problem.curve.full_parameters(point.z)
         return cls(point.z[: problem.n], p, first, second, problem.curve.sizes, (chosen[0], chosen[1]))
 
-    def jet(self, system: Any) -> Any:
+    def jet(self, system: System) -> Any:
         return compiled_jet(system, self.u, self.p, (self.first, self.second), "flow", self.sizes)
 
 

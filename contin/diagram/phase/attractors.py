@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from contin.problems.orbits.simulation import UNSTABLE, time_scale
 from contin.problems.shooting.start import settled_orbit
 from contin.problems.start import converge
 from contin.simulate.trajectory import integrate
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
@@ -60,7 +63,8 @@ class Reached:
 
 
 def reached(
-    problem: Any, states: Sequence[State], value: float, starts: Sequence[Array] | None = None, lasting: bool = True,
+    problem: EquilibriumProblem, states: Sequence[State], value: float, starts: Sequence[Array] | None = None,
+    lasting: bool = True,
     wild: Sequence[tuple[Array, Array]] = (),
 ) -> Reached:  # fmt: skip
     """Stable states on which trajectories settle, without those that are known.
@@ -81,7 +85,9 @@ def reached(
     return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild))
 
 
-def _of_a_map(problem: Any, known: Sequence[Array], value: float, starts: Sequence[Array]) -> tuple[Any, Any, int]:
+def _of_a_map(
+    problem: EquilibriumProblem, known: Sequence[Array], value: float, starts: Sequence[Array]
+) -> tuple[Any, Any, int]:
     seeds, aperiodic = cycles_reached(problem, known, value, starts)
     return tuple(seeds), (), aperiodic
 
@@ -219,7 +225,7 @@ class _Trajectories:
         return seed
 
 
-def _is_regular(problem: Any, z: Array) -> bool:
+def _is_regular(problem: EquilibriumProblem, z: Array) -> bool:
     return bool(np.all(np.isfinite(problem.linear_part(z))))
 
 
@@ -232,7 +238,7 @@ def _is_on(u: Array, orbit: tuple[Any, Array], periods: Array) -> bool:
     return float(np.abs(wrapped(points - u, periods)).max(axis=1).min()) < grain + ARRIVED * size
 
 
-def _pushed(problem: Any, states: Sequence[State], value: float) -> list[Array]:
+def _pushed(problem: EquilibriumProblem, states: Sequence[State], value: float) -> list[Array]:
     """Starts beside the unstable equilibria, the most unstable ones first."""
     starts: list[tuple[float, Array]] = []
     for state in states:

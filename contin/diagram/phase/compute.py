@@ -20,6 +20,7 @@ from contin.diagram.phase.regions import regions_of
 from contin.diagram.phase.search import LociSearch
 from contin.diagram.phase.survey import Survey
 from contin.errors import InputError
+from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.problems.start import Equilibrium
@@ -31,7 +32,7 @@ def phase(
     starts: Equilibrium | Sequence[Equilibrium],
     parameters: Sequence[str],
     box: Mapping[str, Sequence[float]] | Box,
-    settings: Settings | Mapping[str, Any] | None = None,
+    settings: Settings | Record | None = None,
     watch: Watcher | None = None,
     orbits: bool = True,
     journal: Journal | None = None,

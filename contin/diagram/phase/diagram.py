@@ -16,6 +16,7 @@ from contin.diagram.phase.plane import inside
 from contin.diagram.phase.report import as_data, report
 from contin.diagram.phase.states import State
 from contin.plot.phase import draw
+from contin.records import Fields
 from contin.store.json_format import result_document
 
 if TYPE_CHECKING:
@@ -122,11 +123,11 @@ class PhaseDiagram:
     def __str__(self) -> str:
         return report(self)
 
-    def as_data(self) -> dict[str, Any]:
+    def as_data(self) -> Fields:
         """Parameters, box, regions (representative point, states, outline) and borders, for JSON."""
         return as_data(self)
 
-    def plot(self, scan: Any = None) -> Any:
+    def plot(self, scan: object = None) -> Any:
         """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.
 
         `scan` : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.phase.lines import Box
 from contin.problems.symmetry import symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 SAME: Final = 1e-5  # scaled distance of a point from a curve
 FAR: Final = 0.5  # of the distance of two rows: what is farther from the chord is not on the curve
@@ -40,7 +43,7 @@ def repeats(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
     return False
 
 
-def _steps(problem: Any) -> int:
+def _steps(problem: EquilibriumProblem) -> int:
     """Of cycles of a map."""
     return int(getattr(problem.system, "times", 1))
 

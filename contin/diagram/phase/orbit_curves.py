@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.layout import Profile
 
 NEAR: Final = 1e-3  # distance in the unit square of a point from a curve that it is on
 BESIDE: Final = 0.02  # ... of a row of a curve from the point that the curve is said to lead to
@@ -113,7 +116,7 @@ def _on_line(locus: Branch, row: int, index: int, value: float) -> Array | None:
     return None if solved is None else np.asarray(solved)
 
 
-def _is_labelled(type_: str, profile: Any, found: Sequence[Branch]) -> bool:
+def _is_labelled(type_: str, profile: Profile, found: Sequence[Branch]) -> bool:
     for branch in found:
         for p in branch.points:
             if p.type == type_ and "period" in p.values:

@@ -22,7 +22,7 @@ class _Letters:
     plane: Plane
     known: list[tuple[Any, Array, list[Array], str]] = field(default_factory=list)
 
-    def name(self, key: Any, point: Array, vectors: list[Array]) -> str:
+    def name(self, key: object, point: Array, vectors: list[Array]) -> str:
         """That of a region with the same states, else a new one."""
         for other, at, states, letter in self.known:
             if other == key and len(states) == len(vectors) and alike(self.plane, point, at, vectors, states):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.plot.vocabulary import locus_words, style_of
+from contin.records import Fields, Record
 
 ROUNDING: Final = 1e-14  # of the values that a number stands beside
 
@@ -39,7 +39,7 @@ def report(diagram: PhaseDiagram) -> str:
     return "\n".join(lines)
 
 
-def region_lines(data: Mapping[str, Any]) -> list[str]:
+def region_lines(data: Record) -> list[str]:
     """Each region of a diagram's data: name, states, representative point, size, neighbours; and its stable states."""
     regions = data["regions"]
     names = [f"{region['name']}{region['number'] + 1}" for region in regions]
@@ -58,7 +58,7 @@ def region_lines(data: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _state_words(state: Mapping[str, Any]) -> str:
+def _state_words(state: Record) -> str:
     """The values of an equilibrium; of an orbit the period and the ranges of its states and observables."""
     size = max((abs(value) for value in state["values"].values()), default=0.0)
     values = {name: _shown(value, size) for name, value in state["values"].items()}
@@ -74,13 +74,13 @@ def _shown(value: float, size: float) -> float:
     return 0.0 if abs(value) < ROUNDING * size else value
 
 
-def as_data(diagram: PhaseDiagram) -> dict[str, Any]:
+def as_data(diagram: PhaseDiagram) -> Fields:
     """See `PhaseDiagram.as_data`."""
 
     def ring(points: Any) -> list[list[float]]:
         return [[float(x), float(y)] for x, y in points]
 
-    regions: list[Mapping[str, Any]] = [
+    regions: list[Record] = [
         {
             "name": region.name,
             "number": region.number,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.departure import Seed
 from contin.diagram.phase.states import State
 from contin.errors import ContinError
@@ -21,6 +21,7 @@ from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
+    from contin.problems.equilibrium import EquilibriumProblem
 
 NEAR: Final = (1e-4, 1e-6)  # of the states' sizes: where the rates must fall in proportion
 PROPORTIONAL: Final = 3.0  # ... up to this factor
@@ -31,7 +32,7 @@ CLEAR: Final = 3.0  # factor by which a trajectory must have grown, or shrunk
 ZERO: Final = 1e-9  # of the states' sizes
 
 
-def is_rest(problem: Any, u: Array, size: float) -> bool:
+def is_rest(problem: EquilibriumProblem, u: Array, size: float) -> bool:
     """True where all states but angles are zero."""
     moving = np.asarray(problem.angle_periods) == 0.0
     return bool(np.all(np.abs(u[moving]) <= ZERO * size))
@@ -63,7 +64,7 @@ def rest_state(problem: Any, states: Sequence[State], value: float) -> tuple[See
     return None, State(values, int(any(unstable)), zero)
 
 
-def _beside(problem: Any, moving: Any) -> list[Array]:
+def _beside(problem: EquilibriumProblem, moving: Vector) -> list[Array]:
     """Directions, angles anywhere; amplitudes with a lowest value of 0 are positive."""
     generator = np.random.default_rng(5)
     lowest = {floor.index for floor in problem.floors}

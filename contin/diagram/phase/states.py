@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from contin.diagram.orbits import copies, known_orbit
 from contin.diagram.phase.cycles import distinct_images, is_one, is_shorter
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 SAME: Final = 1e-6
 MARKED: Final = 1e-9  # of the range: a parameter has the value that was asked for
@@ -93,12 +96,12 @@ def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple
     return found
 
 
-def _is_meant(problem: Any, u: Array) -> bool:
+def _is_meant(problem: EquilibriumProblem, u: Array) -> bool:
     """False below a state's lowest value: an amplitude r < 0 is the amplitude -r half a turn on, no second state."""
     return all(u[floor.index] >= floor.lowest for floor in problem.floors)
 
 
-def images_of(problem: Any, z: Array) -> list[Array]:
+def images_of(problem: EquilibriumProblem, z: Array) -> list[Array]:
     """The state and its distinct images under the declared symmetries."""
     found = [np.asarray(z[:-1])]
     for name in symmetry_names(problem):

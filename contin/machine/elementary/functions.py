@@ -73,7 +73,7 @@ class _OfOne:
     def __call__(self, x: Array) -> Array: ...
     @overload
     def __call__(self, x: ArrayLike) -> Any: ...
-    def __call__(self, x: Any) -> Any:
+    def __call__(self, x: object) -> Any:
         return _apply(self.__name__, x)
 
 
@@ -89,7 +89,7 @@ class _OfTwo:
     def __call__(self, x: Array, y: float | Array) -> Array: ...
     @overload
     def __call__(self, x: ArrayLike, y: ArrayLike) -> Any: ...
-    def __call__(self, x: Any, y: Any) -> Any:
+    def __call__(self, x: object, y: object) -> Any:
         return _apply(self.__name__, x, y)
 
 

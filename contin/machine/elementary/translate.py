@@ -20,6 +20,7 @@ from typing import Any, Final
 
 from contin.machine.elementary import language
 from contin.machine.elementary.names import symbol
+from contin.records import Fields
 
 DOUBLE, INTEGER, TRUTH = "double", "i64", "i1"
 _TYPES: Final = {"float": DOUBLE, "int": INTEGER, "bool": TRUTH, "Pair": "{double, double}"}
@@ -134,7 +135,7 @@ class _Function:
 
     def __init__(self, function: Callable[..., Any], public: Collection[str]) -> None:
         self.function, self.public = function, public
-        self.globals: dict[str, Any] = vars(sys.modules[function.__module__])
+        self.globals: Fields = vars(sys.modules[function.__module__])
         self.tree = _tree(function)
         self.tables: dict[str, str] = {}
         self.called: list[Callable[..., Any]] = []

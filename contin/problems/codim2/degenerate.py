@@ -9,7 +9,7 @@ division by <w, v> both are smooth through Bogdanov-Takens points, where that pr
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from contin.problems.codim2.forms import branching_form, jet_at
 from contin.problems.codim2.functions import function_of, own_critical, scaled_matrix
 from contin.problems.loci.curves import curve_of
 
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
 ACROSS = 1e-3  # relative slopes in both parameters below this at a cusp: perhaps no cusp, but the end of a fold curve
 EVEN = 1e-6  # relative size of <w, B(v, v)> above which a point is no pitchfork, where nothing else decides
 NEARLY = 0.05  # the same where the cusp was not solved to full accuracy, as near a pitchfork's DP
@@ -29,7 +32,7 @@ ASIDE = 0.02  # scaled distance along the branch points at which their kind is d
 UNFORCED = 1e-8  # an unfolding parameter above this is not zero
 
 
-def coefficient(problem: Any, z: Array, v: Array, w: Array) -> float:
+def coefficient(problem: LocusProblem, z: Array, v: Array, w: Array) -> float:
     """The coefficient for null vectors in scaled states, relative to the size of f_u."""
     curve, n = problem.curve, problem.n
     d, u, p = curve.sizes, z[:n], curve.full_parameters(z)
@@ -54,7 +57,7 @@ def coefficient(problem: Any, z: Array, v: Array, w: Array) -> float:
     return float(w @ (form(v, v, v) + 3.0 * form(v, h))) / size
 
 
-def kind(problem: Any, z: Array) -> str:
+def kind(problem: LocusProblem, z: Array) -> str:
     """Pitchfork or not, decided where it is first asked: at a DP the coefficients no longer tell.
 
     Empty, and asked again at the next point, at a Bogdanov-Takens point, where the reduced equation has two unknowns.
@@ -68,7 +71,7 @@ def kind(problem: Any, z: Array) -> str:
     return str(problem.memory["kind"])
 
 
-def test(problem: Any, z: Array) -> float:
+def test(problem: LocusProblem, z: Array) -> float:
     """The coefficient at a point of the curve, with its continuous sign."""
     from contin.problems.codim2.monitors import null_pair
 
@@ -80,7 +83,7 @@ def test(problem: Any, z: Array) -> float:
     return coefficient(problem, z, v, w)
 
 
-def at_fold(problem: Any, z: Array, exact: bool, frame: Frame) -> Verified | None:
+def at_fold(problem: LocusProblem, z: Array, exact: bool, frame: Frame) -> Verified | None:
     """The DP that a supposed cusp z on a curve of folds is where neither parameter unfolds it: F_p = 0 along w.
 
     Folds of the branches that cross at branch points end there: the two curves meet, and the defining system of folds
@@ -103,7 +106,7 @@ def at_fold(problem: Any, z: Array, exact: bool, frame: Frame) -> Verified | Non
     return _verified(problem, branching, found, residual, error * float(scale[-1]))
 
 
-def _slope(problem: Any, u: Array, p: Array, frame: Frame) -> float:
+def _slope(problem: LocusProblem, u: Array, p: Array, frame: Frame) -> float:
     """The larger of the slopes <w, F_p> in both parameters, relative to the size of F_u."""
     curve, n, d = problem.curve, problem.n, problem.curve.sizes
     full = curve.system.jacobian(u, p)[1]
@@ -126,7 +129,7 @@ class _BranchPoints:
         return np.asarray(self.problem.initial_scale(z, bounds))
 
 
-def _branch_points(problem: Any, u: Array, p: Array) -> _BranchPoints:
+def _branch_points(problem: LocusProblem, u: Array, p: Array) -> _BranchPoints:
     own = problem.curve
     curve = curve_of("BP", problem.system, p, own.first, own.second, own.sizes)
     other: Any = replace(problem, curve=curve, memory={})
@@ -153,7 +156,7 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
     return solved.y * scale, solved.residual, solved.error
 
 
-def _verified(problem: Any, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
+def _verified(problem: LocusProblem, branching: _BranchPoints, found: Array, residual: float, error: float) -> Verified:
     from contin.problems.codim2 import events
     z = problem.curve.place(found[: problem.n], problem.curve.full_parameters(found))
     if kind(branching.problem, found) == "pitchfork":
@@ -165,7 +168,7 @@ def _verified(problem: Any, branching: _BranchPoints, found: Array, residual: fl
     return Verified("DP", z, residual, error, values, unstable, dict(form.coefficients), dict(form.vectors))
 
 
-def is_mirror(problem: Any, z: Array, scale: Array) -> bool:
+def is_mirror(problem: LocusProblem, z: Array, scale: Array) -> bool:
     """True at a DP of pitchforks on a curve of folds: from there on the curve is its own mirror image."""
     seen = problem.identifying
     return any(float(np.linalg.norm(((z - m) / scale)[seen])) < APART for m in problem.memory.get("mirrors", ()))

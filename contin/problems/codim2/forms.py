@@ -16,6 +16,7 @@ from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST
 from contin.normalforms.sources import compiled_jet
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
@@ -44,7 +45,7 @@ def described(
     if point.type == "CH" and frequencies:
         frequency = float(elementary.angle(next(v for v in critical if v.imag > 0.0)))
     active = (problem.curve.first,) if point.type == "DP" else ()
-    vectors: dict[str, Any] = {"critical": critical} | ({"plane": True} if plane else {})
+    vectors: Fields = {"critical": critical} | ({"plane": True} if plane else {})
     try:
         if point.type == "DP":
             form = branching_form(problem, point.z)
@@ -84,7 +85,7 @@ def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array,
     return found
 
 
-def branching_form(problem: Any, z: Array) -> Any:
+def branching_form(problem: LocusProblem, z: Array) -> Any:
     """Lyapunov-Schmidt coefficients on a curve of branch points, in the parameter that unfolds the branches better."""
     forms = [branch_point(jet_at(problem, z, (active,))) for active in (problem.curve.first, problem.curve.second)]
     return max(forms, key=lambda form: abs(form.coefficients["b11"]))

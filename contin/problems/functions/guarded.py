@@ -13,7 +13,7 @@ from contin.abi import Vector
 from contin.errors import UserFunctionError
 
 
-def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+def called(what: str, function: Callable[..., Any], *arguments: object) -> Any:
     """function(*arguments); UserFunctionError, which names the error and its line, where that raises."""
     try:
         with np.errstate(all="ignore"):  # what is not finite is told where it matters
@@ -24,7 +24,7 @@ def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         raise UserFunctionError(f"the {what} raised {type(error).__name__}: {error}{place}") from error
 
 
-def vector(what: str, value: Any, n: int) -> Vector:
+def vector(what: str, value: object, n: int) -> Vector:
     """`value` as an array (n,); UserFunctionError where it is something else."""
     array = np.asarray(value)
     if array.shape != (n,):
@@ -37,7 +37,7 @@ def vector(what: str, value: Any, n: int) -> Vector:
     return array
 
 
-def numbers(what: str, value: Any) -> dict[str, float]:
+def numbers(what: str, value: object) -> dict[str, float]:
     """`value`, a mapping of names to numbers, as one; UserFunctionError where it is something else."""
     if not isinstance(value, Mapping):
         raise UserFunctionError(f"{what} must return a mapping of names to numbers; got {type(value).__name__}")

@@ -17,8 +17,10 @@ from contin.model.parts import Expectation
 from contin.problems.functions.guarded import called, numbers
 from contin.problems.functions.names import check_name, check_names
 from contin.problems.functions.system import FunctionSystem
+from contin.records import Record
 
 if TYPE_CHECKING:
+    from contin.model.model import Model
     from contin.model.parts import Expectation
     from contin.problems.functions.system import FunctionSystem
 
@@ -70,7 +72,7 @@ class FunctionProblem:
 
     forcing = None
     starts = ()
-    functions: Mapping[str, Any] = {}  # of a model's formulas: none here
+    functions: Mapping[str, str] = {}  # of a model's formulas: none here
 
     def __init__(
         self,
@@ -87,14 +89,14 @@ class FunctionProblem:
         periods: Values | None = None,
         ranges: Mapping[str, tuple[float, float]] | None = None,
         symmetries: Mapping[str, Callable[[Array], ArrayLike]] | None = None,
-        sparsity: Any = None,
+        sparsity: object = None,
         preconditioner: Callable[[Array, Any], Callable[[Array], ArrayLike]] | None = None,
         typical: ArrayLike = 1.0,
         name: str = "function",
         title: str | None = None,
         source: str | None = None,
-        expect: Sequence[Mapping[str, Any]] = (),
-        written: Any = None,
+        expect: Sequence[Record] = (),
+        written: Model | None = None,
         explain: Callable[[Array, Array], str | None] | None = None,
     ) -> None:
         self.residual, self.jacobian = residual, jacobian
@@ -185,22 +187,22 @@ class FunctionProblem:
         values = ", ".join(f"{key}: {value!r}" for key, value in self.values.items())
         return f"# a Python function\nname: {self.name}\nunknowns: {self.n}\nparameters: {{{values}}}\n"
 
-    def default_parameters(self, overrides: Mapping[str, Any] | None = None) -> dict[str, float]:
+    def default_parameters(self, overrides: Record | None = None) -> dict[str, float]:
         """Values of all parameters with overrides."""
         unknown = sorted(set(overrides or {}) - set(self.values))
         if unknown:
             raise InputError(f"no parameter {', '.join(unknown)}; there are {', '.join(self.values) or 'none'}")
         return {**self.values, **{key: float(value) for key, value in (overrides or {}).items()}}
 
-    def parameter_range(self, name: str, overrides: Mapping[str, Any] | None = None) -> tuple[float, float] | None:
+    def parameter_range(self, name: str, overrides: Record | None = None) -> tuple[float, float] | None:
         """Default range of a parameter."""
         return self.ranges.get(name)
 
-    def periods(self, overrides: Mapping[str, Any] | None = None) -> Array:
+    def periods(self, overrides: Record | None = None) -> Array:
         """Period of each state (n,), 0 where it is not an angle."""
         return self._periods
 
-    def start_point(self, start: Any = None, parameters: Mapping[str, Any] | None = None) -> tuple[Array, Array]:
+    def start_point(self, start: Any = None, parameters: Record | None = None) -> tuple[Array, Array]:
         """Vectors u (n,) and p (m,): `start` is None (u0), a vector, or a mapping of states to values."""
         p = np.array(list(self.default_parameters(parameters).values()), dtype=float)
         if start is None:

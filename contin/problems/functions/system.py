@@ -17,6 +17,7 @@ from contin.normalforms.jet import expand_complex
 from contin.problems.functions.derivatives import Lines, is_analytic
 from contin.problems.functions.guarded import called, numbers, vector
 from contin.problems.functions.trials import not_analytic, real, try_function
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
@@ -70,10 +71,10 @@ class FunctionSystem:
         if shape != (self.n, self.n):
             raise InputError(f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {shape}")
 
-    def _named(self, p: Vector) -> dict[str, Any]:
+    def _named(self, p: Vector) -> Fields:
         return dict(zip(self.parameter_names, p.tolist(), strict=True))
 
-    def attempt(self, what: str, evaluate: Callable[[], Any], failed: Any, u: Vector, p: Vector) -> Any:
+    def attempt(self, what: str, evaluate: Callable[[], Any], failed: object, u: Vector, p: Vector) -> Any:
         """evaluate(); where it raises UserFunctionError, `failed`, and the reason is kept. The first one must work."""
         try:
             value = evaluate()

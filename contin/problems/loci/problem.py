@@ -20,6 +20,7 @@ from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events
 from contin.problems.loci.march import march, probe
 from contin.problems.two_parameters import TwoParameterProblem
+from contin.records import Fields
 from contin.simulate.reach import left_reach
 
 CHUNK = 250
@@ -37,7 +38,7 @@ class LocusProblem(TwoParameterProblem):
 
     curve: Any  # ExtendedCurve, or BorderedCurve for large systems
     state_periods: Array
-    memory: dict[str, Any] = field(default_factory=dict)  # what the first point decided: the kind of branch points
+    memory: Fields = field(default_factory=dict)  # what the first point decided: the kind of branch points
 
     maximum_chunk = CHUNK
 

@@ -10,12 +10,14 @@ import numpy as np
 from contin.abi import Array, Vector
 
 if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
     from contin.problems.orbits.linear import OrbitLinear
 
 NEAR: Final = 0.1  # sine of the angle between two spaces up to which one serves as border for the other
 
 
-def factors(matrix: Any) -> Any:
+def factors(matrix: csc_matrix) -> Any:
     """LU factors of a sparse matrix with the blocks of mesh intervals along its diagonal and a few dense borders.
 
     Minimum degree on A + A^T leaves the borders to the end and fills in proportion to the intervals. The usual order,
@@ -62,7 +64,7 @@ class Bordered:
         return bordered
 
     @classmethod
-    def with_borders(cls, matrix: Any, b: Vector, c: Vector) -> Bordered:
+    def with_borders(cls, matrix: csc_matrix, b: Vector, c: Vector) -> Bordered:
         from scipy import sparse
 
         blocks = [[matrix, sparse.csc_matrix(b)], [sparse.csc_matrix(c.conj().T), None]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_near
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -163,7 +164,7 @@ def _connection(
     problem: OrbitProblem, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
 ) -> tuple[End, Verified]:
     name, names = problem.parameters[0], problem.system.state_names
-    data: dict[str, Any] = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
+    data: Fields = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
     sizes = np.abs(profile.u).max(axis=0)
     states = [dict(zip(names, rounded(s.u, sizes).tolist(), strict=True)) for s in saddles]

@@ -214,7 +214,7 @@ class OrbitLinear:
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
         return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
 
-    def _assemble_second(self, local: Vector, column_t: Any, column_p: Any, height: int) -> Any:
+    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> Any:
         from scipy import sparse
 
         nu, collocation = self.nu, self.nu - self.profile.n

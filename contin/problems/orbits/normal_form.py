@@ -17,7 +17,7 @@ the same point on a mesh of half the lengths (discretisation, and how well the p
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
@@ -34,6 +34,7 @@ from contin.problems.orbits.bordered import Bordered, factors
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
 from contin.problems.orbits.symmetry import halves_alike
+from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.problems.orbits.defining import SolvedOrbit
@@ -170,7 +171,7 @@ def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
     return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(w)), axis=1)))
 
 
-def branch_point(problem: OrbitProblem, point: Verified, scale: Array) -> Mapping[str, Any]:
+def branch_point(problem: OrbitProblem, point: Verified, scale: Array) -> Record:
     """{kind, breaks}: pitchfork where the parameter does not move along one of the families, else transcritical.
 
     breaks: the declared symmetry that the orbit has and the new family has not; kernel: the number of multipliers that

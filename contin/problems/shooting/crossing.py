@@ -7,9 +7,8 @@ does not have.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +17,10 @@ from contin.continuation import march as generic
 from contin.machine import elementary
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.sampling import flights, states
+from contin.records import Fields, Record
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
 SHARP = 1.0  # change of direction within that distance above which it is too far
@@ -34,7 +37,7 @@ class Crossing:
     orbit: Array
 
 
-def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Crossing | None:
+def crossing(problem: ShootingProblem, z: Array, own: Array, scale: Array, sense: int) -> Crossing | None:
     """The family that crosses at z, on one side of the null vector normal to `own`; None where none is found.
 
     Two of its orbits, at distances d and d/2, give the direction and the curvature.
@@ -60,7 +63,9 @@ def crossing(problem: Any, z: Array, own: Array, scale: Array, sense: int) -> Cr
     return None
 
 
-def _orbit_across(problem: Any, z: Array, own: Array, across: Array, scale: Array, length: float) -> Array | None:
+def _orbit_across(
+    problem: ShootingProblem, z: Array, own: Array, across: Array, scale: Array, length: float
+) -> Array | None:
     """Scaled offset of the orbit at this length along `across`, which is not one of the family along `own`."""
     found = generic.correct(problem, z, across, length, length * across, scale, 1e-10)
     if isinstance(found, str):
@@ -79,7 +84,7 @@ def _normal_part(plane: Any, own: Array) -> Array:
     return np.asarray(across / size) if size > 1e-6 else np.asarray(second)
 
 
-def side_of_branch(problem: Any, z: Array, scale: Array) -> Mapping[str, Any]:
+def side_of_branch(problem: ShootingProblem, z: Array, scale: Array) -> Record:
     """{kind, side}: pitchfork or transcritical, nonsmooth where the orbit has corners, and where the new orbits lie."""
     plane = family_tangents(problem, z, scale)
     if len(plane) < 2:
@@ -93,7 +98,7 @@ def side_of_branch(problem: Any, z: Array, scale: Array) -> Mapping[str, Any]:
     if not moved:
         return {}
     nonsmooth = any(f.crossed for f in flights(problem, z, np.empty(0)))
-    form: dict[str, Any] = {"kind": "nonsmooth"} if nonsmooth else {}
+    form: Fields = {"kind": "nonsmooth"} if nonsmooth else {}
     signs = {np.sign(m) for m, _ in moved}
     if len(moved) == 2 and len(signs) == 2 and not image_of(problem, moved[0][1], moved[1][1]):
         form.setdefault("kind", "transcritical")
@@ -103,7 +108,7 @@ def side_of_branch(problem: Any, z: Array, scale: Array) -> Mapping[str, Any]:
     return form
 
 
-def image_of(problem: Any, a: Array, b: Array) -> str | None:
+def image_of(problem: ShootingProblem, a: Array, b: Array) -> str | None:
     """The declared symmetry that maps one orbit (as a set) onto the other."""
     times = np.linspace(0.0, 1.0, 65)[:-1]
     u, v = states(problem, a, times), states(problem, b, times)

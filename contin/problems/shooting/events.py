@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
 from contin.problems.special import nearest_pair
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 FINE, COARSE = 1e-13, 1e-12  # accuracies of the trajectories: the result and, by the difference, its error
 RESIDUAL_LIMIT = 1e-8
 SAFETY = 2.0  # of errors that are differences of two approximations
@@ -25,7 +28,7 @@ REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rou
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The special orbit next to a sample; a string says why there is none, '' that there is nothing to report."""
     if type_ == "neutral":
         pair = nearest_pair(nontrivial(problem, near.eigenvalues), True)
@@ -89,7 +92,7 @@ def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Ve
     return found
 
 
-def _with_normal_form(problem: Any, point: Verified, scale: Array) -> Verified:
+def _with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) -> Verified:
     """The coefficient; of a branch point: does the flow have corners on the orbit, and on which side do
     the new orbits lie?"""
     if point.type != "BPC":

@@ -6,7 +6,7 @@ the other arm the time spent beyond the surface changes like a square root.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def _secant(
     return None
 
 
-def _on_arm(problem: Any, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
+def _on_arm(problem: ShootingProblem, z: Array, step: Array, arm: tuple[int, ...]) -> Array:
     """z + step, or a little less where rounding has taken that across the surface: there solutions may slide along it.
 
     The error that is stated covers the whole step.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from contin.machine import elementary
 from contin.problems.shooting.fixed_space import FixedSpace, kept_direction
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.segments import Segments
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 BROKEN = 1e-3  # part of a direction of a null space that the symmetries of the orbits keep, where they keep none of it
 SINGULAR = 1e-6  # a second singular value this small (relative) makes a point a branch point
@@ -86,7 +89,7 @@ def embedded(x: Array, positions: NDArray[np.intp], size: int) -> Array:
     return out
 
 
-def null_space(problem: Any, z: Array, scale: Array) -> tuple[Segments, Array, Array] | None:
+def null_space(problem: ShootingProblem, z: Array, scale: Array) -> tuple[Segments, Array, Array] | None:
     """Segments at z, singular values of the scaled Jacobian (descending) and right singular vectors (rows)."""
     segments = Segments.of(problem, z)
     if segments is None:
@@ -96,7 +99,7 @@ def null_space(problem: Any, z: Array, scale: Array) -> tuple[Segments, Array, A
     return segments, values, vectors
 
 
-def family_tangents(problem: Any, z: Array, scale: Array) -> Sequence[Array]:
+def family_tangents(problem: ShootingProblem, z: Array, scale: Array) -> Sequence[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two directions of its plane.
 
     At a branch point the second is normal to the first; which directions really are tangents is found out by

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.shooting.layout import Nodes
@@ -129,11 +129,11 @@ class ReturnMap:
         size = float(np.linalg.norm(along))  # the form is symmetric: along a line that is known
         return np.asarray(self._line(along / size, factor)[0] @ other * size)
 
-    def slope_of_time(self, direction: Any) -> complex:
+    def slope_of_time(self, direction: Vector) -> complex:
         """Derivative of the time of return."""
         return complex(self._centre[-1] @ direction)
 
-    def bend_of_time(self, q: Any, factor: int = 1) -> float:
+    def bend_of_time(self, q: Vector, factor: int = 1) -> float:
         """D^2 of the time of return along q and its conjugate."""
         parts = [part for part in (np.real(q), np.imag(q)) if np.any(part)]
         return float(sum(self._derivative((part, part), factor)[-1] for part in parts))
@@ -160,7 +160,7 @@ class ReturnMap:
         the period in the model's units."""
         return 1.0 / self._mean_square(self._eigenvector(self.sizes * (self.basis @ q)))
 
-    def _eigenvector(self, v: Any) -> Any:
+    def _eigenvector(self, v: Vector) -> Any:
         """The eigenvector of the monodromy matrix whose projection onto the section is v."""
         if not self.problem.autonomous:
             return v
@@ -171,7 +171,7 @@ class ReturnMap:
         share = (self.nodes.normal @ image) / (self.nodes.normal @ f)
         return v + f * share / (value - 1.0)
 
-    def _mean_square(self, v: Any) -> float:
+    def _mean_square(self, v: Vector) -> float:
         """Of the variation that begins with v, over a period."""
         period = self.nodes.period
         times = (np.arange(SAMPLES) + 0.5) / SAMPLES * period

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contin.problems.shooting.layout import Nodes, make_scale
 from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.segments import Segments
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -73,7 +74,7 @@ def settled_orbit(
     Raises as `contin.problems.orbits.simulation.orbit_by_simulation`.
     """
     if not shooting_chosen(system, method):
-        options: dict[str, Any] = {"transient": transient, "intervals": intervals, "points": points}
+        options: Fields = {"transient": transient, "intervals": intervals, "points": points}
         return orbit_by_simulation(system, u, p, periods, longest=longest, budget=budget, **options)
     near = find_return(system, u, p, periods, transient, longest, budget)
     orbit = orbit_from_return(system, near.u, p, periods, near.period, near.multiple, intervals)

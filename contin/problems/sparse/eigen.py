@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.vectors import norm
 from contin.problems.sparse.linear import Linear
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 FEWEST = 4  # eigenvalues that are always computed
 MARGIN = 1.3  # by which the radius exceeds what must be inside
@@ -61,7 +64,7 @@ class Region:
         size[self._diagonal] = symmetric[self._diagonal]
         return max(float(np.add.reduceat(size, starts).max()), 0.0), float(np.add.reduceat(skew, starts).max())
 
-    def _learn(self, matrix: Any) -> None:
+    def _learn(self, matrix: csc_matrix) -> None:
         from scipy.sparse import csc_matrix
 
         self._pattern = (matrix.indptr.copy(), matrix.indices.copy())

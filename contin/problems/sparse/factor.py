@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from contin.abi import Vector
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 NARROW = 48  # half-bandwidth up to which a band is faster than SuperLU
 TINY_PIVOT = 1e-15  # a zero pivot becomes this part of the largest one, so that singular matrices have (huge) solutions
@@ -42,12 +45,12 @@ class Factoriser:
     _widths: tuple[int, int] | None = None  # lower and upper, where the matrix is a band
     _diagonals: tuple[tuple[Vector, Vector], ...] = ()  # entries and rows of each, where it is tridiagonal
 
-    def is_band_for(self, matrix: Any) -> bool:
+    def is_band_for(self, matrix: csc_matrix) -> bool:
         """True where a reordering makes this matrix narrow, so that its factors are cheap."""
         self._learn(matrix)
         return self._widths is not None
 
-    def factor(self, matrix: Any) -> Factor:
+    def factor(self, matrix: csc_matrix) -> Factor:
         """LU factors of a scipy.sparse matrix in CSC form."""
         self._learn(matrix)
         if self._widths is not None and max(self._widths) == 1 and matrix.shape[0] > 2:
@@ -56,7 +59,7 @@ class Factoriser:
             return BandFactor(matrix.data, self._rows, self._columns, self._widths, matrix.shape[0], self._order)
         return SuperFactor(matrix)
 
-    def _learn(self, matrix: Any) -> None:
+    def _learn(self, matrix: csc_matrix) -> None:
         pattern = (matrix.indptr, matrix.indices)
         known = self._pattern
         if known is not None and all(a is b or np.array_equal(a, b) for a, b in zip(known, pattern, strict=True)):
@@ -174,7 +177,7 @@ class BandFactor(_Reordered):
 class SuperFactor:
     """SuperLU factors; symmetric patterns are eliminated in a minimum-degree order, with weak pivoting."""
 
-    def __init__(self, matrix: Any) -> None:
+    def __init__(self, matrix: csc_matrix) -> None:
         from scipy.sparse import identity
 
         size = float(np.abs(matrix.data).max(initial=1e-300))
@@ -188,7 +191,7 @@ class SuperFactor:
         self.sign = (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
 
     @staticmethod
-    def _factors(matrix: Any) -> Any:
+    def _factors(matrix: csc_matrix) -> Any:
         from scipy.sparse.linalg import splu
 
         return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})

@@ -15,6 +15,7 @@ from contin.errors import NotFiniteError
 from contin.normalforms.linear import normalise
 from contin.normalforms.result import parts, sense
 from contin.problems.sparse.linear import Linear
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.sparse.problem import LargeProblem
@@ -76,14 +77,14 @@ def state(v: Vector) -> Vector:
     return np.append(v, 0.0)
 
 
-def fold(problem: LargeProblem, z: Array, q: Vector) -> dict[str, Any]:
+def fold(problem: LargeProblem, z: Array, q: Vector) -> Fields:
     """`a` = <p, B(q, q)>/2."""
     q = normalise(q)
     _, value = projector(linear_at(problem, z), q)(problem.form(z, state(q), state(q)))
     return {"a": 0.5 * float(np.real(value))}
 
 
-def branch_point(problem: LargeProblem, z: Array, q: Vector) -> dict[str, Any]:
+def branch_point(problem: LargeProblem, z: Array, q: Vector) -> Fields:
     """FORMATS' reduced equation at a simple branch point."""
     q = normalise(q)
     project = projector(linear_at(problem, z), q)
@@ -104,14 +105,14 @@ def branch_point(problem: LargeProblem, z: Array, q: Vector) -> dict[str, Any]:
     mixed = problem.form(z, right, state(k))
     b30 = float(np.real(project(cubic + 3.0 * mixed)[1]))
     scale = float(np.abs(problem.form(z, right, right)).max())
-    form: dict[str, Any] = {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
+    form: Fields = {"a01": a01, "a02": a02, "b11": b11, "b20": b20, "b30": b30}
     form["discriminant"] = b11 * b11 - a02 * b20
     if abs(b20) <= TRUST * max(scale, abs(b11)):
         return {"kind": "pitchfork", "criticality": sense(b30, TRUST * float(np.abs(cubic).max())), **form}
     return {"kind": "transcritical" if form["discriminant"] > 0 else "isolated", **form}
 
 
-def hopf(problem: LargeProblem, z: Array, q: Vector, omega: float) -> dict[str, Any]:
+def hopf(problem: LargeProblem, z: Array, q: Vector, omega: float) -> Fields:
     """`omega`, `c1` = G21/2, `l1` = Re c1 / omega, `criticality` (Kuznetsov, 3rd ed., sec. 5.4)."""
     q = normalise(q)
     linear = linear_at(problem, z)

@@ -54,7 +54,7 @@ class _Formulas:
         return pattern, pattern.data.astype(np.intp) - 1
 
 
-def sparse_function(model: Any, u: Array, p: Array) -> FunctionProblem | None:
+def sparse_function(model: Model, u: Array, p: Array) -> FunctionProblem | None:
     """The model as a function with a sparse Jacobian, started at (u, p); None where dense kernels serve it better.
 
     That is so below `LARGE` states, for maps, forced and piecewise flows, masses, angles that turn, and where the
@@ -106,12 +106,12 @@ def _image(alike: Alike, p: Array) -> Callable[[Array], Array]:
     return lambda u: alike.value(np.asarray(u, dtype=float), p)
 
 
-def is_large(model: Any) -> bool:
+def is_large(model: Model) -> bool:
     """True where `sparse_function` makes something of a model."""
     return _formulas_of(model) is not None
 
 
-def _formulas_of(model: Any) -> _Formulas | None:
+def _formulas_of(model: Model) -> _Formulas | None:
     if not isinstance(model, Model) or len(model.states) < LARGE:
         return None
     return kept_with(model, "formulas", lambda: _Formulas(model) if _is_sparse_flow(model) else None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.trials import try_sparsity
 from contin.problems.sparse.factor import Factoriser
 from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
 OUT_OF_DATE = 7  # GMRES iterations from which old factors are renewed
@@ -47,7 +50,7 @@ class JacobianSource:
         """The next operator is factored, whatever the last one was."""
         self._last = None
 
-    def _lagged(self, matrix: Any) -> KrylovLinear:
+    def _lagged(self, matrix: csc_matrix) -> KrylovLinear:
         """Solved by GMRES with the factors of an earlier point, which are renewed when that takes long."""
         last, exact = self._last, False
         if last is None or last.iterations > OUT_OF_DATE or last.precise is None:

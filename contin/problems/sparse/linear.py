@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from contin.abi import Vector
 from contin.problems.sparse.bordered import Approximate, ApproximateBordered, bordered
 from contin.problems.sparse.factor import Factor, Factoriser
 from contin.problems.sparse.krylov import COARSE, TOLERANCE, gmres
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 ALIKE = 0.8  # cosine (times the ratio of lengths) from which borders are taken for the same
 ACCURATE = 1e-6  # relative residual of GMRES beyond which a solution is not one
@@ -59,7 +62,7 @@ class Linear(Protocol):
 class DirectLinear:
     """A sparse matrix, factored when first needed."""
 
-    def __init__(self, matrix: Any, factoriser: Factoriser) -> None:
+    def __init__(self, matrix: csc_matrix, factoriser: Factoriser) -> None:
         self.matrix, self.factoriser = matrix, factoriser
 
     @cached_property
@@ -110,7 +113,7 @@ class KrylovLinear:
         precondition: Callable[[Vector], Vector],
         precise: Factor | None = None,
         exact: bool = False,
-        matrix: Any = None,
+        matrix: csc_matrix = None,
         shift: complex = 0.0,
     ) -> None:
         self._apply, self._precondition, self._shift = apply, precondition, shift

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from contin.errors import InputError
 from contin.problems.sparse import forms
 from contin.problems.sparse.linear import Linear
 from contin.problems.sparse.reduced import Reduced
+
+if TYPE_CHECKING:
+    from contin.problems.sparse.problem import LargeProblem
 
 SECANT_BUDGET = 10
 TRIAL = 1e-4  # first step of the secant method (scaled arclength)
@@ -63,14 +66,14 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
 
 
-def verify(problem: Any, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: LargeProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
     """The point of this type near a sample, to full precision; a string says why there is none."""
     if type_ == "BP":
         return _branch_point(problem, near, frame)
     return _fold(problem, near, frame) if type_ == "LP" else _hopf(problem, near, frame)
 
 
-def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """What can be told apart of several events at one place."""
     found: list[Verified | str] = []
     if a.tests[0] * b.tests[0] < 0.0:
@@ -94,7 +97,7 @@ class At:
     residual: float
 
 
-def point_at(problem: Any, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
+def point_at(problem: LargeProblem, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
     found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
@@ -152,7 +155,7 @@ def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[
 
 
 def _scatter(
-    problem: Any, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float, slope: float
+    problem: LargeProblem, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float, slope: float
 ) -> float:
     """Error of the parameter from the same evaluation at perturbed points."""
     generator = np.random.default_rng(2)
@@ -172,7 +175,7 @@ def _scatter(
 # folds and Hopf points ------------------------------------------------------------------------------------------------
 
 
-def _fold(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Verified | str:
     found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
         return "LP not verified: the parameter does not turn at one point of the curve"
@@ -263,7 +266,7 @@ def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Red
     return Reduced(problem, rows, null[:-1] * size), q
 
 
-def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Verified | str:
     reduced, _ = reduction(problem, near.z, near.tangent, frame.scale)
     found = reduced.branch_point(near.z)
     if found is None:
@@ -287,7 +290,7 @@ def _branch_point(problem: Any, near: Sample, frame: Frame) -> Verified | str:
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
 
 
-def tangents(problem: Any, z: Array, scale: Array) -> list[Array]:
+def tangents(problem: LargeProblem, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled) of the branches through z."""
     row = np.random.default_rng(5).normal(size=len(z))
     here = problem.linearisation(z, row / norm(row), scale)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contin.abi import Array
 from contin.problems.surfaces.jumps import Jump
+
+if TYPE_CHECKING:
+    from contin.problems.equilibrium import EquilibriumProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,13 +21,13 @@ class Sliding:
     regular: Any
     jump: Jump
 
-    def weights(self, problem: Any, z: Array) -> Array:
+    def weights(self, problem: EquilibriumProblem, z: Array) -> Array:
         """Of the field above the surface in the sliding motion, at rows z (k, n + 1): in (0, 1) where motion slides."""
         p = np.array([problem.full_parameters(row) for row in z])
         observed = problem.system.observables(np.ascontiguousarray(z[:, : problem.n]), p)
         return np.asarray(observed[:, -1])
 
-    def drive(self, problem: Any, z: Array) -> Array:
+    def drive(self, problem: EquilibriumProblem, z: Array) -> Array:
         """L f- - L f+ at rows z, relative to the lengths of the fields and of grad h.
 
         Positive where both fields lead to the surface, zero where they are tangent to it.

@@ -10,13 +10,17 @@ import random
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.errors import InputError
+from contin.records import Fields, Record
 from contin.simulate.scan.grid import Outcome, ScanSpec, table
 from contin.simulate.scan.runner import Runner, run_batch
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 BATCH: Final = 16  # runs that a worker of a cluster is given at once
 SEED: Final = 0  # of the order of the runs
@@ -35,7 +39,7 @@ class Scan:
         return table(self.spec.head(), self.rows)
 
     @property
-    def document(self) -> dict[str, Any]:
+    def document(self) -> Fields:
         """Everything, as data for JSON and for `contin.plot.scan.figure`."""
         return document_of(self.spec, self.rows)
 
@@ -48,7 +52,7 @@ class Scan:
         return "\n".join([f"{len(self.rows)} runs", *(f"  {name}: {count}" for name, count in self.counts.items())])
 
 
-def document_of(spec: ScanSpec, rows: Mapping[int, Outcome]) -> dict[str, Any]:
+def document_of(spec: ScanSpec, rows: Mapping[int, Outcome]) -> Fields:
     """Model, what was asked for, and the table, as data for JSON."""
     model = spec.model
     about = {
@@ -61,9 +65,9 @@ def document_of(spec: ScanSpec, rows: Mapping[int, Outcome]) -> dict[str, Any]:
 
 
 def scan(
-    model: Any, axes: Mapping[str, Sequence[float]], *, starts: Sequence[Any] | Mapping[str, Any] = (None,),
-    parameters: Mapping[str, Any] | None = None, measures: Mapping[str, str] | None = None,
-    classes: Mapping[str, str] | None = None, settle: Mapping[str, Any] | None = None, threads: int | None = None,
+    model: Model, axes: Mapping[str, Sequence[float]], *, starts: Sequence[Any] | Record = (None,),
+    parameters: Record | None = None, measures: Mapping[str, str] | None = None,
+    classes: Mapping[str, str] | None = None, settle: Record | None = None, threads: int | None = None,
     cluster: str | None = None, watch: Callable[[int, int], None] | None = None,
 ) -> Scan:  # fmt: skip
     """Simulate at every point of a grid over parameters or states, from each start, and name what is settled on.

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.errors import ExpressionError, InputError
 from contin.limits import MOST_RUNS
 from contin.model.expression import symbol
+from contin.records import Fields, Record
 from contin.simulate.condition import condition
 from contin.simulate.steady import STATISTICS, Criterion
 from contin.simulate.watch import watching
@@ -37,13 +38,13 @@ class ScanSpec:
     model: Any
     axes: tuple[tuple[str, Array], ...]
     starts: tuple[Any, ...] = (None,)
-    parameters: Mapping[str, Any] = field(default_factory=dict)
+    parameters: Record = field(default_factory=dict)
     measures: Mapping[str, str] = field(default_factory=dict)
     classes: Mapping[str, str] = field(default_factory=dict)
-    settle: Mapping[str, Any] = field(default_factory=dict)
+    settle: Record = field(default_factory=dict)
     names: tuple[str, ...] = ()
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> Fields:
         """What was given; the rest is made again on the other side."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
@@ -78,7 +79,7 @@ class ScanSpec:
         return tuple(self.watched.observables)
 
     @cached_property
-    def conditions(self) -> dict[str, Any]:
+    def conditions(self) -> Fields:
         """The classes' conditions, parsed."""
         statistics = [f"{name}_{what}" for name in self.quantities for what in STATISTICS]
         names = {name: symbol(name) for name in (*self.model.parameter_names, *statistics)}
@@ -104,7 +105,7 @@ class ScanSpec:
             for k, start in enumerate(self.starts)
         )
 
-    def head(self) -> dict[str, Any]:
+    def head(self) -> Fields:
         """All that the numbers of the runs refer to, as data for JSON."""
         return {
             "axes": {name: [float(v) for v in values] for name, values in self.axes},
@@ -135,7 +136,7 @@ class Outcome:
     statistics: Mapping[str, float]
 
 
-def table(head: Mapping[str, Any], rows: Mapping[int, Outcome]) -> dict[str, list[Any]]:
+def table(head: Record, rows: Mapping[int, Outcome]) -> dict[str, list[Any]]:
     """The finished runs in order, a row each: axes, start, class, outcome, time, statistics."""
     axes = head["axes"]
     names = [f"{q}_{what}" for q in head["quantities"] for what in STATISTICS]

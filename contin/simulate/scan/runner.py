@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from contin.abi import Array
 from contin.errors import ContinError
 from contin.lowering import compile_system
 from contin.model.evaluate import evaluate
+from contin.records import Fields
 from contin.simulate.natural import natural_metric
 from contin.simulate.scan.grid import NO_START, OTHER, Outcome, ScanSpec
 from contin.simulate.steady import Criterion, named_statistics, settle
@@ -37,7 +37,7 @@ class Runner:
                 return replace(default_criterion(self.system, natural_metric(self.system, *found[:2])), **given)
         return Criterion(1.0, **given)
 
-    def _start(self, job: int) -> tuple[Array, Array, dict[str, Any]] | None:
+    def _start(self, job: int) -> tuple[Array, Array, Fields] | None:
         """u, p and the parameters' overrides of a run; None where a start's formula has no value there."""
         spec = self.spec
         values, number = spec.place(job)

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from contin.model.expression import ZERO, Expression
+from contin.records import Fields
 from contin.symbolic.averaging.cells import SAME, Arc
 from contin.symbolic.averaging.switching_lines import X, Y
 from contin.symbolic.calculus.sampling import sample
@@ -47,7 +48,7 @@ def _relation(here: Expression, there: Expression, values: Mapping[str, float], 
     if here is ZERO and there is ZERO:
         return 1
     chance = np.random.default_rng(7)
-    env: dict[str, Any] = {n: v * chance.uniform(0.8, 1.2, SAMPLES) for n, v in values.items()}
+    env: Fields = {n: v * chance.uniform(0.8, 1.2, SAMPLES) for n, v in values.items()}
     x, y = (chance.uniform(-reach, reach, SAMPLES) for _ in range(2))
     first = sample([here], {**env, X: x, Y: y})[0]
     second = sample([there], {**env, X: -x, Y: -y})[0]

@@ -7,14 +7,15 @@ nodes is one formula at 512 values of the angle, and hundreds of thousands of ex
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from contin.machine import elementary
 from contin.model.expression import Expression, symbol
+from contin.records import Record
 from contin.symbolic.averaging.gauss_rule import Array, cosine_of_node, gauss
 from contin.symbolic.calculus.sampling import sample
 
@@ -22,7 +23,7 @@ COS: Final = symbol("@cos")
 SIN: Final = symbol("@sin")
 """Cosine and sine of the angle, in the formula of an integrand."""
 
-Values = Mapping[str, Any]  # of symbols: numbers, or arrays of shape (k,) for k amplitudes
+Values = Record  # of symbols: numbers, or arrays of shape (k,) for k amplitudes
 
 
 @dataclass(frozen=True)

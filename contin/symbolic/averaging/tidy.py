@@ -7,7 +7,7 @@ from typing import Any, Final
 LIMIT: Final = 400  # operations; longer formulas are only expanded
 
 
-def tidy(value: Any, variable: Any) -> Any:
+def tidy(value: object, variable: object) -> Any:
     """An equal formula with as few operations as cheap rewritings find.
 
     value : a sympy expression; nothing else is taken, least of all text, which sympy would evaluate.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 import numpy as np
@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from contin.machine import elementary
 from contin.model.expression import Expression, numeric_value, postorder
+from contin.records import Record
 
 Array = NDArray[np.float64]
 
 
-def sample(expressions: Iterable[Expression], env: Mapping[str, Any]) -> list[Array]:
+def sample(expressions: Iterable[Expression], env: Record) -> list[Array]:
     """Values where the symbols are numbers or arrays of one shape; NaN and infinities as in machine code."""
     roots = list(expressions)
     values: dict[Expression, Any] = {}

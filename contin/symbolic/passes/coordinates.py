@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import Expression, add, mul, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Limit, Start, State
+from contin.records import Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 from contin.symbolic.calculus.shorter import shorter
 from contin.symbolic.passes.formulas import read
@@ -22,7 +23,7 @@ TOLERANCE: Final = 1e-8
 
 
 def change_coordinates(
-    model: Model, states: Mapping[str, Any], inverse: Mapping[str, Any], periods: Mapping[str, Any] | None = None
+    model: Model, states: Record, inverse: Record, periods: Record | None = None
 ) -> Model:
     """The model in new states: `states` gives each in the old ones, `inverse` each old state in the new ones.
 

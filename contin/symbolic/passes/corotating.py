@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -28,6 +27,7 @@ from contin.model.model import Model
 from contin.model.parts import State
 from contin.model.rotation import check_rotation
 from contin.model.source import CallSource, Problems
+from contin.records import Fields, Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 from contin.symbolic.passes.formulas import read
 from contin.symbolic.passes.holding import holds
@@ -37,7 +37,7 @@ _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
 _generators: WeakKeyDictionary[Model, tuple[Expression, ...]] = WeakKeyDictionary()  # of the models made
 
 
-def corotate(model: Model, rotation: Mapping[str, Any] | None = None) -> Model:
+def corotate(model: Model, rotation: Record | None = None) -> Model:
     """`corotating` as a pass; `rotation` declares the circle symmetry where the model does not, e.g. {u: -v, v: u}."""
     if rotation is None:
         return corotating(model)
@@ -49,7 +49,7 @@ def corotate(model: Model, rotation: Mapping[str, Any] | None = None) -> Model:
             f"rotation: {model.name} has no state {unknown[0]!r}: there are {', '.join(model.state_names)}"
         )
     problems = Problems(CallSource("rotation"))
-    parts: dict[str, Any] = {
+    parts: Fields = {
         "states": model.states,
         "parameters": model.parameters,
         "equations": model.equations,

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.expression import Expression, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Start, State
+from contin.records import Record
 from contin.symbolic.passes.formulas import read
 
 
-def fix_parameters(model: Model, parameters: Mapping[str, Any]) -> Model:
+def fix_parameters(model: Model, parameters: Record) -> Model:
     """The model with these parameters replaced by numbers or by formulas in the remaining ones.
 
     Starts that set a fixed parameter lose that setting. Raises `InputError` for a name that is no parameter, and where

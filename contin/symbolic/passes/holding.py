@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 from contin.model.model import Model
 from contin.model.parts import Symmetry
 from contin.model.source import CallSource, Problems
 from contin.model.symmetry import check_symmetries
+from contin.records import Fields
 
 
 def holds(model: Model, symmetry: Symmetry) -> bool:
     """True where the equations have the symmetry; False also where they are finite at no sampled point."""
     problems = Problems(CallSource("pass"))
-    parts: dict[str, Any] = {
+    parts: Fields = {
         "states": model.states,
         "parameters": model.parameters,
         "equations": model.equations,

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from contin.model.build import start_from_mapping
 from contin.model.expression import ZERO, Expression, add, mul, number, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Start, State
+from contin.records import Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 
 
-def linearise(model: Model, at: str | Mapping[str, Any] | None = None) -> Model:
+def linearise(model: Model, at: str | Record | None = None) -> Model:
     """v' = Df(u*, p) v (a map: v -> Df(u*, p) v) at the point `at`: a named start, a mapping of states, or the default.
 
     The states keep their names and mean deviations from u*, whose formulas in the parameters are inserted: the model
@@ -39,7 +37,7 @@ def linearise(model: Model, at: str | Mapping[str, Any] | None = None) -> Model:
     )
 
 
-def _start(model: Model, at: str | Mapping[str, Any] | None) -> Start:
+def _start(model: Model, at: str | Record | None) -> Start:
     if at is None:
         return Start("", {})
     if isinstance(at, str):

@@ -16,6 +16,7 @@ from contin.model.expression import ZERO, Expression, add, div, mask_of, mul, ne
 from contin.model.model import Model
 from contin.model.parser import parse
 from contin.model.scope import Function
+from contin.records import Fields, Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 
 Row = dict[str, Expression]
@@ -26,10 +27,10 @@ def mechanical_model(
     coordinates: Sequence[str],
     equations: Sequence[str | Expression],
     *,
-    parameters: Mapping[str, Any],
+    parameters: Record,
     reactions: Sequence[str] = (),
     velocities: Mapping[str, str] | None = None,
-    functions: Mapping[str, Any] | None = None,
+    functions: Record | None = None,
     **more: Any,
 ) -> Model:
     """The first-order model of equations 0 = equations[k], linear in the accelerations dd<coordinate>.
@@ -57,7 +58,7 @@ def mechanical_model(
     solved = _accelerations(residuals, unknowns, _anywhere(known, parameters))
     names = {q: (velocities or {}).get(q, f"d{q}") for q in coordinates}
     renamed = {symbol(f"d{q}"): symbol(v) for q, v in names.items()}
-    motion: dict[str, Any] = {}
+    motion: Fields = {}
     for q in coordinates:
         motion[q] = symbol(names[q])
         motion[names[q]] = substitute([solved[f"dd{q}"]], renamed)[0]
@@ -65,7 +66,7 @@ def mechanical_model(
     return Model(name, states=states, parameters=dict(parameters), equations=motion, **more)
 
 
-def _functions(texts: Mapping[str, Any], parameters: Mapping[str, Any]) -> Mapping[str, Function]:
+def _functions(texts: Record, parameters: Record) -> Mapping[str, Function]:
     """Declared functions, read by a model of their own."""
     if not texts:
         return {}
@@ -73,7 +74,7 @@ def _functions(texts: Mapping[str, Any], parameters: Mapping[str, Any]) -> Mappi
                  equations={"t_": 0}).functions  # fmt: skip
 
 
-def _anywhere(names: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, float]:
+def _anywhere(names: Sequence[str], parameters: Record) -> dict[str, float]:
     """A general point, to tell a zero pivot from others."""
     return {name: 0.61 + 0.137 * ((7 * k) % 11) for k, name in enumerate(names)}
 

@@ -8,7 +8,7 @@ k_i), kappa_i = k_i/k_1, rho_i = delta_i/delta_1 and f_i = eps g_i.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from contin.errors import InputError
 from contin.model.model import Model
+from contin.records import Fields, Record
 from contin.symbolic.passes.mechanics import mechanical_model
 
 ESCAPEMENT = "a*x^3 - b*x^5 if x*y > 0 else 0"
@@ -27,8 +28,8 @@ def metronomes(
     *,
     alike: bool = True,
     escapement: str = ESCAPEMENT,
-    parameters: Mapping[str, Any] | None = None,
-    platforms: Any = None,
+    parameters: Record | None = None,
+    platforms: object = None,
     places: Sequence[Any] | None = None,
     spring: float = 0.1,
 ) -> Model:
@@ -61,7 +62,7 @@ def metronomes(
     loads = " + ".join(f"eps*{mu}*({s})*dd{q}" for q, mu, s in zip(names, mass, unit, strict=True))
     total = " + ".join(f"eps*{mu}" for mu in mass)
     equations.append(f"(1 + {total})*ddX + {loads}")
-    values: dict[str, Any] = {}
+    values: Fields = {}
     for mu, beta in zip(mass, damping, strict=True):
         values |= {mu: 8, beta: 0.8}
     if not alike:
@@ -86,7 +87,7 @@ def _names(count: int, alike: bool) -> tuple[list[str], list[str], list[str], li
 def _on_graph(
     names: Sequence[str],
     escapement: str,
-    given: Mapping[str, Any],
+    given: Record,
     platforms: Any,
     places: Sequence[Any] | None,
     spring: float,
@@ -115,7 +116,7 @@ def _on_graph(
 def _model(
     names: Sequence[str],
     equations: Sequence[str],
-    parameters: Mapping[str, Any],
+    parameters: Record,
     escapement: str,
     reactions: Sequence[str],
     symmetric: bool,

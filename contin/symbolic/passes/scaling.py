@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.expression import ONE, Expression, div, mul, substitute, symbol
 from contin.model.model import Model
 from contin.model.parts import Start
+from contin.records import Record
 from contin.symbolic.passes.formulas import read
 
 
-def scale(model: Model, time: Any = 1, states: Mapping[str, Any] | None = None) -> Model:
+def scale(model: Model, time: object = 1, states: Record | None = None) -> Model:
     """The model in units `time` of time and `states` of the states: t = time * new t, x = unit * new x.
 
     Units are numbers or formulas in the parameters, and must not be zero. Names stay; values, starts, observables and

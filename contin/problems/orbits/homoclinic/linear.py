@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +37,7 @@ class Factorised:
         return out
 
 
-def factorised(equations: Array, jacobian: Any, where: NDArray[np.intp], tangent: Array) -> Factorised | None:
+def factorised(equations: Array, jacobian: csc_matrix, where: NDArray[np.intp], tangent: Array) -> Factorised | None:
     """None where something is not finite, or the matrix singular."""
     from scipy import sparse
     from scipy.sparse.linalg import splu

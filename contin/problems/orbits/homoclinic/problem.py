@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,11 @@ from contin.problems.orbits.layout import make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
 from contin.problems.orbits.zero_of_test import zero_of_test
+from contin.records import Fields
 from contin.special.table import tests_of_connections
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 OUTGROWN = 1.5  # mesh error beside the tolerance at which a new mesh is made
 SMALL = 0.01  # extent of the orbit, relative to the states' sizes, below which it is the point that it shrinks to
@@ -38,7 +42,7 @@ class ConnectionProblem(MarchedInPython):
     """See `contin.problems.orbits.homoclinic.curve` for the unknowns and equations."""
 
     curve: ConnectionCurve
-    _last: dict[str, Any] = field(default_factory=dict)
+    _last: Fields = field(default_factory=dict)
 
     maximum_chunk = 5  # a step takes some 20 ms
 
@@ -92,7 +96,7 @@ class ConnectionProblem(MarchedInPython):
         """Without the zero eigenvalue of a saddle-node, whose rounding has a sign."""
         return self.curve.unstable_count if self.curve.node else int(np.sum(values.real > 0.0))
 
-    def _adjoint(self, jacobian: Any, z: Array) -> Array | None:
+    def _adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
         if self.curve.node:
             return None

@@ -9,7 +9,7 @@ read off the orbit: which of the saddle's directions have a part in it need not 
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.ends import LINGERING
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import Saddle, distance, extent_of, rounded, saddles_near
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.orbits.loci.problem import OrbitLocusProblem
@@ -84,7 +85,7 @@ def _end(
     first, second = problem.parameters
     names = problem.system.state_names
     kind = "homoclinic" if len(saddles) == 1 else "heteroclinic"
-    found: list[dict[str, Any]] = [
+    found: list[Fields] = [
         {
             "state": dict(zip(names, rounded(s.u, sizes).tolist(), strict=True)),
             "eigenvalues": s.eigenvalues,
@@ -92,7 +93,7 @@ def _end(
         }
         for s in saddles
     ]
-    data: dict[str, Any] = {"at": {first: float(z[-1]), second: float(z[-2])}, "error": beside * float(scale[-1])}
+    data: Fields = {"at": {first: float(z[-1]), second: float(z[-2])}, "error": beside * float(scale[-1])}
     if len(saddles) == 1:
         data |= {"saddle": found[0]["state"], "passes": saddles[0].visits}
         data |= {k: found[0][k] for k in ("eigenvalues", "saddle_quantity")}

@@ -16,6 +16,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
 from contin.problems.shooting.return_map import NoDerivatives
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.orbits.layout import Profile
@@ -34,7 +35,7 @@ class CriticalCurve(Protocol):
     @property
     def type(self) -> str: ...
     @property
-    def critical(self) -> dict[str, Any]:
+    def critical(self) -> Fields:
         """What the chunks before have told: `typical`, `last` and `failures`."""
 
     def further(self, z: Array) -> float:

@@ -29,6 +29,7 @@ from contin.problems.orbits.loci.work import KINDS, Normals, Work
 from contin.problems.orbits.normal_form import period_doubling, torus
 from contin.problems.orbits.rows import Rows
 from contin.problems.orbits.two_parameters import CurveOfPeriodicOrbits
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -45,7 +46,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     orbits: OrbitProblem
     second: int
     _works: dict[str, Work] = field(default_factory=dict)
-    critical: dict[str, Any] = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
+    critical: Fields = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
 
     @property
     def extra(self) -> int:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.normal_form import coefficient
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.return_map import ReturnMap
+from contin.records import Fields
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
 
     type: str
     orbits: ShootingProblem
-    critical: dict[str, Any]  # see `contin.problems.orbits.loci.criticality`
+    critical: Fields  # see `contin.problems.orbits.loci.criticality`
 
     @property
     def _states(self) -> int:
@@ -90,8 +90,8 @@ class ShootingCurve(CurveByShooting):
     type: str
     orbits: ShootingProblem
     second: int
-    _memory: dict[str, Any] = field(default_factory=dict)
-    critical: dict[str, Any] = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
+    _memory: Fields = field(default_factory=dict)
+    critical: Fields = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
 
     movable = True
     touched = None

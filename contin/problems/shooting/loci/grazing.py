@@ -19,6 +19,7 @@ from contin.problems.shooting.loci.curve import CurveByShooting, Equations
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.loci.touching import Touch, vertex
 from contin.problems.shooting.problem import ShootingProblem
+from contin.records import Fields
 from contin.simulate.flight import fly
 from contin.symbolic.calculus.derivatives import derivative
 
@@ -32,7 +33,7 @@ class GrazingCurve(CurveByShooting):
     orbits: ShootingProblem
     second: int
     touch: Touch
-    _memory: dict[str, Any] = field(default_factory=dict)  # time: where the extremum is looked for
+    _memory: Fields = field(default_factory=dict)  # time: where the extremum is looked for
 
     type = "LPC"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from contin.problems.sparse.loci import forms
 from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.singular import Folds
 from contin.problems.sparse.special import At, refine, secant
+from contin.records import Fields
 from contin.special.table import signs_of_points
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def _described(problem: LargeLocus, type_: str, z: Array, residual: float, error
     more = sorted(kinds, key=lambda k: abs(values[k].real) if type_ != "BT" else abs(values[k]))[:count]
     free = [k for k in rest if k not in more]
     critical = values[[*own, *more]]
-    known: dict[str, Any] = {"critical": critical}
+    known: Fields = {"critical": critical}
     pairs = [k for k in [*own, *more] if values[k].imag > REAL * abs(values[k])]
     known["omegas"] = [float(values[k].imag) for k in pairs]
     known["pairs"] = [vectors[:, k] for k in pairs]

@@ -19,6 +19,7 @@ from contin.normalforms.point import normal_form as dense_form
 from contin.normalforms.result import NO_FORM
 from contin.problems.sparse.forms import state
 from contin.problems.sparse.loci.singular import Folds
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.problems.sparse.loci.problem import LargeLocus
@@ -26,9 +27,9 @@ if TYPE_CHECKING:
 DENSE = 400  # unknowns up to which dense linear algebra takes a second at most
 
 
-def with_normal_form(problem: LargeLocus, point: Verified, known: dict[str, Any]) -> Verified:
+def with_normal_form(problem: LargeLocus, point: Verified, known: Fields) -> Verified:
     """The point with coefficients (FORMATS' names) and vectors; with a remark in place of what cannot be computed."""
-    vectors: dict[str, Any] = {}
+    vectors: Fields = {}
     try:
         if point.type == "CP":
             form = cusp(problem, point.z)
@@ -45,7 +46,7 @@ def with_normal_form(problem: LargeLocus, point: Verified, known: dict[str, Any]
     return replace(point, normal_form=form, vectors=known | vectors)
 
 
-def cusp(problem: LargeLocus, z: Array) -> dict[str, Any]:
+def cusp(problem: LargeLocus, z: Array) -> Fields:
     """c = <p, C(q,q,q) + 3 B(q,h)>/6 with A h = -B(q,q), <p, h> = 0, <p, q> = 1, |q| = 1 (Kuznetsov, sec. 8.7)."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -60,7 +61,7 @@ def cusp(problem: LargeLocus, z: Array) -> dict[str, Any]:
     return {"c": float(np.real(at.at.functional(cubic))) / size / 6.0}
 
 
-def takens(problem: LargeLocus, z: Array) -> tuple[dict[str, Any], dict[str, Any]]:
+def takens(problem: LargeLocus, z: Array) -> tuple[Fields, Fields]:
     """a = <p1, B(q0,q0)>/2, b = <p0, B(q0,q0)> + <p1, B(q0,q1)> (Kuznetsov, sec. 8.7); |q0| = 1, q0.q1 = 0."""
     branch, point = problem.curve.branch(z)
     at = problem.curve.singular(z)
@@ -84,7 +85,7 @@ def takens(problem: LargeLocus, z: Array) -> tuple[dict[str, Any], dict[str, Any
     return form, {"null": q0, "generalised": q1}
 
 
-def _dense(problem: LargeLocus, type_: str, z: Array, known: dict[str, Any]) -> dict[str, Any]:
+def _dense(problem: LargeLocus, type_: str, z: Array, known: Fields) -> Fields:
     branch, point = problem.curve.branch(z)
     linear = branch.linear(point)
     matrix = _entries(linear, problem.n)
