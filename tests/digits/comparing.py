@@ -39,14 +39,20 @@ CHOICES: dict[str, dict[str, str]] = {
 }
 
 
+def unfixed() -> dict[str, str]:
+    """The environment without what `tests/conftest.py` fixed in it: another processor chooses for itself."""
+    chosen = ("OPENBLAS_CORETYPE", "MKL_CBWR", "NPY_DISABLE_CPU_FEATURES")
+    return {k: v for k, v in os.environ.items() if k not in chosen and not k.endswith("NUM_THREADS")}
+
+
 def results(run: Path, environment: Mapping[str, str], folder: Path, python: Sequence[str] = (sys.executable,)) -> str:
     """The results of a run as text, times left out; AssertionError with what the command said where it failed."""
     copy = Path(shutil.copy(run, folder))  # its outputs are written beside it
     out = folder / "results.json"
-    kept = {name: value for name, value in os.environ.items() if not name.endswith("NUM_THREADS")}
     ended = subprocess.run(
         [*python, "-m", "contin", "run", str(copy), "--json", str(out), "--quiet"],
-        env={**kept, "PYTHONPATH": str(ROOT), **environment}, cwd=folder, capture_output=True, text=True, check=False,
+        env={**unfixed(), "PYTHONPATH": str(ROOT), **environment}, cwd=folder,
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert ended.returncode in (0, 1), ended.stderr
     return without_times(json.loads(out.read_text(encoding="utf-8")))

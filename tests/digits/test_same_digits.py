@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
 
 import pytest
 
-from tests.digits.comparing import CHOICES, ROOT, RUNS, first_difference, results
+from tests.digits.comparing import CHOICES, ROOT, RUNS, first_difference, results, unfixed
 from tests.digits.digest import digest
 
 EMULATOR = shutil.which("qemu-x86_64")
@@ -49,6 +48,6 @@ def test_digits_are_those_of_another_makers_processor(run, processor, tmp_path):
 @pytest.mark.parametrize("processor", ["Haswell", "EPYC", "Nehalem"])
 def test_elementary_functions_are_those_of_another_makers_processor(processor):
     command = [str(EMULATOR), "-cpu", processor, sys.executable, str(ROOT / "tests" / "digits" / "digest.py")]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    environment = {**unfixed(), "PYTHONPATH": str(ROOT)}
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert ended.stdout.split()[1] == digest()
