@@ -2,10 +2,14 @@
 
 numpy and BLAS compute as the command has them do, with the level of machine code and one thread, so that the same
 digits are tested on every processor. `CONTIN_TARGET=x86-64-v2` tests those of another level, and
-`CONTIN_TEST_LIBRARIES=processor` what numpy and BLAS choose by themselves: the tests must pass with each.
+`CONTIN_TEST_LIBRARIES=processor` what numpy and BLAS choose by themselves, `CONTIN_TEST_NOISE=1` (any number) what
+rounding may do anywhere (`tests/noise.py`): the tests must pass with each.
+
+`pytest -m fast` runs the core in under a minute once the kernels are compiled: what is in `FAST`, marked here.
 """
 
 import os
+from pathlib import Path
 
 if os.environ.get("CONTIN_TEST_LIBRARIES") == "processor":
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # read when numpy is imported, here and in processes that tests start
@@ -16,5 +20,47 @@ else:
 
 from hypothesis import settings
 
+if os.environ.get("CONTIN_TEST_NOISE"):
+    from tests.noise import add_noise
+
+    add_noise(int(os.environ["CONTIN_TEST_NOISE"]))
+
 settings.register_profile("contin", deadline=None, derandomize=True)
 settings.load_profile("contin")
+
+FAST = """
+    continuation kernels lowering machine model normalforms simulate symbolic
+    problems/functions problems/loci problems/maps problems/test_corners.py problems/test_labels.py
+    problems/test_start.py problems/orbits/test_defining.py problems/orbits/test_ends.py problems/orbits/test_meshes.py
+    problems/orbits/test_planar.py problems/shooting/test_families.py truth/test_units.py
+    diagram/test_diagram.py diagram/phase/test_plane.py store/test_json_format.py store/test_sqlite.py
+    cli/test_bad_input.py
+""".split()
+SLOW = """
+    kernels/test_library.py model/test_kept.py symbolic/test_reach.py symbolic/test_second_order.py
+    symbolic/test_averaging_several.py
+""".split()
+HERE = Path(__file__).parent
+
+
+def is_fast(path: Path) -> bool:
+    """Whether a file is, or is in, one of `FAST` and none of `SLOW`."""
+    if not path.is_relative_to(HERE):
+        return False
+    relative = path.relative_to(HERE)
+    inside = {relative.as_posix(), *(parent.as_posix() for parent in relative.parents)}
+    return bool(inside & set(FAST)) and not inside & set(SLOW)
+
+
+def pytest_ignore_collect(collection_path, config):
+    """With `-m fast` other files are not even imported."""
+    if config.option.markexpr == "fast" and collection_path.is_file() and not is_fast(collection_path):
+        return True
+    return None
+
+
+def pytest_collection_modifyitems(items):
+    """Marks what is `fast`; long versions of its tests are not."""
+    for item in items:
+        if is_fast(item.path) and not item.get_closest_marker("long"):
+            item.add_marker("fast")

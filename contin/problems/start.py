@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 BUDGET = 60
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
+REAL = 1e-3  # relative difference of a state from the one that Newton's method finds from zero
 RADII = (0.1, 0.5, 2.0, 10.0)  # around a start that fails, relative to it, and ...
 STARTS = 8  # ... how many are tried within each
 SHOWN = 12  # states in a message
@@ -123,17 +124,19 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilib
     scale = np.maximum(np.abs(u), np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
     best_u, best = u, history[0]
     before = np.inf
+
+    def solution(state: Array) -> Equilibrium:
+        return Equilibrium(system, _without_rounding(evaluate, state, scale), problem.base, angle_periods)
+
     for _ in range(BUDGET):
         if history[-1] == 0.0:
-            return Equilibrium(system, u, problem.base, angle_periods)
+            return solution(u)
         step = _newton_step(a, f, scale)
         if step is None:
             break
         size = float(np.max(np.abs(step) / np.maximum(scale, np.abs(u))))
         if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
-            if size < before:
-                u = u + step
-            return Equilibrium(system, u, problem.base, angle_periods)
+            return solution(u + step if size < before else u)
         damping = 1.0
         accepted = False
         while damping > 1e-4:
@@ -149,7 +152,7 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilib
             damping *= 0.5
         if not accepted:
             if _is_rounding(lambda state: evaluate(state)[0], u, f, step, scale):
-                return Equilibrium(system, u, problem.base, angle_periods)
+                return solution(u)
             break
         before = size if damping == 1.0 else np.inf
         u, f, a = trial, f_trial, a_trial
@@ -185,6 +188,24 @@ def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: A
         return False
     back = function(u - 1000.0 * step)
     return bool(np.max(np.abs(back - 1001.0 * f)) <= 0.1 * np.max(np.abs(1001.0 * f)))
+
+
+def _without_rounding(evaluate: Callable[[Array], tuple[Array, Array]], u: Array, scale: Array) -> Array:
+    """u with zeros where a state is smaller than Newton's accuracy and only rounding.
+
+    A metric in which 1e-34 is the size of a state would stop the run at its first step. A state that really is that
+    small is one to which Newton's method comes back from zero.
+    """
+    tiny = (u != 0.0) & (np.abs(u) < ACCURATE * scale)
+    if not tiny.any():
+        return u
+    cleared = np.where(tiny, 0.0, u)
+    f, a = evaluate(cleared)
+    step = _newton_step(a, f, scale) if np.all(np.isfinite(f)) and np.all(np.isfinite(a)) else None
+    if step is None:
+        return u
+    real = np.abs(cleared + step - u) <= REAL * np.abs(u)
+    return np.where(tiny & ~real, 0.0, u)
 
 
 def _newton_step(a: Array, f: Array, scale: Array) -> Array | None:

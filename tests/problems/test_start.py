@@ -2,6 +2,7 @@
 
 from math import exp
 
+import numpy as np
 import pytest
 
 import contin
@@ -45,3 +46,21 @@ def test_a_model_without_parameters_has_no_branches(verb):
     model = contin.Model("fixed", states={"x": 1.0, "y": 0.0}, equations={"x": "y", "y": "(1 - x^2)*y - x"})
     with pytest.raises(InputError, match="model 'fixed' has no parameters, and so no branches of solutions: declare"):
         verb(model)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_run_from_beside_zero_is_the_run_from_zero(seed):
+    """Newton's method comes to 1e-34 there, which is nobody's scale."""
+    equations = {"x": "p*x - 0.3*y - x^3", "y": "0.3*x + p*y - y^3", "z": "x*y + p*z"}
+    system = model(equations, dict.fromkeys("xyz", 0.0), {"p": -1.0})
+    size = 10.0 ** -(1 + seed % 3)
+    start = dict(zip("xyz", size * np.random.default_rng(seed).uniform(-1.0, 1.0, 3), strict=True))
+    beside = contin.continuation(contin.equilibrium(system, start), "p", (-1.0, 1.5))
+    assert np.all(beside.columns["x"] == 0.0)
+    assert [end.reason for end in beside.ends] == ["bound", "bound"]
+
+
+def test_a_state_that_is_truly_small_stays():
+    system = model({"x": "1e-20*p - x", "y": "p - y"}, {"x": 0.0, "y": 0.0}, {"p": 1.0})
+    found = contin.equilibrium(system, {"x": 1e-3, "y": 0.5})
+    assert found.u == pytest.approx([1e-20, 1.0], rel=1e-12, abs=0.0)
