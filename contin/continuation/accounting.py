@@ -47,12 +47,14 @@ def unexplained(
             corners.update(range(row - BESIDE, row + BESIDE + 1))
     for row in jumps:
         corners.update(range(row - BESIDE, row + BESIDE + 1))
-    found, last, slack = [], None, 0
-    for row, count in enumerate(unstable.tolist()):
-        if row in allowed:
-            slack += allowed[row]
-            continue
-        if last is not None and abs(count - last) > slack and row not in corners:
+    counted = np.ones(len(unstable), dtype=bool)
+    counted[[row for row in allowed if 0 <= row < len(unstable)]] = False
+    rows = np.flatnonzero(counted)
+    changes = np.abs(np.diff(unstable[rows]))
+    found = []
+    for place in np.flatnonzero(changes).tolist():  # from one counted row to the next one
+        first, row = int(rows[place]), int(rows[place + 1])
+        slack = sum(allowed[between] for between in range(first + 1, row))
+        if changes[place] > slack and row not in corners:
             found.append(row)
-        last, slack = count, 0
     return found

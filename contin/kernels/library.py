@@ -85,7 +85,7 @@ def _is_part(value: Any) -> bool:
 
 
 def _load(declaration: Declaration) -> None:
-    wanted = {n: d for n, d in called_by(declaration).items() if n not in _loaded}
+    wanted = {d.name: d for d in _called_by_symbol(declaration) if d.name not in _loaded}
     pieces = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
     missing = {n: d for n, d in wanted.items() if n not in pieces}
     if missing:
@@ -101,11 +101,16 @@ def _load(declaration: Declaration) -> None:
     _loaded.update(pieces)
 
 
+def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
+    """The kernel and all that it needs: the code of those that are put in place is in their callers'."""
+    return (d for d in called_by(declaration).values() if d is declaration or not d.inlined)
+
+
 def _companions(declaration: Declaration) -> Iterable[Declaration]:
-    """The other kernels of its module, with all that they call."""
+    """The other kernels of its module, with all that they need."""
     for value in declaration.function.__globals__.values():
         if isinstance(value, Kernel) and value.declaration.function.__module__ == declaration.function.__module__:
-            yield from called_by(value.declaration).values()
+            yield from _called_by_symbol(value.declaration)
 
 
 def module_of(declaration: Declaration) -> str:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
 import struct
 import subprocess
 import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import Any, Final, NoReturn
 
 from contin.errors import ContinError
 from contin.kernels.mode import Declaration
@@ -31,6 +33,7 @@ ENVIRONMENT: Final = {
 }
 START: Final = "import sys; sys.path.insert(0, sys.argv[1]); from contin.kernels.building.worker import main; main()"
 
+PATIENCE: Final = 10.0  # seconds in which a process ends that has nothing more to do
 
 Pieces = tuple[Piece, ...]
 """Machine code of one kernel, for one target or several."""
@@ -73,7 +76,7 @@ def make(
         except KernelError as error:
             failed.append(str(error))
 
-    workers = [Worker(labels or (target.label(),)) for _ in range(min(_processors(), total))]
+    workers = started(labels or (target.label(),), min(_processors(), total))
     try:
         threads = [threading.Thread(target=serve, args=(worker,), daemon=True) for worker in workers]
         for thread in threads:
@@ -84,58 +87,102 @@ def make(
     finally:
         for worker in workers:
             worker.close()
+        for process in {worker.process for worker in workers}:
+            process.end(at_once=len(done) < total)
     if failed:
         raise KernelError(failed[0])
     return done
 
 
-class Worker:
-    """A process with numba in it. Names go in by lines, files of `contin.machine.objects` come out, length first."""
+def started(labels: Sequence[str], count: int) -> list[Worker]:
+    """Processes that make kernels for these targets.
 
-    def __init__(self, labels: Sequence[str]) -> None:
-        self.labels = labels
+    Where a process can be copied, numba is imported and warmed up in one, of which the others are copies.
+    """
+    if not hasattr(os, "fork"):
+        return [Worker(process := Process(labels), process.stdin, process.stdout) for _ in range(count)]
+    pipes = [(os.pipe(), os.pipe()) for _ in range(count)]
+    theirs = [(names[0], pieces[1]) for names, pieces in pipes]
+    process = Process(labels, theirs)
+    for pair in theirs:
+        for end in pair:
+            os.close(end)
+    return [Worker(process, os.fdopen(names[1], "wb"), os.fdopen(pieces[0], "rb")) for names, pieces in pipes]
+
+
+class Process:
+    """A process with numba in it, and its copies: one for each pair of pipes, or one on its standard streams."""
+
+    def __init__(self, labels: Sequence[str], pipes: Sequence[tuple[int, int]] = ()) -> None:
         root = str(Path(__file__).parents[2])
+        pairs = ",".join(f"{names}:{pieces}" for names, pieces in pipes) or "standard"
         # -P: no file in the folder where the user happens to be is taken for a module
-        self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", START, root, *labels],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-c", START, root, pairs, *labels],
+            stdin=subprocess.DEVNULL if pipes else subprocess.PIPE, stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL if pipes else subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
+            pass_fds=[end for pair in pipes for end in pair], start_new_session=bool(pipes),
         )  # fmt: skip
+        self.labels = labels
+        self.stdin, self.stdout = self._process.stdin, self._process.stdout
         self._errors = bytearray()
         self._reader = threading.Thread(target=self._read_errors, daemon=True)
         self._reader.start()
 
-    def make(self, name: str) -> Pieces:
-        """The machine code of one kernel for every target."""
-        assert self.process.stdin is not None
-        try:
-            self.process.stdin.write(name.encode() + b"\n")
-            self.process.stdin.flush()
-        except OSError:
-            self._fail(name)
-        return tuple(self._read() or self._fail(name) for _ in self.labels)
+    def told(self) -> str:
+        """The end of what it wrote to standard error."""
+        self._reader.join(1.0)
+        return " / ".join(bytes(self._errors).decode(errors="replace").strip().splitlines()[-3:])
 
-    def _read(self) -> Piece | None:
-        assert self.process.stdout is not None
-        length = self.process.stdout.read(8)
-        if len(length) < 8:
-            return None
-        return objects.from_bytes(self.process.stdout.read(struct.unpack("<Q", length)[0]))
-
-    def _fail(self, name: str) -> NoReturn:
-        self._reader.join(5.0)
-        told = bytes(self._errors).decode(errors="replace").strip().splitlines()
-        raise KernelError(f"the kernel {name} could not be compiled: {' / '.join(told[-3:]) or 'no reason given'}")
-
-    def close(self) -> None:
-        """End the process."""
-        self.process.kill()
-        self.process.communicate()
+    def end(self, at_once: bool) -> None:
+        """See it end, with its copies, once their pipes are closed; `at_once` where they are still at work."""
+        if not at_once:
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(PATIENCE)
+                return
+        if self.stdin is None:
+            with suppress(OSError):  # all of them have ended
+                os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
+        self._process.wait()
 
     def _read_errors(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
+        assert self._process.stderr is not None
+        for line in self._process.stderr:
             self._errors += line
             del self._errors[:-20_000]
+
+
+class Worker:
+    """What makes one kernel after another. Names go in by lines, files of `contin.machine.objects` come out, length
+    first.
+    """
+
+    def __init__(self, process: Process, names: Any, pieces: Any) -> None:
+        self.process, self.names, self.pieces = process, names, pieces
+
+    def make(self, name: str) -> Pieces:
+        """The machine code of one kernel for every target."""
+        try:
+            self.names.write(name.encode() + b"\n")
+            self.names.flush()
+        except OSError:
+            self._fail(name)
+        return tuple(self._read() or self._fail(name) for _ in self.process.labels)
+
+    def _read(self) -> Piece | None:
+        length = self.pieces.read(8)
+        if len(length) < 8:
+            return None
+        return objects.from_bytes(self.pieces.read(struct.unpack("<Q", length)[0]))
+
+    def _fail(self, name: str) -> NoReturn:
+        raise KernelError(f"the kernel {name} could not be compiled: {self.process.told() or 'no reason given'}")
+
+    def close(self) -> None:
+        """There are no more names."""
+        with suppress(OSError):
+            self.names.close()
 
 
 def _processors() -> int:

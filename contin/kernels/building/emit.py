@@ -15,6 +15,7 @@ from numba.core.registry import cpu_target
 
 from contin.kernels.building import references
 from contin.kernels.building.functions import REGISTRY, KernelFunction, symbol
+from contin.kernels.building.lean import LeanCompiler
 from contin.kernels.building.targets import BuildTarget
 from contin.kernels.signature import Array, Scalar, Tuple, Type, words
 from contin.machine.elementary import FUNCTIONS
@@ -54,7 +55,7 @@ def translate(kernel: KernelFunction) -> Translated:
         flags.fastmath = FAST
     result = compiler.compile_extra(
         cpu_target.typing_context, cpu_target.target_context, declaration.function, signature.args,
-        signature.return_type, flags, {},
+        signature.return_type, flags, {}, pipeline_class=LeanCompiler,
     )  # fmt: skip
     library, descriptor = result.library, result.fndesc
     if _can_be_called(kernel):

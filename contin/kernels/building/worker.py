@@ -1,4 +1,4 @@
-"""A process that makes kernels: names on standard input, a line each; machine code on standard output, length first."""
+"""Processes that make kernels: names come in, a line each; machine code goes out, length first."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import struct
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from importlib import import_module
 
 from contin.kernels import mode, sources
@@ -15,16 +16,53 @@ from contin.machine import objects
 
 
 def main() -> None:
-    """Serve until standard input ends. Arguments: the folder that holds contin, the targets' names."""
-    targets = [EVERY[label] for label in sys.argv[2:]]
-    out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # nothing that is printed may come between
+    """Serve until there are no more names.
+
+    Arguments: the folder that holds contin; descriptors to read and write, `3:6,4:7`, one pair for this process and
+    each of its copies, or `standard`; the targets' names.
+    """
+    targets = [EVERY[label] for label in sys.argv[3:]]
     mode.compiler = NumbaCompiler()
-    for line in sys.stdin:
-        for piece in made(line.strip(), targets):
-            data = objects.to_bytes(piece)
-            out.write(struct.pack("<Q", len(data)) + data)
-        out.flush()
+    if sys.argv[2] == "standard":
+        pairs = [(0, os.dup(1))]
+        os.dup2(2, 1)  # nothing that is printed may come between
+    else:
+        pairs = [(int(names), int(pieces)) for names, _, pieces in (p.partition(":") for p in sys.argv[2].split(","))]
+    if len(pairs) > 1:
+        warm_up()
+    serve(*mine(pairs), targets)
+    for _ in pairs[1:]:
+        with suppress(ChildProcessError):  # a copy has none
+            os.wait()
+    os._exit(0)  # nothing is left to do, and taking numba down takes time
+
+
+def mine(pairs: Sequence[tuple[int, int]]) -> tuple[int, int]:
+    """This process's pair, after it has made a copy of itself for every other one."""
+    chosen = next((pair for pair in pairs[1:] if os.fork() == 0), pairs[0])
+    for pair in pairs:
+        if pair is not chosen:  # else the end of one process would not be seen while others live
+            for end in pair:
+                os.close(end)
+    return chosen
+
+
+def warm_up() -> None:
+    """Let numba load what every kernel needs."""
+    from contin.kernels.building import warming
+    from contin.kernels.building.emit import translate
+
+    translate(REGISTRY[warming.NAME])
+
+
+def serve(names: int, pieces: int, targets: Sequence[BuildTarget]) -> None:
+    """Make what is asked for, one after the other."""
+    with os.fdopen(names) as wanted, os.fdopen(pieces, "wb") as out:
+        for line in wanted:
+            for piece in made(line.strip(), targets):
+                data = objects.to_bytes(piece)
+                out.write(struct.pack("<Q", len(data)) + data)
+            out.flush()
 
 
 def made(name: str, targets: Sequence[BuildTarget]) -> Iterator[objects.Piece]:

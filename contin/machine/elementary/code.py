@@ -34,6 +34,11 @@ def addresses(names: Iterable[str] = tuple(FUNCTIONS)) -> dict[str, int]:
     return {symbol(name): _address(name, symbol(name)) for name in names}
 
 
+def is_loaded(name: str) -> bool:
+    """Whether the function's machine code is in this process."""
+    return symbol(name) in _addresses
+
+
 def loop_address(name: str) -> int:
     """Address of contin_NAME_many(n, x, out), or (n, x, y, out): the function over arrays."""
     return _address(name, f"{symbol(name)}_many")

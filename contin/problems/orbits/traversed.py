@@ -8,6 +8,7 @@ step helps the branch ends as joined.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,25 +23,36 @@ if TYPE_CHECKING:
 
 PARTS: Final = (2, 3)  # half and a third of the period
 SAMPLES: Final = 60  # times in a period at which orbits are compared
+ALL: Final = slice(None)
+FIRST: Final = slice(SAMPLES // 3, SAMPLES // 3 + 2)  # of these: most orbits need no more to be told from their parts
 EQUAL: Final = 1e-4  # of the extent: parts that differ by less may be the same
 STANDING: Final = 1e-2  # ... if in a step their difference changes by less than this part of its (scaled) length
 SHORTER: Final = 0.1  # the repeated step beside the one that slipped
 SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
 
 
-def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
-    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
-    times = np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
+def parts_apart(profile: Profile, winding: Array, parts: int, chosen: slice = ALL) -> Array:
+    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n), or `chosen` rows of it."""
+    times = _times(parts)[chosen]
     extent = np.maximum(np.ptp(profile.u, axis=0), np.abs(winding)).max()
-    difference = profile.at(times + 1.0 / parts) - profile.at(times) - np.asarray(winding) / parts
+    later, now = np.split(profile.at(np.concatenate([times + 1.0 / parts, times])), 2)
+    difference = later - now - np.asarray(winding) / parts
     return np.asarray(difference / max(float(extent), np.finfo(float).tiny))
+
+
+@cache
+def _times(parts: int) -> Array:
+    return np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
 
 
 def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     for parts in PARTS:
         if problem.autonomous or problem.multiple % parts == 0:
-            here = parts_apart(problem.profile(z), problem.winding, parts)
+            orbit = problem.profile(z)
+            if not np.abs(parts_apart(orbit, problem.winding, parts, FIRST)).max() < EQUAL:
+                continue
+            here = parts_apart(orbit, problem.winding, parts)
             if not np.abs(here).max() < EQUAL:
                 continue
             change = here - parts_apart(problem.profile(before), problem.winding, parts)

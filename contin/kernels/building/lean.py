@@ -1,0 +1,107 @@
+"""numba's compiler without what kernels do not need: half of the time to compile them is its own Python.
+
+Passes are left out that change nothing in functions without closures, `with`, generators and literal arguments, and
+types of operations on numbers are looked up once a process. The code is the same; where a number and a literal of its
+type took two copies of a numba function, they share one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core import types
+from numba.core.compiler import CompilerBase
+from numba.core.compiler_machinery import PassManager
+from numba.core.imputils import lower_builtin
+from numba.core.typed_passes import (
+    IRLegalization,
+    NativeLowering,
+    NoPythonBackend,
+    NopythonRewrites,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.typing import signature
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    InlineInlinables,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
+
+PASSES = (
+    TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, GenericRewrites, InlineInlinables,
+    ReconstructSSA, DeadBranchPrune, NopythonTypeInference, PreLowerStripPhis, NopythonRewrites, IRLegalization,
+    NativeLowering, NoPythonBackend,
+)  # fmt: skip
+
+
+class LeanCompiler(CompilerBase):  # type: ignore[misc,unused-ignore]  # numba has no types
+    """The passes of `numba.core.compiler.Compiler` that kernels need."""
+
+    def define_pipelines(self) -> list[Any]:
+        manager = PassManager("lean")
+        for one in PASSES:
+            manager.add_pass(one, one.__name__)
+        manager.finalize()
+        return [manager]
+
+
+def _chosen(builder: Any, args: Any, compare: Any) -> Any:
+    """The first number, or a later one that compares with what was chosen before: as numba does, and Python."""
+    result = args[0]
+    for value in args[1:]:
+        result = builder.select(compare(builder, value, result), value, result)
+    return result
+
+
+def _larger(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    if isinstance(sig.return_type, types.Float):
+        return _chosen(builder, args, lambda b, v, r: b.fcmp_ordered(">", v, r))
+    return _chosen(builder, args, lambda b, v, r: b.icmp_signed(">", v, r))
+
+
+def _smaller(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    if isinstance(sig.return_type, types.Float):
+        return _chosen(builder, args, lambda b, v, r: b.fcmp_ordered("<", v, r))
+    return _chosen(builder, args, lambda b, v, r: b.icmp_signed("<", v, r))
+
+
+_OWN = {max: "contin.max", min: "contin.min"}
+for _kind in (types.Float, types.Integer):
+    for _count in (2, 3, 4):
+        lower_builtin("contin.max", *[_kind] * _count)(_larger)
+        lower_builtin("contin.min", *[_kind] * _count)(_smaller)
+
+
+def _of_like_numbers(self: Any, args: Any) -> Any:
+    """The signature of min and max of several float64 or int64, which numba would compile a function for."""
+    plain = [types.unliteral(a) for a in args]
+    if not (2 <= len(plain) <= 4 and plain[0] in (types.float64, types.int64) and all(p == plain[0] for p in plain)):
+        return None
+    found = signature(plain[0], *plain)
+    self._impl_keys[found.args] = _OWN[self.typing_key]
+    return found
+
+
+_PLAIN = (types.Integer, types.Float, types.Boolean, types.Complex, types.IntegerLiteral)
+_known: dict[Any, Any] = {}
+_original = types.Function.get_call_type
+
+
+def _get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
+    """In place of numba's: types of a builtin function of numbers are known from an earlier call with the same ones."""
+    if kws or not all(isinstance(a, _PLAIN) for a in args):
+        return _original(self, context, args, kws)
+    key = (self, args)
+    found = _known.get(key) or (_of_like_numbers(self, args) if self.typing_key in _OWN else None)
+    if found is None:
+        found = _known[key] = _original(self, context, args, kws)
+    return found
+
+
+types.Function.get_call_type = _get_call_type
