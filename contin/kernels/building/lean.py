@@ -21,6 +21,7 @@ from numba.core.typed_passes import (
     NopythonTypeInference,
     PreLowerStripPhis,
 )
+from numba.core.types.misc import unliteral
 from numba.core.typing import signature
 from numba.core.untyped_passes import (
     DeadBranchPrune,
@@ -80,7 +81,7 @@ for _kind in (types.Float, types.Integer):
 
 def _of_like_numbers(self: Any, args: Any) -> Any:
     """The signature of min and max of several float64 or int64, which numba would compile a function for."""
-    plain = [types.unliteral(a) for a in args]
+    plain = [unliteral(a) for a in args]
     if not (2 <= len(plain) <= 4 and plain[0] in (types.float64, types.int64) and all(p == plain[0] for p in plain)):
         return None
     found = signature(plain[0], *plain)
@@ -104,4 +105,4 @@ def _get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
     return found
 
 
-types.Function.get_call_type = _get_call_type
+types.Function.get_call_type = _get_call_type  # type: ignore[method-assign,unused-ignore]
