@@ -1,10 +1,28 @@
-"""The verbs of contin."""
+"""The verbs of contin, each imported when it is first used: a run of equilibria needs no phase diagrams."""
 
-from contin.api.branches import continuation, walk
-from contin.api.diagrams import diagram, phase
-from contin.api.machine_code import compiled, prepare
-from contin.api.responses import solution
-from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contin.api.branches import continuation, walk
+    from contin.api.diagrams import diagram, phase
+    from contin.api.machine_code import compiled, prepare
+    from contin.api.responses import solution
+    from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
+
+_HOMES = {
+    "compiled": "machine_code",
+    "connecting_orbit": "starts",
+    "continuation": "branches",
+    "diagram": "diagrams",
+    "equilibrium": "starts",
+    "find_equilibria": "starts",
+    "periodic_orbit": "starts",
+    "phase": "diagrams",
+    "prepare": "machine_code",
+    "solution": "responses",
+    "walk": "branches",
+}
 
 __all__ = [
     "compiled",
@@ -19,3 +37,10 @@ __all__ = [
     "solution",
     "walk",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'contin.api' has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module(f"contin.api.{_HOMES[name]}"), name)
+    return value

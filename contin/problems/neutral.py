@@ -50,8 +50,6 @@ def is_suspect(values: Values, is_map: bool) -> bool:
 
 def errors_of(problem: Any, z: Array, values: Values, scale: Array) -> Array:
     """Errors of the eigenvalues of f_u at z, (n,): of rounding in the formulas, and in the eigenvalues themselves."""
-    from scipy.linalg import eig
-
     matrix = problem.linear_part(z)
     shift = STEP * scale * np.where(np.arange(len(z)) % 2, -1.0, 1.0)
     rounding = np.abs(problem.linear_part(z + shift) - 2.0 * matrix + problem.linear_part(z - shift))
@@ -61,13 +59,23 @@ def errors_of(problem: Any, z: Array, values: Values, scale: Array) -> Array:
     entries += ROUNDING * float(np.abs(matrix).max())
     if not np.all(np.isfinite(entries)):
         return np.zeros(len(values))
-    known, left, right = eig(matrix, left=True)
+    known, right = np.linalg.eig(matrix)
+    left = _left_vectors(right)
     products = np.abs(np.sum(left.conj() * right, axis=0))
     size = np.sum(np.abs(left) * (entries @ np.abs(right)), axis=0)
     worst = np.sqrt(np.abs(entries).max() * max(float(np.abs(known).max()), 1e-300))  # a double eigenvalue splits so
-    each = np.minimum(size / np.maximum(products, 1e-300), worst)
+    each = np.where(products > 0.0, np.minimum(size / np.maximum(products, 1e-300), worst), worst)
     nearest = np.abs(values[:, None] - known).argmin(axis=1)
     return np.asarray(SAFETY * each[nearest])
+
+
+def _left_vectors(right: Values) -> Values:
+    """Unit left eigenvectors, in columns, to right ones: the rows of the inverse; zero where there is none."""
+    try:
+        left = np.linalg.inv(right).conj().T
+    except np.linalg.LinAlgError:  # a multiple eigenvalue with too few vectors
+        return np.zeros_like(right)
+    return np.asarray(left / np.linalg.norm(left, axis=0))
 
 
 def paired(values: Values, errors: Array, is_map: bool) -> Values:
@@ -139,7 +147,7 @@ def remarks(problem: Any, z: Array, scale: Array) -> Sequence[str]:
     fewest = problem.n if len(rows) else 0
     for row in rows:
         values, _ = spectrum(problem.linear_part(row))
-        if not np.all(np.isfinite(values)):
+        if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
             return ()
         exact = paired(values, errors_of(problem, row, values, scale), problem.is_map)
         fewest = min(fewest, _on_boundary(exact, problem.is_map, KNOWN))

@@ -77,7 +77,7 @@ class ContinEngine:
 
     def load(self) -> None:
         """Import the numerical part; otherwise the first run does."""
-        _verbs()
+        _ = _verbs().continuation
 
     def prepare(self, model: Model) -> None:
         _verbs().prepare(model)
