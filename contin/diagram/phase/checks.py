@@ -27,18 +27,27 @@ ALIKE: Final = 1e-5  # relative distance of two states that are one
 
 @dataclass(frozen=True)
 class Check:
-    """How many paths of stable equilibria were followed, and what became of those that did not arrive stable."""
+    """How many paths of stable equilibria were followed, and what became of those that did not arrive stable.
+
+    led : trajectories from stable orbits that were led to other points.
+    """
 
     followed: int = 0
     disagreed: tuple[str, ...] = ()
+    led: int = 0
+
+    def __add__(self, other: Check) -> Check:
+        return Check(self.followed + other.followed, self.disagreed + other.disagreed, self.led + other.led)
 
     @property
     def words(self) -> str:
         """For the report."""
-        return (
-            f"{self.followed} paths of stable equilibria across their regions, by Newton at fixed parameters: "
-            f"{len(self.disagreed)} disagreed"
-        )
+        parts = []
+        if self.followed:
+            parts.append(f"{self.followed} paths of stable equilibria by Newton at fixed parameters")
+        if self.led:
+            parts.append(f"{self.led} of stable orbits by trajectories with drifting parameters")
+        return f"{', '.join(parts)}, across their regions: {len(self.disagreed)} disagreed"
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +133,11 @@ def stable_equilibria(states: Sequence[State], rests: Sequence[State]) -> list[A
 def checked(plane: Plane, face: Face, point: Array, vectors: Sequence[Array], name: str) -> Check:
     """The stable equilibria at the region's point, continued to others inside along straight ways."""
     followed, disagreed = 0, []
-    for other in _others(face, point) if vectors else []:
+    for other in others(face, point) if vectors else []:
         for u in vectors:
             followed += 1
             if plane.followed(u, point, other) is None:
-                place = _place(plane, other)
+                place = place_of(plane, other)
                 disagreed.append(f"region {name}: a stable state at its point is not stable, or not there, at {place}")
     return Check(followed, tuple(disagreed))
 
@@ -139,7 +148,7 @@ def alike(plane: Plane, a: Array, b: Array, here: Sequence[Array], there: Sequen
     return all(end is not None and any(plane.same(end, v) for v in there) for end in ends)
 
 
-def _others(face: Face, point: Array) -> list[Array]:
+def others(face: Face, point: Array) -> list[Array]:
     """Points inside, far from the given one and from each other, that a straight way inside leads to."""
     rings = [face.outline, *face.holes]
     low, high = face.outline.min(axis=0), face.outline.max(axis=0)
@@ -158,6 +167,7 @@ def _others(face: Face, point: Array) -> list[Array]:
     return chosen
 
 
-def _place(plane: Plane, point: Array) -> str:
+def place_of(plane: Plane, point: Array) -> str:
+    """In words."""
     values: Mapping[str, float] = dict(zip(plane.names, (plane.low + plane.width * point).tolist(), strict=True))
     return ", ".join(f"{name} = {value:.6g}" for name, value in values.items())

@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.diagram.phase.checks import Check, Plane, alike, checked, stable_equilibria
 from contin.diagram.phase.diagram import Region
+from contin.diagram.phase.orbit_checks import orbits_checked
 from contin.diagram.phase.survey import Survey
 
 MISSING: Final = 1e-3  # of the box: less than this in no region is not worth a note
@@ -61,8 +62,10 @@ def regions_of(survey: Survey) -> tuple[tuple[Region, ...], dict[tuple[int, int]
         cycles = tuple(sorted(state.copies for state in states if state.is_orbit and state.unstable == 0))
         vectors = stable_equilibria(states, visit.rests)
         name = letters.name((rests, cycles, visit.aperiodic), visit.point, vectors)
-        outcome = checked(plane, face, visit.point, vectors, f"{name}{len(regions) + 1}")
-        found = Check(found.followed + outcome.followed, found.disagreed + outcome.disagreed)
+        label = f"{name}{len(regions) + 1}"
+        found += checked(plane, face, visit.point, vectors, label)
+        if kind == "flow":
+            found += orbits_checked(plane, face, visit.point, states, label)
         outline, *holes = (low + width * ring for ring in (face.outline, *face.holes))
         regions.append(Region(name, number[k], values, states, face.area, outline, tuple(holes), visit.aperiodic, kind))
     missing = 1.0 - sum(face.area for face in survey.plane.faces)

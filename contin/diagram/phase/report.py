@@ -32,7 +32,7 @@ def report(diagram: PhaseDiagram) -> str:
             lines.append(f"  {p.label}  {style_of(p.type).words} at {where}")
     lines.append("")
     lines += region_lines(as_data(diagram))
-    if diagram.check.followed:
+    if diagram.check.followed or diagram.check.led:
         lines += ["", f"checked: {diagram.check.words}"]
     if diagram.notes:
         lines += ["", "notes:", *(f"  {note}" for note in diagram.notes)]
@@ -110,7 +110,9 @@ def as_data(diagram: PhaseDiagram) -> Fields:
     borders = [{"regions": list(pair), "curves": sorted(curves)} for pair, curves in diagram.borders.items()]
     box = {name: list(bounds) for name, bounds in zip(diagram.parameters, diagram.box, strict=True)}
     curves = [branch.name for branch in diagram.loci]
-    check = {"followed": diagram.check.followed, "disagreed": len(diagram.check.disagreed)}
+    check = {
+        "followed": diagram.check.followed, "orbits": diagram.check.led, "disagreed": len(diagram.check.disagreed),
+    }  # fmt: skip
     return {
         "parameters": list(diagram.parameters), "range": box, "curves": curves, "regions": regions, "borders": borders,
         "check": check,

@@ -6,7 +6,9 @@ import pytest
 import contin
 from contin import api
 from contin.diagram.phase.checks import Plane, alike, checked
+from contin.diagram.phase.orbit_checks import orbits_checked
 from contin.diagram.phase.plane import Face
+from contin.diagram.phase.states import State
 
 BOX = {"p": (-1.0, 1.0), "q": (-1.0, 1.5)}
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -49,7 +51,7 @@ def test_regions_of_the_cusp_are_checked_and_fill_the_box(cusp):
     assert diagram.check.disagreed == ()
     assert sum(r.area for r in diagram.regions) == pytest.approx(1.0, abs=1e-6)
     assert "0 disagreed" in str(diagram)
-    assert diagram.as_data()["check"] == {"followed": diagram.check.followed, "disagreed": 0}
+    assert diagram.as_data()["check"] == {"followed": diagram.check.followed, "orbits": 0, "disagreed": 0}
     corners = [{"p": p, "q": q} for p in (-0.999, 0.999) for q in (-0.999, 1.499)]
     assert all(diagram.region_at(corner) is not None for corner in corners)
 
@@ -63,3 +65,28 @@ def test_one_letter_is_one_set_of_states():
     diagram = contin.phase(model, ("p", "q"), {"p": (-1.0, 1.0), "q": (0.0, 1.0)}, start=[{"x": 1.0}], orbits=False)
     sides = [r for r in diagram.regions if r.total == 2]
     assert len({r.name for r in sides}) == len(sides)
+
+
+BAUTIN = {
+    "x": "(m + n*(x^2 + y^2) - (x^2 + y^2)^2)*x - y", "y": "(m + n*(x^2 + y^2) - (x^2 + y^2)^2)*y + x",
+}  # fmt: skip
+
+
+def test_a_box_without_the_curves_at_which_orbits_end_is_found_out():
+    """r' = r (m + n r^2 - r^4): an orbit where m > 0, or n > 0 and m > -n^2/4; everything as one region."""
+    model = contin.Model("bautin", states={"x": 0.0, "y": 0.0}, parameters={"m": 0.3, "n": 0.5}, equations=BAUTIN)
+    rest = api.equilibrium(model, {"x": 0.0, "y": 0.0})
+    plane = Plane(rest.problem("m"), ("m", "n"), np.array([-0.6, -1.0]), np.array([1.0, 2.5]))
+    radius = np.sqrt((0.5 + np.sqrt(0.25 + 1.2)) / 2.0)
+    angle = np.linspace(0.0, 2.0 * np.pi, 101)
+    orbit = api.periodic_orbit(model, radius * np.array([np.cos(angle), np.sin(angle)]).T, period=2.0 * np.pi)
+    seed = orbit.seed("m")
+    state = State({}, 0, seed.z[:0], 1, (seed.problem, seed.z))
+    point = np.array([0.9, 0.6])
+    whole = orbits_checked(plane, Face(SQUARE, (), 1.0, point), point, [state], "A1")
+    assert whole.led == 2
+    assert len(whole.disagreed) >= 1
+    assert all("comes to rest" in text for text in whole.disagreed)
+    strip = np.array([[0.65, 0.02], [0.98, 0.02], [0.98, 0.98], [0.65, 0.98]])  # m > 0
+    inside = orbits_checked(plane, Face(strip, (), 0.3, point), point, [state], "A1")
+    assert (inside.led, inside.disagreed) == (2, ())
