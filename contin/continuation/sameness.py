@@ -25,7 +25,8 @@ def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool
     distance = float(np.linalg.norm(offset(problem, a.z, b.z, scale)))
     if a.touches and b.touches:  # located by degenerate equations: no better than their errors
         return distance <= SAME_POINT + SURE * (a.error + b.error) / float(scale[-1])
-    near = distance < max(SAME_POINT, 2.0 * (a.error + b.error) / float(scale[-1]))
+    reach = float(a.vectors.get("reach", 0.0)) + float(b.vectors.get("reach", 0.0))  # of errors along the curve
+    near = distance < max(SAME_POINT, 2.0 * (a.error + b.error) / float(scale[-1]), 2.0 * reach)
     if not is_planar(problem):  # two events may be nearer than that, where both are known better
         near &= abs(float(a.z[-1] - b.z[-1])) <= SURE * (a.error + b.error) + ROUNDING * float(scale[-1])
     return near and abs(u - v) <= SAME_FREQUENCY * (abs(u) + abs(v))

@@ -22,6 +22,7 @@ from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.simulation import UNSTABLE, time_scale
 from contin.problems.shooting.start import settled_orbit
 from contin.problems.start import converge
+from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
@@ -77,9 +78,12 @@ def reached(
     """
     if problem.system.kind == "map":
         known = [state.vector for state in states]
-        return Reached(*_of_a_map(problem, known, value, _scattered(states) if starts is None else starts))
+        scattered = _scattered(problem, states, value) if starts is None else starts
+        return Reached(*_of_a_map(problem, known, value, scattered))
     search = _Trajectories(problem, list(states), value, lasting, wild=list(wild))
-    for u in [*_pushed(problem, states, value)[:TRIED], *_scattered(states)] if starts is None else starts:
+    if starts is None:
+        starts = [*_pushed(problem, states, value)[:TRIED], *_scattered(problem, states, value)]
+    for u in starts:
         with suppress(ContinError, np.linalg.LinAlgError):
             search.follow(u)
     return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild))
@@ -127,7 +131,7 @@ class _Trajectories:
             return
         window = integrate(system, end, self.p, WINDOW * scale, times=np.linspace(0.0, WINDOW * scale, 200))
         moved = float(np.ptp(window.u, axis=0).max())
-        if moved < RESTING * size:
+        if moved < RESTING * self._size(end):
             self._rest(end)
         elif not self._is_wild(window.u):
             self._orbit(end, scale)
@@ -253,15 +257,19 @@ def _pushed(problem: EquilibriumProblem, states: Sequence[State], value: float) 
     return [u for _, u in sorted(starts, key=lambda item: item[0])]
 
 
-def _scattered(states: Sequence[State]) -> list[Array]:
-    """Points spread over the box of all known states, and as much beside it (the same for the same states)."""
+def _scattered(problem: Any, states: Sequence[State], value: float) -> list[Array]:
+    """Points spread over the box of all known states, and as much beside it (the same for the same states).
+
+    States that are zero in all that is known, as on an invariant axis, spread by their natural sizes.
+    """
     known = [state.vector.reshape(state.steps, -1) for state in states if state.orbit is None]
     known += [state.orbit[0].profile(state.orbit[1]).u for state in states if state.orbit is not None]
-    if not known:
-        return []
-    points = np.concatenate(known)
+    points = np.concatenate(known or [np.zeros((1, problem.n))])
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.maximum(high - low, 0.5 * np.maximum(np.abs(low), np.abs(high)))
+    if not np.all(room > 0.0):
+        p = problem.full_parameters(np.append(low, value))[: len(problem.base)]
+        room = np.where(room > 0.0, room, natural_metric(problem.system, low, p).states)
     anywhere = np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low)))
     return [*anywhere, *(SMALL * anywhere)]
 

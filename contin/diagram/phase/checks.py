@@ -21,6 +21,9 @@ FIRST, SHORTEST = 1.0 / 16.0, 1e-5  # steps along a path, as parts of it
 NEWTON: Final = 8
 SETTLED: Final = 1e-10  # Newton step, relative to the state's size
 FAR: Final = 0.1  # ... and the change of a state in one step
+PREDICTED: Final = 0.2  # ... part of that change which the prediction may lack
+DIFFERENCE: Final = 1e-6  # of the way, over which its slope is taken
+NEAR: Final = 1e-6  # ... unless it is next to nothing
 MARGIN: Final = 1e-9  # of the largest eigenvalue: what is this near to the axis is not unstable beyond doubt
 ALIKE: Final = 1e-5  # relative distance of two states that are one
 
@@ -70,22 +73,32 @@ class Plane:
         """The stable equilibrium u at a, continued along the straight way to b; None where it ends or is unstable."""
         done, step = 0.0, FIRST
         typical = self._typical(u, a)
-        before, reached = u, 0.0
         while done < 1.0:
             ahead = min(done + step, 1.0)
-            slope = (u - before) / (done - reached) if done > reached else 0.0 * u
-            found = self._solved(u + (ahead - done) * slope, self.parameters(a + ahead * (b - a)), typical)
+            p = self.parameters(a + ahead * (b - a))
+            guess = u + (ahead - done) * self._slope(u, a + done * (b - a), b - a)
+            found = self._solved(guess, p, typical)
             size = max(float(np.abs(u).max()), typical)
-            if found is None or float(np.abs(found - u).max()) > FAR * size:
-                step /= 2.0
+            if found is None or _is_elsewhere(found, guess, u, size) or not self._is_stable(found, p):
+                step /= 2.0  # it may be another state that Newton came to
                 if step < SHORTEST:
                     return None
                 continue
-            if not self._is_stable(found, self.parameters(a + ahead * (b - a))):
-                return None
-            before, reached, u, done = u, done, found, ahead
+            u, done = found, ahead
             step *= 1.5
         return u
+
+    def _slope(self, u: Array, point: Array, way: Array) -> Array:
+        """du/ds of the state along point + s way; 0 where the equations have none."""
+        n, system = self.problem.n, self.problem.system
+        here, ahead = self.parameters(point), self.parameters(point + DIFFERENCE * way)
+        matrix = system.jacobian(u, here)[1][:, :n] - (np.eye(n) if self.problem.is_map else 0.0)
+        change = (np.asarray(system.value(u, ahead)) - np.asarray(system.value(u, here))) / DIFFERENCE
+        try:
+            slope = np.linalg.solve(matrix, -change)
+        except np.linalg.LinAlgError:
+            return np.zeros(n)
+        return slope if np.all(np.isfinite(slope)) else np.zeros(n)
 
     def _typical(self, u: Array, point: Array) -> float:
         """Size of the states at u, where they may pass through zero: that of the metric of a branch from there."""
@@ -123,6 +136,12 @@ class Plane:
         periods = np.asarray(self.problem.angle_periods)
         images = images_of(self.problem, np.append(v, self.problem.base[self.problem.active]))
         return any(float(np.abs(wrapped(u - w, periods)).max()) <= ALIKE * size for w in images)
+
+
+def _is_elsewhere(found: Array, guess: Array, u: Array, size: float) -> bool:
+    """True where Newton's result is far from u, or went on from the guess further than the way from u explains."""
+    moved, corrected = float(np.abs(found - u).max()), float(np.abs(found - guess).max())
+    return moved > FAR * size or (corrected > PREDICTED * moved and moved > NEAR * size)
 
 
 def stable_equilibria(states: Sequence[State], rests: Sequence[State]) -> list[Array]:

@@ -25,7 +25,7 @@ SETTLING: Final = 60.0  # ... for which the trajectory is left alone at the end
 WINDOW: Final = 12.0  # ... in which it is looked at
 SAMPLES: Final = 600  # of the window
 STILL: Final = 1e-3  # extent in the window, as a part of the orbit's: less is rest
-BUDGET: Final = 40_000  # Runge-Kutta steps of one leg, of the end and of the window: a path that takes more says nothing
+BUDGET: Final = 40_000  # Runge-Kutta steps of one leg, of the end, of the window: a path of more says nothing
 TOLERANCE, SMALLER = 1e-7, 1e-2  # of the trajectories; absolute ones beside relative ones
 
 
@@ -44,12 +44,13 @@ def orbits_checked(plane: Plane, face: Face, point: Array, states: Sequence[Stat
             led += 1
             if not outcomes[-1]:
                 place = place_of(plane, other)
-                disagreed.append(f"region {name}: a trajectory from a stable orbit at its point comes to rest at {place}")
+                text = "a trajectory from a stable orbit at its point comes to rest at"
+                disagreed.append(f"region {name}: {text} {place}")
     return Check(0, tuple(disagreed), led)
 
 
 def _goes_on(plane: Plane, orbit: Array, period: float, a: Array, b: Array, legs: int) -> bool | None:
-    """Whether a trajectory from the orbit (m, n) at a still oscillates when it is at b; None where that is not known."""
+    """Whether a trajectory from the orbit (m, n) at a still oscillates when it is at b; None where it says nothing."""
     system = plane.problem.system
     extent = np.ptp(orbit, axis=0)
     largest = int(np.argmax(extent / np.maximum(np.abs(orbit).max(axis=0), 1e-300)))

@@ -13,6 +13,7 @@ from contin.diagram.phase.diagram import Region
 from contin.diagram.phase.orbit_checks import orbits_checked
 from contin.diagram.phase.survey import Survey
 
+NOTHING_STABLE: Final = "no stable state was found in the regions"
 MISSING: Final = 1e-3  # of the box: less than this in no region is not worth a note
 
 
@@ -73,6 +74,10 @@ def regions_of(survey: Survey) -> tuple[tuple[Region, ...], dict[tuple[int, int]
         why = "parts too thin for a point, or curves that overlap"
         search.notes.add(f"{missing:.2%} of the box is in no region: {why}")
     search.notes.extend(found.disagreed)
+    bare = [r for r in regions if not (r.stable or r.stable_orbits or r.aperiodic)] if search.settle else []
+    if bare:
+        names = ", ".join(f"{r.name}{r.number + 1}" for r in bare)
+        search.notes.add(f"{NOTHING_STABLE} {names}: trajectories escape, or none of those tried came to one")
     owners = [search.loci[k].name for k in survey.owners]
     borders = {
         (number[i], number[j]): frozenset(owners[c] for c in curves)

@@ -8,7 +8,7 @@ the critical ones, and the normal form are computed from exact derivatives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -152,7 +152,11 @@ def _point(problem: LocusProblem, type_: str, solved: _Solution, frame: Frame) -
     point = Verified(type_, z, solved.residual, error, values, unstable)
     plane = type_ == "ZH" and problem.locus != "LP" and crossing.is_forced(problem, z, frame.scale, crossing.EXACT)
     drift = None if solved.drift is None or plane else solved.drift * frame.scale
-    return described(problem, point, values[critical], plane, drift)
+    described_point = described(problem, point, values[critical], plane, drift)
+    if solved.drift is None:
+        return described_point
+    reach = float(np.linalg.norm(solved.drift[problem.identifying]))
+    return replace(described_point, vectors={**described_point.vectors, "reach": reach})
 
 
 def _is_double_zero(problem: LocusProblem, z: Array) -> bool:

@@ -7,6 +7,8 @@ import pytest
 
 import contin
 from contin.diagram.phase import attractors
+from contin.diagram.phase.attractors import reached
+from contin.diagram.phase.states import State
 from contin.lowering import compile_system
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.orbits import simulation
@@ -105,3 +107,26 @@ def test_a_trajectory_that_turns_ever_faster_is_given_up():
         found = attractors.reached(problem, [], 0.0, [np.array([0.05, 0.0])])
     assert (found.seeds, found.rests, found.aperiodic) == ((), (), 0)
     assert max(budget or 0 for budget in allowed) <= 400_000
+
+
+def test_trajectories_leave_rest_and_invariant_axes_behind():
+    """Predators and prey, of which only total rest is known: starts spread by the natural sizes of the states."""
+    model = contin.Model(
+        "bazykin", states={"x": 0.5, "y": 0.3}, parameters={"a": 0.32, "d": 0.3},
+        equations={"x": "x - x*y/(1 + a*x) - 0.01*x^2", "y": "-y + x*y/(1 + a*x) - d*y^2"},
+    )  # fmt: skip
+    nothing = contin.equilibrium(model, {"x": 0.0, "y": 0.0})
+    problem = nothing.problem("a")
+    rest = State({}, 1, np.zeros(2))
+    found = reached(problem, [rest], 0.32).seeds
+    at = [seed.z[:2] for seed in found if seed.problem.kind == "equilibrium"]
+    assert any(np.allclose(u, (100.0, 0.0), rtol=1e-6) for u in at)  # along the axis, from beside rest
+    assert any(u.min() > 1.0 for u in at)  # both
+
+
+def test_regions_in_which_nothing_stable_was_found_are_named():
+    model = contin.Model("fold", states={"x": -0.5}, parameters={"p": -0.25, "q": 0.0}, equations={"x": "p + q + x^2"})
+    diagram = contin.phase(model, ("p", "q"), {"p": (-1.0, 1.0), "q": (-0.5, 0.5)})
+    bare = [f"{r.name}{r.number + 1}" for r in diagram.regions if not r.stable]
+    assert len(bare) == 1
+    assert any(note.startswith(f"no stable state was found in the regions {bare[0]}:") for note in diagram.notes)
