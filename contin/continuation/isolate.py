@@ -344,7 +344,8 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             return
         f_trial = size(trial)
         if f_trial < 0.0 or trial.unstable != here.unstable:
-            items = list(_pair(stretch, [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])]))
+            hidden = [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])]
+            items = list(_pair(stretch, low, high, a, hidden))
             if not items and is_planar(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
                 items = [Note(_where(stretch, trial, TOUCHES))]
             yield from items
@@ -364,20 +365,38 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
         yield from _touching(stretch, low, high, test, a)
 
 
-def _pair(stretch: Stretch, items: list[Found | Note]) -> Iterator[Found | Note]:
-    """What a dip turned out to hide; two events that cannot be told apart within their errors are one touch."""
+def _pair(
+    stretch: Stretch, low: Sample, high: Sample, anchor: Sample, items: list[Found | Note]
+) -> Iterator[Found | Note]:
+    """What a dip between two samples turned out to hide; two events that errors do not tell apart are one touch."""
     points = [item.point for item in items if isinstance(item, Found)]
+    alike = False
     if len(points) == 2 and points[0].type == points[1].type:
         errors = points[0].error + points[1].error
-        vague = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
+        alike = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
         one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
-        if vague or (one and is_planar(stretch.problem)):
-            yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
-            items = [item for item in items if isinstance(item, Note)]
-    if len(points) == 1 and not points[0].touches and len(items) > 1:  # the second zero was not told from the first
-        yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
+        alike |= one and is_planar(stretch.problem)
+    elif len(points) == 1 and not points[0].touches:  # the second zero was not told from the first
+        alike = len(items) > 1
+    if not alike:
+        yield from items
         return
-    yield from items
+    together: list[Verified | str] = []
+    if not is_adaptive(stretch.problem) and not is_planar(stretch.problem):
+        together = _together(stretch, replace(low, z=points[0].z), replace(high, z=points[-1].z))
+    touching = [item for item in together if isinstance(item, Verified) and item.touches]
+    if touching:
+        yield from (_found(stretch, low, point, anchor) for point in touching)
+        return
+    yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
+    if len(points) == 2:
+        yield from (item for item in items if isinstance(item, Note))
+
+
+def _found(stretch: Stretch, near: Sample, point: Verified, anchor: Sample) -> Found:
+    """A point where a test touches zero."""
+    length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
+    return Found(length, _anchored(point, anchor), _at_point(stretch, near, point))
 
 
 def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sample) -> Iterator[Found | Note]:
@@ -394,9 +413,7 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
     points = [
         item for item in items if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
     ]
-    for point in points:
-        length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
-        yield Found(length, _anchored(point, anchor), _at_point(stretch, low, point))
+    yield from (_found(stretch, low, point, anchor) for point in points)
     if not points and (items or test == 0):
         yield Note(_where(stretch, low, TOUCHES))
 

@@ -14,8 +14,9 @@ from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
 from contin.continuation.halting import Halt, halt, halves, mirror
 from contin.continuation.isolate import Found, Note, anchored, dips, isolate, next_to_event, resolve_dip
+from contin.continuation.march import is_dip
 from contin.continuation.piece import Piece, Row
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_planar
 from contin.continuation.sameness import same_point
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target, hits
@@ -23,6 +24,7 @@ from contin.continuation.walls import at_wall, walls_passed
 
 SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
 APART: Final = 0.1  # scaled: two branches with one tangent are far enough apart so far from where they touch
+NEIGHBOURS: Final = 5  # rows beside an event's step that are looked at
 SAME_FOLD: Final = 1e-6  # distance of a fold from the orbit at which a family turns back, relative to the range
 
 
@@ -73,7 +75,7 @@ def resolve(
     notes: list[str] = []
     end: End | None = None
     if rows > 1 and event is not None:
-        marked, notes = _after_event(course, chunk, frame, event)
+        marked, notes = _in_steps(course, chunk, frame, event, {0, *_low(course, chunk, event, forward=True)})
     if rows:
         stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
         step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
@@ -88,6 +90,12 @@ def resolve(
         jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
         piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps)
         marked += [_row(f, chunk, scale) for f in step.found]
+        if step.found and end is None:
+            first = Behind(step.found[0].point, float(np.sum(chunk.lengths[1:rows])) + step.found[0].length)
+            before_it = _low(course, chunk, first, forward=False)
+            hidden, more = _in_steps(course, chunk, frame, first, before_it, forward=False)
+            marked += hidden
+            piece = replace(piece, notes=(*piece.notes, *more))
     if end is None and not corner:
         end = _failure(course, chunk)
     marked += _user_values(course, chunk, piece, frame, marked)
@@ -221,17 +229,38 @@ def _anchored(found: Found, chunk: Chunk, scale: Array) -> Found:
     return replace(found, point=anchored(found.point, chunk.z[row]))
 
 
-def _after_event(course: Course, chunk: Chunk, frame: Frame, event: Behind) -> tuple[list[Row], list[str]]:
-    """What the first step of a chunk hides beside an event just before it."""
-    stretch = Stretch(course.problem, chunk.sample(0), frame, course.settings)
-    rows, notes = [], []
-    for item in next_to_event(stretch, chunk.sample(0), chunk.sample(1), event.point, event.length):
-        if isinstance(item, Note):
-            notes.append(item.text)
-        elif not course.is_known(item.point, frame.scale):
-            course.known.append(item.point)
-            rows.append(Row(1, item.length, item.point, item.sample.tangent))
-    return rows, notes
+def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]:
+    """Rows beyond which, seen from the event, its test may hide two zeros: with the event's own divided out it is low.
+
+    event.length : its arclength from the chunk's first row, along the rows.
+    """
+    test = course.problem.watch(event.point.type)
+    if test is None or is_planar(course.problem):
+        return set()
+    s = np.cumsum(np.append(0.0, chunk.lengths[1:]))
+    last = len(chunk) - 1 if forward else len(chunk) - 2  # the event lies before the first row, or after this one
+    rows = range(1, min(last, NEIGHBOURS)) if forward else range(max(1, last - NEIGHBOURS), last)
+    rest = chunk.tests[:, test] / np.maximum(np.abs(s - event.length), 1e-300)
+    dips = [k for k in rows if is_dip(rest[k - 1], rest[k], rest[k + 1], s[k] - s[k - 1], s[k + 1] - s[k])]
+    return {near for k in dips for near in ((k - 1, k) if forward else (k, min(k + 1, last)))}
+
+
+def _in_steps(
+    course: Course, chunk: Chunk, frame: Frame, event: Behind, rows: set[int], forward: bool = True
+) -> tuple[list[Row], list[str]]:
+    """What the steps beyond these rows hide, seen from an event nearby."""
+    found, notes = [], []
+    for k in sorted(rows):
+        stretch = Stretch(course.problem, chunk.sample(k), frame, course.settings)
+        far = k + 1 if forward else k - 1
+        centre = event.length - float(np.sum(chunk.lengths[1 : k + 1]))
+        for item in next_to_event(stretch, chunk.sample(k), chunk.sample(far), event.point, centre):
+            if isinstance(item, Note):
+                notes.append(item.text)
+            elif not course.is_known(item.point, frame.scale):
+                course.known.append(item.point)
+                found.append(Row(max(k, far), item.length, item.point, item.sample.tangent))
+    return found, notes
 
 
 def _user_values(course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]) -> list[Row]:

@@ -21,6 +21,7 @@ STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may diffe
 FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
 CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose tests should hardly differ
 CLEAR: Final = 30.0  # times the differences seen: values that are no rounding errors
+WIDE: Final = 4.0  # ratio of distances
 BUDGET: Final = 64  # points looked at
 LINEAR: Final = (0.5, 1.5)  # exponents of a test next to its zero that a simple zero has
 
@@ -47,10 +48,17 @@ def points_between(
             budget -= 1
         if middle is None:
             kept.append(waiting.pop())
-        elif _is_straight(rest(left), rest(middle), rest(right), _fraction(stretch, left, middle, right)):
-            kept += [middle, waiting.pop()]
-        else:
+        elif not _is_straight(rest(left), rest(middle), rest(right), _fraction(stretch, left, middle, right)):
             waiting.append(middle)
+        elif budget > 0 and _is_wide(stretch, left, right, centre) and (half := stretch.between(left, right, 0.5)):
+            budget -= 1  # `middle` lies next to `left`: it says nothing about the farther part
+            if _is_straight(rest(left), rest(half), rest(right), _fraction(stretch, left, half, right)):
+                kept += [middle, waiting.pop()]
+            else:
+                kept.append(middle)
+                waiting.append(half)
+        else:
+            kept += [middle, waiting.pop()]
     return kept
 
 
@@ -90,6 +98,12 @@ def _middle(stretch: Stretch, left: Sample, right: Sample, centre: float) -> Sam
     if not 0.0 < a < b or b < 1.01 * a:
         return None
     return stretch.between(left, right, float((np.sqrt(a * b) - a) / (b - a)))
+
+
+def _is_wide(stretch: Stretch, left: Sample, right: Sample, centre: float) -> bool:
+    """True where the distances from the centre differ so much that their geometric mean is close to the smaller one."""
+    a, b = (abs(stretch.length_of(s) - centre) for s in (left, right))
+    return bool(b > WIDE * a)
 
 
 def _fraction(stretch: Stretch, left: Sample, middle: Sample, right: Sample) -> float:

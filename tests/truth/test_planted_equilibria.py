@@ -46,6 +46,16 @@ def test_planted_points_are_found_or_noted():
     judged(seed=1, rounds=1, spacings=SPACINGS[::4], worst=2.0).assert_clean()
 
 
+def test_three_events_at_any_spacing_are_found_or_noted():
+    """Two of them often lie in a step beside that of the third, where no sign changes."""
+    ledger, generator = Ledger(), np.random.default_rng(1)
+    for _ in range(25):
+        spacing = 10.0 ** generator.uniform(-3, -1.5)
+        for system in (folds(generator, spacing, 1, 1.0), hopf_points(generator, spacing, 3)):
+            ledger.judge(system.name.split(" 1e")[0], system.name, system.follow(), system.expected, "p", 1.14)
+    ledger.assert_clean()
+
+
 @pytest.mark.long
 def test_planted_points_are_found_or_noted_in_many_systems(tmp_path):
     ledger = judged(seed=2026, rounds=12, spacings=SPACINGS, worst=5.0)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
 KINDS = ("tangency", "degenerate")  # of simple branch points
+ACCURATE = 2  # order of contact up to which Newton's method places the point well
+UNCLEAR = 3.0  # times the error of a simple zero, where the order of a degenerate one is not known
 ALONG = 0.99  # cosine of a curve's tangent and the branch's own from which they may be one
 
 
@@ -62,11 +64,18 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
     contact = found.contact()
     if contact is None:
         count = len(found.curves)
-        form["kind"] = "degenerate"
-        text = f"BP: degenerate, {count} branch{'es' * (count != 1)} of {sum(map(len, found.curves))} halves meet there"
-        return _with(point, text, form, touches=count > 0)
-    text = f"BP: two branches touch with contact of order {contact}, or cross several times within the stated error"
-    return _with(point, text, {**form, "contact": contact}, touches=True)
+        halves = sum(map(len, found.curves))
+        if form.get("kind") != "tangency" or (count, halves) != (2, 4):
+            form["kind"] = "degenerate"
+        text = f"BP: degenerate, {count} branch{'es' * (count != 1)} of {halves} halves meet there"
+        return replace(_with(point, text, form, touches=count > 0), error=UNCLEAR * point.error)
+    order = f"contact of order {contact.order}"
+    text = f"BP: two branches touch with {order}, or cross several times within the stated error"
+    touching = _with(point, text, {**form, "contact": contact.order}, touches=True)
+    if contact.order <= ACCURATE:
+        return touching
+    # located where a function of high order is lost in its rounding errors: how far off is what the gaps say
+    return replace(touching, error=max(point.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
 
 
 def _with(point: Verified, remark: str, form: dict[str, Any] | None = None, touches: bool = False) -> Verified:

@@ -32,6 +32,7 @@ DENOMINATORS: Final = 4  # of powers
 WHOLE: Final = 0.2  # an exponent this near to a whole number is that number
 DEEPER: Final = 16  # smaller spheres, each by a factor sqrt(2), on which powers are measured ...
 BARELY: Final = 1e-7  # ... while the halves are as far apart
+ALONG: Final = 0.99  # cosine between tangents that are one
 STEPS: Final = 8  # from a point of the branch to the sphere
 
 
@@ -48,6 +49,14 @@ class Half:
         """s and the vector w s^e of an offset d s + w s^e from the centre."""
         s = float(offset @ self.direction)
         return s, offset - s * self.direction
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """|z1 - z2| ~ |s - s0|^m: the order m, and by how much (n + 1,) the point where they touch is off the centre."""
+
+    order: int
+    off: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,22 +104,25 @@ class Fan:
                 return half, next((h for h in curve if h is not half), None)
         return None
 
-    def contact(self) -> int | None:
-        """The order m of |z1 - z2| ~ s^m of the two curves that share a tangent; None where there are not just two."""
-        powers = []
-        inner = _followed(self.reduced, [h.point for curve in self.curves for h in curve], 0.5 * self.radius)
-        if inner is None or len(self.curves) != 2:
-            return None
+    def contact(self) -> Contact | None:
+        """The contact of the two curves that share a tangent; None where there are not just two, or it is unclear."""
         halves = [h for curve in self.curves for h in curve]
-        for i, a in enumerate(halves):
-            for j, b in enumerate(halves[:i]):
-                if float(a.direction @ b.direction) > 0.99:
-                    gaps = float(np.linalg.norm(a.point - b.point)), float(np.linalg.norm(inner[i] - inner[j]))
-                    powers.append(float(elementary.log2(np.array(gaps[0] / gaps[1]))))
-        if len(powers) != 2:
+        inner = _followed(self.reduced, [h.point for h in halves], 0.5 * self.radius)
+        sides = [
+            (i, j) for i, a in enumerate(halves) for j, b in enumerate(halves[:i]) if a.direction @ b.direction > ALONG
+        ]
+        if inner is None or len(halves) != 4 or len(sides) != 2:
             return None
-        m = round(powers[0])
-        return m if m >= 2 and all(abs(p - m) < WHOLE for p in powers) else None
+        gaps = [float(np.linalg.norm(halves[i].point - halves[j].point)) for i, j in sides]
+        nearer = [float(np.linalg.norm(inner[i] - inner[j])) for i, j in sides]
+        # gap = c |s - s0|^m on both sides: the mean of the two powers does not depend on s0 to first order
+        power = 0.5 * sum(float(elementary.log2(np.array(a / b))) for a, b in zip(gaps, nearer, strict=True))
+        order = round(power)
+        if order < 2 or abs(power - order) > WHOLE:
+            return None
+        roots = [float(elementary.pow(gap, 1.0 / order)) for gap in gaps]
+        away = self.radius * (roots[1] - roots[0]) / (roots[0] + roots[1])
+        return Contact(order, away * halves[sides[0][0]].direction)
 
 
 def fan(reduced: ReducedEquations, near: Sequence[Array] = ()) -> Fan | None:
