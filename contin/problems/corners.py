@@ -162,7 +162,7 @@ def _on_surface(
         right = np.append(f / scale[:-1], surface(z) / size)
         try:
             step = np.linalg.solve(bordered, -right)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # the corner is not verified, in words
             return None
         length = float(np.linalg.norm(step))
         if not np.isfinite(length) or float(np.linalg.norm((z - start) / scale)) > 1e-4:

@@ -156,14 +156,14 @@ def _least_squares(matrix: Array, right: Array) -> Array | None:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-15)[0])
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # Newton ends: not verified, in words
         return None
 
 
 def _inverse(matrix: Array) -> Array | None:
     try:
         return np.asarray(np.linalg.inv(matrix))
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # Newton ends: not verified, in words
         return None
 
 
@@ -268,7 +268,7 @@ def _bordered(
     bordered[rows:, :columns] = c.conj().T
     try:
         inverse = np.linalg.inv(bordered)
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # with NaN Newton ends: not verified, in words
         inverse = np.full_like(bordered, np.nan)
     return inverse[:columns, rows:], inverse[columns:, :rows].conj().T, inverse[columns:, rows:]
 

@@ -182,7 +182,7 @@ def _linked(system: System, box: Box, p: Array, known: Sequence[tuple[Array, boo
     for u, isolated in sorted(known, key=lambda item: tuple(np.round(item[0] / box.widths, 6))):
         try:
             exact = converge(system, u, p, box.periods)
-        except ContinError:
+        except ContinError:  # Newton stalled there with deflation: no equilibrium
             continue
         if not any(box.distance(exact.u, other.u) < SAME for other, _ in solved) and box.holds(box.wrapped(exact.u)):
             solved.append((exact, isolated))

@@ -24,7 +24,7 @@ def solve(
         f, jacobian = linearise(z)
         try:
             step = np.linalg.solve((jacobian * scale / rows[:, None])[:, free], -f / rows)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # as where Newton does not converge
             return None
         size = float(np.linalg.norm(step))
         if not np.isfinite(size) or size > 1.0:

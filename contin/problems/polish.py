@@ -24,7 +24,7 @@ def at_parameter(problem: Dense, guess: Array, value: float, scale: Array) -> Ar
         f, matrix = problem.linearise(z)
         try:
             step = np.linalg.solve(matrix[:, :-1] * d / d[:, None], -f / d)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # as where Newton does not converge
             return None
         size = float(np.linalg.norm(step))
         if not np.isfinite(size) or size > 1.0:

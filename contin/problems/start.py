@@ -74,7 +74,7 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     except NoSolutionError as error:
         guess = _powell(EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods), u)
         if guess is not None:
-            with suppress(NoSolutionError, NotFiniteError):
+            with suppress(NoSolutionError, NotFiniteError):  # the failure of Newton's own is told below
                 return _newton(system, guess, p, angle_periods)
         nearest = _nearest(system, u, p, angle_periods)
         raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
@@ -87,7 +87,7 @@ def _nearest(system: System, u: Array, p: Array, angle_periods: Array) -> Array 
     found: list[Array] = []
     for radius in RADII:
         for _ in range(STARTS):
-            with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):
+            with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):  # one of many starts
                 start = u + radius * size * generator.uniform(-1.0, 1.0, len(u))
                 found.append(_newton(system, start, p, angle_periods).u)
         if found:
@@ -177,7 +177,7 @@ def _powell(problem: EquilibriumProblem, u: Array) -> Array | None:
     try:
         found = root(scaled, u / scale, jac=True, method="hybr")
     except (ContinError, ArithmeticError, ValueError, np.linalg.LinAlgError):
-        return None
+        return None  # no better guess: Newton's own failure is told
     guess: Array = scale * found.x
     return guess if found.success and np.all(np.isfinite(guess)) else None
 

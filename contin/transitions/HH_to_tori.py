@@ -26,7 +26,7 @@ def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[
         omegas = float(point.normal_form["omega1"]), float(point.normal_form["omega2"])
         found = torus_predictors(place.jet(problem.system), omegas)
     except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
-        return []
+        return []  # without a normal form, which the point's own remark tells
     parent = Parent(point.branch, point.label)
     return [
         seed_of_cycles("NS", problem.system, place, cycles, float(elementary.cos(angle)), parent)

@@ -28,7 +28,7 @@ def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[st
     try:
         cycles, rate = torus_predictor(place.jet(problem.system), omegas[0])
     except (IndexError, ZeroDivisionError, np.linalg.LinAlgError):
-        return []
+        return []  # without a normal form, which the point's own remark tells
     if rate == 0.0:
         return []
     bend = -(elementary.square(2.0 * np.pi * rate / cycles.omega))  # cos(2 pi rate rho / omega)

@@ -50,7 +50,7 @@ def departures(problem: EquilibriumProblem, point: SpecialPoint, parameter: str,
         return []
     if not rule.uncertain:
         return switch(problem, point, parameter)
-    with suppress(InputError):
+    with suppress(InputError):  # marked as uncertain: there may be nothing
         return switch(problem, point, parameter)
     return []
 

@@ -73,7 +73,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
             bounds = value - part * widths[axis], value + part * widths[axis]
             try:
                 family = trace(Seed(moving, start), bounds, settings=settings)
-            except ContinError:
+            except ContinError:  # one of several; where all fail, that is said
                 continue
             done += work_of(family)
             for row in (0, -1):
@@ -85,7 +85,7 @@ def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
                 limits = other - REACH * widths[1 - axis], other + REACH * widths[1 - axis]
                 try:
                     found = trace(Seed(line, np.append(z[:-1], other)), limits, settings=settings)
-                except ContinError:
+                except ContinError:  # one of several; where all fail, that is said
                     continue
                 done += work_of(found)
                 yield found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,7 +16,7 @@ from contin.diagram.phase.cycles import cycles_reached
 from contin.diagram.phase.rest import ZERO as ZERO_OF_REST
 from contin.diagram.phase.rest import is_rest
 from contin.diagram.phase.states import State, images_of
-from contin.errors import AtRestError, ContinError, NoSolutionError
+from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.simulation import UNSTABLE, time_scale
 from contin.problems.shooting.start import settled_orbit
@@ -54,13 +53,14 @@ class Reached:
 
     `seeds` : of branches, in the parameter of the line.  `rests` : states at rest where the equations have no
     derivatives.  `aperiodic` : 1 where some trajectory goes on for ever without a period.  `wild` : corners of boxes
-    that hold such trajectories.
+    that hold such trajectories.  `failed` : why some could not be followed; that they escape is none of it.
     """
 
     seeds: tuple[Seed, ...] = ()
     rests: tuple[State, ...] = ()
     aperiodic: int = 0
     wild: tuple[tuple[Array, Array], ...] = ()
+    failed: tuple[str, ...] = ()
 
 
 def reached(
@@ -84,16 +84,22 @@ def reached(
     if starts is None:
         starts = [*_pushed(problem, states, value)[:TRIED], *_scattered(problem, states, value)]
     for u in starts:
-        with suppress(ContinError, np.linalg.LinAlgError):
+        try:
             search.follow(u)
-    return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild))
+        except NotFiniteError:  # it escapes
+            continue
+        except (ContinError, np.linalg.LinAlgError) as error:
+            search.failed.append(str(error))
+    return Reached(
+        tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild), tuple(search.failed)
+    )
 
 
 def _of_a_map(
     problem: EquilibriumProblem, known: Sequence[Array], value: float, starts: Sequence[Array]
-) -> tuple[Any, Any, int]:
-    seeds, aperiodic = cycles_reached(problem, known, value, starts)
-    return tuple(seeds), (), aperiodic
+) -> tuple[Any, ...]:
+    seeds, aperiodic, failed = cycles_reached(problem, known, value, starts)
+    return tuple(seeds), (), aperiodic, (), tuple(failed)
 
 
 @dataclass(eq=False)
@@ -107,6 +113,7 @@ class _Trajectories:
     seeds: list[Seed] = field(default_factory=list)
     rests: list[State] = field(default_factory=list)
     wild: list[tuple[Array, Array]] = field(default_factory=list)  # boxes that hold trajectories without a period
+    failed: list[str] = field(default_factory=list)  # why some trajectories could not be followed
     looked: bool = False  # for orbits in such a box: other trajectories that stay there are taken for the same
 
     @property
@@ -165,7 +172,7 @@ class _Trajectories:
         try:
             solution = converge(self.problem.system, u, self.p, self.periods)
         except (ContinError, np.linalg.LinAlgError):
-            solution = None
+            solution = None  # followed to where Newton does not converge: the state itself stands for it
         at = np.array(u if solution is None else solution.u)
         at[np.abs(at) < ZERO * self._size()] = 0.0
         if self._is_at_rest(at):
@@ -197,7 +204,7 @@ class _Trajectories:
     def _orbit(self, u: Array, scale: float, longest: float = LONGEST) -> None:
         try:
             orbit = settled_orbit(self.problem.system, u, self.p, self.periods, longest=longest, budget=LEG)
-        except AtRestError:
+        except AtRestError:  # at rest: counted among the equilibria
             return
         except NoSolutionError:
             if self.lasting and longest >= LONGEST:

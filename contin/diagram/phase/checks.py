@@ -117,7 +117,7 @@ class Plane:
                 return None
             try:
                 step = np.linalg.solve(a, -r)
-            except np.linalg.LinAlgError:
+            except np.linalg.LinAlgError:  # no equilibrium there, which the check then tells
                 return None
             u = u + step
             if float(np.abs(step).max()) <= SETTLED * max(float(np.abs(u).max()), typical):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -30,8 +29,9 @@ SAME: Final = 1e-6  # ... distance of two cycles that are one
 
 def cycles_reached(
     problem: Any, known: Sequence[Array], value: float, starts: Sequence[Array]
-) -> tuple[list[Seed], int]:
-    """Seeds of the stable cycles (and fixed points) on which `starts` settle, and 1 where one wanders for ever.
+) -> tuple[list[Seed], int, list[str]]:
+    """Seeds of the stable cycles (and fixed points) on which `starts` settle, 1 where one wanders for ever, and why
+    some cycles could not be solved for.
 
     known : (k n,) of cycles that need no seed.
     """
@@ -40,6 +40,7 @@ def cycles_reached(
     found = list(known)
     seeds: list[Seed] = []
     aperiodic = 0
+    failed: list[str] = []
     for u in starts:
         end, steps = _settled(problem.system, u, p, periods)
         if end is None:
@@ -47,12 +48,15 @@ def cycles_reached(
         if steps == 0:
             aperiodic = 1
             continue
-        with suppress(ContinError, np.linalg.LinAlgError):
+        try:
             seed = converge(iterate(problem.system, steps), end, p, periods).seed(problem.parameters[0])
-            if not any(is_one(seed.problem, seed.z, other) for other in found):
-                found.append(seed.z[:-1])
-                seeds.append(seed)
-    return seeds, aperiodic
+        except (ContinError, np.linalg.LinAlgError) as error:
+            failed.append(str(error))
+            continue
+        if not any(is_one(seed.problem, seed.z, other) for other in found):
+            found.append(seed.z[:-1])
+            seeds.append(seed)
+    return seeds, aperiodic, failed
 
 
 def is_one(problem: Any, z: Array, other: Array) -> bool:

@@ -95,7 +95,7 @@ def _falls(system: CompiledSystem, u: Array, p: Array, moving: Any, size: float)
 def _grows(system: CompiledSystem, start: Array, p: Array, moving: Any) -> bool | None:
     """Whether a trajectory from beside rest leaves it; None where it neither does nor comes nearer."""
     before = float(np.linalg.norm(start[moving]))
-    with suppress(ContinError, np.linalg.LinAlgError):
+    with suppress(ContinError, np.linalg.LinAlgError):  # neither: the answer for what cannot be followed is None
         scale = time_scale(system, start, p)
         options = {"rtol": 1e-8, "atol": 1e-10 * before, "budget": STEPS}
         times = np.linspace(0.0, TIME * scale, 61)

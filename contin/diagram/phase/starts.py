@@ -57,7 +57,7 @@ def _bring(problem: EquilibriumProblem, u: Array, value: float, settings: Settin
         limits = (bounds[0] - (room * width if sense > 0 else 0.0), bounds[1] + (room * width if sense < 0 else 0.0))
         try:
             branch = trace(Seed(problem, np.append(u, here), arms=(sense,)), limits, settings=settings)
-        except ContinError:
+        except ContinError:  # the start is not brought there, which the caller tells
             return None
         if was_stopped(branch):
             raise KeyboardInterrupt

@@ -133,11 +133,17 @@ class Survey:
             visit.add(found.seeds)
             visit.rests += found.rests
             visit.aperiodic, visit.wild = max(visit.aperiodic, found.aperiodic), found.wild
+            if found.failed:
+                self.search.notes.add(
+                    f"{len(found.failed)} trajectories at {self._where(visit)} could not be followed to the end "
+                    f"({found.failed[0]}); what they settle on is not counted"
+                )
 
     def _surviving(self, visit: Visit) -> AbstractContextManager[None]:
-        names = self.search.parameters
-        where = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, visit.at, strict=True))
-        return self.search.notes.surviving(f"states at {where}")
+        return self.search.notes.surviving(f"states at {self._where(visit)}")
+
+    def _where(self, visit: Visit) -> str:
+        return ", ".join(f"{n} = {value:.6g}" for n, value in zip(self.search.parameters, visit.at, strict=True))
 
     def _share(self) -> None:
         """Stable states of one region are looked for in the others: trajectories start beside them there."""

@@ -137,7 +137,7 @@ class _Circle:
             matrix[n:, : n + 1] = self.kernel.T
             try:
                 step = np.linalg.solve(matrix, np.append(-f, np.zeros(2)))
-            except np.linalg.LinAlgError:
+            except np.linalg.LinAlgError:  # no solution near the guess: as where Newton does not converge
                 return None
             before, size = size, float(np.linalg.norm(step[: n + 1]))
             if not np.isfinite(size) or np.linalg.norm(offset[:-1]) > 3.0 * s:

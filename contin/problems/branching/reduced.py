@@ -66,7 +66,7 @@ class ReducedEquations:
             right[:n, 1:] = -jacobian @ self.kernel
             try:
                 step = np.linalg.solve(matrix, right)
-            except np.linalg.LinAlgError:
+            except np.linalg.LinAlgError:  # no solution near the guess: as where Newton does not converge
                 return None
             before, size = size, float(np.linalg.norm(step[: n + 1, 0]))
             if not np.isfinite(size) or size > 1.0:
@@ -87,7 +87,7 @@ class ReducedEquations:
             matrix = np.vstack([jacobian, (self.kernel @ c)[None] / radius])
             try:
                 step = np.linalg.solve(matrix, np.append(-f, 0.5 * (radius - float(c @ c) / radius)))
-            except np.linalg.LinAlgError:
+            except np.linalg.LinAlgError:  # none found from here: as where Newton does not converge
                 return None
             before, size = size, float(np.linalg.norm(step))
             if not np.isfinite(size):

@@ -18,6 +18,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.normalforms.branching import branch_point
 from contin.problems.codim2.forms import branching_form, jet_at
 from contin.problems.codim2.functions import function_of, own_critical, scaled_matrix
+from contin.problems.codim2.untold import untold
 from contin.problems.loci.curves import curve_of
 
 if TYPE_CHECKING:
@@ -52,8 +53,8 @@ def coefficient(problem: LocusProblem, z: Array, v: Array, w: Array) -> float:
     bordered = np.block([[matrix - shift, w[:, None]], [v[None, :], np.zeros((1, 1))]])
     try:
         h = np.linalg.solve(bordered, np.append(-quadratic, 0.0))[:n]
-    except np.linalg.LinAlgError:
-        return 0.0
+    except np.linalg.LinAlgError as error:
+        return untold(problem, "DP", error)
     return float(w @ (form(v, v, v) + 3.0 * form(v, h))) / size
 
 
@@ -65,7 +66,7 @@ def kind(problem: LocusProblem, z: Array) -> str:
     if "kind" not in problem.memory:
         try:
             form = branch_point(jet_at(problem, z, (problem.curve.first,)))
-        except ZeroDivisionError:
+        except ZeroDivisionError:  # at a double zero; asked again at the next point
             return ""
         problem.memory["kind"] = str(form.coefficients["kind"])
     return str(problem.memory["kind"])

@@ -194,7 +194,7 @@ def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sampl
             return None
         try:
             step = np.linalg.solve(matrix, -g)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # not verified, in words
             return None
         length = float(np.linalg.norm(step))
         if length >= 0.5 * before and length < defining.STALLED:
@@ -212,7 +212,7 @@ def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sampl
     g, jacobian = residual(y)
     try:
         inverse = np.linalg.inv(np.vstack([jacobian, gradient]))
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # not verified, in words
         return None
     generator = np.random.default_rng(12345)
     estimates = []

@@ -75,7 +75,7 @@ def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array,
     step = BESIDE / length
     try:
         beside = form_at(z + step * drift).coefficients
-    except NO_FORM:
+    except NO_FORM:  # as for a point that is placed exactly; its own error stands
         return {}
     found = {}
     for key, value in form.coefficients.items():

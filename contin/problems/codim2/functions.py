@@ -18,6 +18,7 @@ from contin.machine import elementary
 from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
 from contin.problems.codim2.forms import jet_at
+from contin.problems.codim2.untold import untold
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _border_function(problem: LocusProblem, z0: Array, value: Callable[[Array, A
         bordered[:n, :n] = scaled_matrix(problem, z) - shift * identity
         try:
             v, psi = np.linalg.solve(bordered, unit)[:-1], np.linalg.solve(bordered.T, unit)[:-1]
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # no value: Newton's method ends, and the point is not verified, in words
             return float("nan")
         return value(z, v, psi)
 
@@ -140,8 +141,8 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: 
         return 0.0
     try:
         form = neimark_sacker(jet_at(problem, z), float(elementary.acos(cosine)))
-    except (ZeroDivisionError, np.linalg.LinAlgError):
-        return 0.0
+    except (ZeroDivisionError, np.linalg.LinAlgError) as error:
+        return untold(problem, "CH", error)
     value = float(form.coefficients["d"][0])
     return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
 

@@ -19,6 +19,7 @@ from contin.normalforms.maps import period_doubling
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.forms import jet_at
 from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
+from contin.problems.codim2.untold import untold
 from contin.problems.spectrum import count_and_tests
 
 if TYPE_CHECKING:
@@ -115,6 +116,6 @@ def flip_coefficient(problem: LocusProblem, z: Array) -> float:
     """The cubic coefficient of a period doubling, whose zero is a GPD."""
     try:
         form = period_doubling(jet_at(problem, z))
-    except (ZeroDivisionError, np.linalg.LinAlgError):
-        return 0.0
+    except (ZeroDivisionError, np.linalg.LinAlgError) as error:
+        return untold(problem, "GPD", error)
     return float(next(v for k, v in form.coefficients.items() if k == "c"))

@@ -72,7 +72,7 @@ def _searched(problem: EquilibriumProblem, last: Sample, frame: Frame, first: fl
         before = corner
         try:
             corner = old + scale * np.linalg.solve(np.vstack([j_old, gradient]), right)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # no corner is crossed: the branch ends, in words
             return None
         if not norm((corner - last.z) / scale) < AWAY * first:
             return None

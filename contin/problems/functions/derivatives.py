@@ -170,7 +170,7 @@ def is_analytic(function: Function, u: Array, p: Array, sizes: Array) -> bool:
                 by_step = complex_.first(z_u, z_p, v)
                 by_circle = complex_.pure(z_u, z_p, v, 1)
         except (TypeError, ValueError, AttributeError, np.exceptions.ComplexWarning):
-            return False
+            return False  # no complex arguments: differences are taken instead
         with np.errstate(all="ignore"):
             by_difference = real.pure(z_u, z_p, v, 1)
         largest = float(np.max(np.abs(by_difference), initial=0.0))

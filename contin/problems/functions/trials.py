@@ -58,7 +58,7 @@ def _value(system: FunctionSystem, u: Array, p: Array) -> Vector | None:
     """F as the function gives it; None where it fails, or is not real and finite."""
     try:
         value = system.raw(u, p)
-    except UserFunctionError:
+    except UserFunctionError:  # told where the function is called at the start itself
         return None
     return value if np.all(np.isfinite(value)) and not np.any(np.imag(value)) else None
 

@@ -17,7 +17,7 @@ from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel
 from contin.machine import elementary
 from contin.problems import newton_fixed
-from contin.problems.codim2 import degenerate, events
+from contin.problems.codim2 import degenerate, events, untold
 from contin.problems.loci.march import march, probe
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.records import Fields
@@ -193,6 +193,10 @@ class LocusProblem(TwoParameterProblem):
         return bool(np.any(np.abs(z[:, -3]) > events.FORCED * np.linalg.norm(self.curve.matrix(z[0]))))
 
     def remarks(self, z: Array) -> Sequence[str]:
+        """What holds all along the curve, and which tests failed on it."""
+        return [*self._properties(z), *untold.remarks(self)]
+
+    def _properties(self, z: Array) -> Sequence[str]:
         if self.locus == "BP" and self._is_unfolded(z):
             return [
                 "nothing forces these branch points (no symmetry, invariant subspace or solution that is always "

@@ -176,7 +176,7 @@ def _turns(problem: OrbitProblem, fold: Any, frame: Frame) -> bool:
         regular = Bordered.with_borders(
             linear.jacobian, np.empty((linear.nu + 1, 0)), np.pad(fold.right, ((0, 1), (0, 0)))
         )
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # singular at branch points, which is what is asked
         return False
     column = linear.jacobian[:, [-1]].toarray()[:, 0]
     left = regular.factors.solve(np.append(np.zeros(linear.nu + 1), 1.0), "T")[:-1]

@@ -48,7 +48,8 @@ def _of_one_period(system: CompiledSystem, u: Array, p: Array, periods: Array) -
     period = float(evaluate(system.forcing_period, dict(zip(system.parameter_names, p, strict=True))))
     times = np.linspace(0.0, period, SAMPLES + 1)
     for states in _guesses(system, u, p, times):
-        with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):
+        # one of several guesses; where all fail, that is said
+        with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):  # ... by the caller
             if shooting_chosen(system, None):
                 return orbit_from_return(system, states[0], p, periods, period, 1, None)
             return orbit_from_samples(system, times, states, p, periods)
@@ -57,10 +58,10 @@ def _of_one_period(system: CompiledSystem, u: Array, p: Array, periods: Array) -
 
 def _guesses(system: CompiledSystem, u: Array, p: Array, times: Array) -> Iterator[Array]:
     """States (times, n) over one forcing period."""
-    with suppress(NotFiniteError):
+    with suppress(NotFiniteError):  # one guess less
         yield np.asarray(integrate(system, u, p, float(times[-1]), times=times, budget=STEPS).u)
     yield np.tile(u, (len(times), 1))
-    with suppress(NotFiniteError):
+    with suppress(NotFiniteError):  # one guess less
         long = np.linspace(0.0, LONG * times[-1], LONG * 20)
         path = integrate(system, u, p, float(long[-1]), times=long, budget=STEPS)
         yield np.tile(path.u.mean(axis=0), (len(times), 1))

@@ -84,7 +84,7 @@ class Reduced:
         """Newton on mu_1 = mu_2 = 0 from z on the curve: the point, mu there, and the gradient that is left."""
         try:
             return self._newton(z)
-        except NotFiniteError:
+        except NotFiniteError:  # not verified, in words
             return None
 
     def _newton(self, z: Array) -> tuple[Array, float, Array] | None:

@@ -166,7 +166,7 @@ def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample
         right = np.append(f / scale[:-1], h / size)
         try:
             step = -np.linalg.solve(system, right)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # as where Newton does not converge
             return None
         length = float(np.linalg.norm(step))
         if not length < 1e3:

@@ -48,7 +48,7 @@ class Runner:
         chosen = {name: value for name, value in given.items() if name not in states}
         try:
             u, p = spec.model.start_point(start, {**spec.parameters, **chosen})
-        except ContinError:
+        except ContinError:  # the run's outcome says that its start has no value
             return None
         for name, value in states.items():
             u[names.index(name)] = value

@@ -78,7 +78,7 @@ class ConnectionProblem(MarchedInPython):
             self.curve.settle(z, sizes)
         try:
             equations, jacobian = self.curve.linearise(z, scale, sizes)
-        except (np.linalg.LinAlgError, ValueError):
+        except (np.linalg.LinAlgError, ValueError):  # no step: the curve ends, in words
             return None
         self._last["now"] = (z, jacobian, sizes)
         return factorised(equations, jacobian, self.curve.unknowns(z), tangent)
@@ -88,9 +88,20 @@ class ConnectionProblem(MarchedInPython):
         _, jacobian, sizes = self._last["now"]
         try:
             tests, values = events.tests_at(self.curve, z, sizes, self._adjoint(jacobian, z))
-        except (np.linalg.LinAlgError, ValueError):
+        except (np.linalg.LinAlgError, ValueError) as error:
+            self._last.setdefault("untested", []).append(str(error))
             return np.full(len(tests_of_connections()), np.nan), 0, np.full(self.curve.n, np.nan, complex)
         return tests, self._unstable(values), values
+
+    def remarks(self, z: Array) -> Sequence[str]:
+        """Where the tests of this curve could not be computed."""
+        failures = self._last.get("untested", [])
+        if not failures:
+            return ()
+        return (
+            f"the tests of this curve of connecting orbits could not be computed at {len(failures)} of its points "
+            f"({failures[0]}): special points there are not told",
+        )
 
     def _unstable(self, values: NDArray[np.complex128]) -> int:
         """Without the zero eigenvalue of a saddle-node, whose rounding has a sign."""
@@ -105,7 +116,7 @@ class ConnectionProblem(MarchedInPython):
         rows = np.append(np.arange(inside), inside + self.curve.saddles * n + np.arange(n))
         try:
             _, _, left = Bordered.of(jacobian.tocsr()[rows][:, :nu].tocsc(), 1).solve()
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # the tests that need it are NaN, which `remarks` tells
             return None
         values = left[:inside, 0].reshape(-1, m, n) / basis(m).gauss_weights[:, None]
         return np.asarray(values.reshape(-1, n))
@@ -173,7 +184,7 @@ class ConnectionProblem(MarchedInPython):
         z = curve.join(curve.profile(z).on_mesh(h), curve.equilibria(z), float(z[-2]))
         try:
             tangent = np.asarray(self.tangents(z, scale)[0])
-        except InputError:
+        except InputError:  # the interval stays as it is
             return None
         around = [-2, -1]
         if float(tangent[around] @ origin.tangent[around]) < 0.0:

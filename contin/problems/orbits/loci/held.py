@@ -37,7 +37,7 @@ class HeldCurve(OrbitCurve):
             frames.begin(work.frame, scale[[-1, -2]])
         for _ in range(2):
             self.correct(z, np.ones_like(z), 0.0, z, scale, np.inf)
-            with suppress(np.linalg.LinAlgError):
+            with suppress(np.linalg.LinAlgError):  # the borders before serve; the step tells where they do not
                 frames.set_borders(self.type, work, self._units(z, scale), self.further(z))
 
     def step(self, z: Array, scale: Array) -> tuple[Array, float] | None:
@@ -51,7 +51,7 @@ class HeldCurve(OrbitCurve):
         kept = slice(2, 2 + size)
         try:
             parts = np.linalg.solve(memory.dG[:size, kept], -(memory.G[:size] + memory.dG[:size, 0]))
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # no step: Newton ends, in words
             return None
         step = memory.changes[0] + parts @ memory.changes[kept]
         step[-2] = step[-1]

@@ -104,7 +104,7 @@ def condition(type_: str, at: Expansion, further: float, known: Borders) -> Cond
     try:
         right = np.linalg.solve(bordered, np.eye(rows + many)[:, rows : rows + wanted])
         left = np.linalg.solve(bordered.T, np.eye(columns + few)[:, columns:])
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # no step: the curve ends, in words
         return None
     v, g, w = right[:columns], right[columns:].ravel(), left[:rows]
     if type_ in ("LPC", "BPC"):

@@ -352,7 +352,7 @@ class CurveLinearisation:
         sizes[sizes == 0.0] = 1.0
         try:
             a = np.linalg.solve(self.small / sizes[:, None], rest / sizes)
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # with NaN the step is refused
             return np.full(len(self.scale), np.nan)
         return np.asarray((step + self.basis @ a) / self.scale)
 
