@@ -22,8 +22,10 @@ NEWTON_BUDGET = 30
 SETTLED = 1e-13  # a correction below this is rounding
 STALLED = 1e-7  # a correction that no longer falls must at least be below this
 PERTURBATION = 1e-12  # of the solution, to sample the rounding errors of the defining system
+ROUNDED = 1e-9  # ... and where all terms are rounded anew, while the curvature is below rounding errors
 SAMPLES = 6
 LINEAR = 0.4  # ratio of corrections from which Newton converges linearly
+FOLLOWED = 2  # corrections of the other unknowns
 STEADY = 0.02  # ... where the ratio is the same twice
 BESIDE = 1e-2  # of the unknowns, where the size of the Jacobian is measured too
 FLAT = 1e-8  # singular values this small beside its size: a direction in which the system hardly changes
@@ -124,6 +126,8 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
         value, _ = system(x + shift, slopes=False)
         estimates.append(shift[position] - float(row @ value))
         noises = np.maximum(noises, np.abs(value - g - matrix @ shift))
+        farther = ROUNDED / PERTURBATION * shift  # so near, terms with cancelling parts may not change at all
+        noises = np.maximum(noises, np.abs(system(x + farther, slopes=False)[0] - g - matrix @ farther))
     noise = max(noise, float(np.max(noises)))
     error = 2.0 * float(np.max(np.abs(estimates))) + lacking
     beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
@@ -134,18 +138,33 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     for direction in right[singular <= FLAT * singular[0]]:
         along = abs(float(direction[position]))
         if along > 0.0:
-            error += along * _reach(system, x, g, direction, limits)
+            error += along * _reach(system, x, position, g, direction, limits)
     size = float(np.max(np.abs(matrix))) or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.max(np.abs(g))) / size
     return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size)
 
 
-def _reach(system: System, x: Array, g: Array, direction: Array, limits: Array) -> float:
-    """How far G stays within its rounding errors along a direction in which it hardly changes."""
+def _reach(system: System, x: Array, position: int, g: Array, direction: Array, limits: Array) -> float:
+    """How far G stays within its rounding errors along a direction in which it hardly changes.
+
+    The other unknowns follow: where branches touch, G is small along a curve.
+    """
     distance = PERTURBATION
+    others = np.delete(np.arange(x.size), position)
+
+    def leaves(at: Array) -> bool:
+        for _ in range(FOLLOWED):
+            value, matrix = system(at)
+            if bool(np.all(np.abs(value - g) <= limits)):
+                return False
+            step = _least_squares(matrix[:, others], g - value) if np.all(np.isfinite(matrix)) else None
+            if step is None or not np.linalg.norm(step) < distance:
+                return True
+            at[others] += step
+        return bool(np.any(np.abs(system(at, slopes=False)[0] - g) > limits))
+
     while distance < 0.1:
-        values = [system(x + sign * distance * direction, slopes=False)[0] for sign in (1.0, -1.0)]
-        if all(bool(np.any(np.abs(v - g) > limits)) for v in values):
+        if all(leaves(x + sign * distance * direction) for sign in (1.0, -1.0)):
             break
         distance *= 3.0
     return distance
