@@ -16,6 +16,7 @@ _EXPORTS = {
     "InputError": "contin.errors",
     "Model": "contin.model.model",
     "average": "contin.symbolic.averaging.average",
+    "boundary_problem": "contin.api",
     "continuation": "contin.api",
     "diagram": "contin.api",
     "equilibrium": "contin.api",

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contin.api.boundary import boundary_problem
     from contin.api.branches import continuation, walk
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
 
 _HOMES = {
+    "boundary_problem": "boundary",
     "compiled": "machine_code",
     "connecting_orbit": "starts",
     "continuation": "branches",
@@ -25,6 +27,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "boundary_problem",
     "compiled",
     "connecting_orbit",
     "continuation",

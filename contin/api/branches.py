@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contin.api.seeds import Range, as_seed, bounds_of, placed, targets_of
+from contin.api.seeds import Range, as_seed, bounds_of, extrema_of, placed, targets_of
 from contin.continuation.branch import Branch, End
 from contin.continuation.departure import depart
 from contin.continuation.journal import Journal
@@ -28,6 +28,7 @@ def continuation(
     name: str = "branch",
     direction: str = "both",
     values: Mapping[str, Sequence[float]] | None = None,
+    extrema: Sequence[str] = (),
     settings: Settings | Record | None = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
@@ -40,6 +41,7 @@ def continuation(
     range : (lo, hi), for two parameters {name: (lo, hi)}; default the range that the model gives for the parameter.
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
+    extrema : columns that are labelled EX where they turn along the branch.
     watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
     journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
@@ -55,7 +57,7 @@ def continuation(
         bounds,
         name=name,
         settings=chosen,
-        targets=targets_of(seed.problem, values),
+        targets=[*targets_of(seed.problem, values), *extrema_of(seed.problem, extrema)],
         watch=watch,
         journal=journal,
     )

@@ -17,6 +17,7 @@ from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.model.kinds import need_time
 from contin.problems.start import Equilibrium
 from contin.records import Record
 
@@ -102,6 +103,7 @@ def phase(
 
     Raises NoSolutionError where no start leads to an equilibrium.
     """
+    need_time(model, "phase diagrams")
     if getattr(model, "forcing", None) is not None:
         raise InputError(
             "phase diagrams start from equilibria, which a forced flow has none of: write the forcing as two states "

@@ -35,5 +35,5 @@ def _made_for(model: Any) -> Any:
 
 def prepare(model: Model) -> None:
     """Make what every run of a model needs: its machine code, of large sparse ones their formulas by shapes."""
-    if not is_large(model):
+    if getattr(model, "interval", None) is None and not is_large(model):
         compiled(model)

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.api.machine_code import compiled
 from contin.api.starts import equilibrium, reach_of
+from contin.bvp.start import boundary_guess
 from contin.continuation.departure import Seed
 from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
@@ -24,6 +25,8 @@ def solution(model: Any, start: Any, parameters: Record | None) -> Any:
 
     Raises as `contin.equilibrium` and `contin.problems.orbits.responses.response` do.
     """
+    if getattr(model, "interval", None) is not None:
+        return boundary_guess(model, start, parameters)
     if getattr(model, "forcing", None) is None:
         return equilibrium(model, start, parameters)
     u, p = model.start_point(start, dict(parameters or {}))

@@ -7,8 +7,11 @@ from dataclasses import replace
 from typing import Any, TypeAlias
 
 from contin.api.starts import equilibrium
+from contin.bvp.problem import BoundaryProblem
+from contin.bvp.start import BoundaryGuess
 from contin.continuation.branch import LocusStart
 from contin.continuation.departure import Seed
+from contin.continuation.extrema import Extremum
 from contin.continuation.targets import Target
 from contin.errors import InputError
 from contin.model.model import Model
@@ -60,7 +63,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
                 f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
             )
         return start
-    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit):
+    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit | BoundaryGuess):
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
@@ -82,13 +85,25 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
 
 def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
-    if isinstance(problem, OrbitProblem | ShootingProblem):
-        known = set(problem.column_names())
-    else:
-        known = {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}
+    known = _column_names(problem)
     targets = []
     for column, wanted in (values or {}).items():
         if column not in known:
             raise InputError(f"values: unknown column {column!r}; known: {', '.join(sorted(known))}")
         targets += [Target(column, float(v)) for v in wanted]
     return targets
+
+
+def extrema_of(problem: Any, columns: Sequence[str]) -> list[Extremum]:
+    """Columns to be labelled where they turn; each must be a column of the branch."""
+    known = _column_names(problem)
+    for column in columns:
+        if column not in known:
+            raise InputError(f"extrema: unknown column {column!r}; known: {', '.join(sorted(known))}")
+    return [Extremum(column) for column in columns]
+
+
+def _column_names(problem: Any) -> set[str]:
+    if isinstance(problem, OrbitProblem | ShootingProblem | BoundaryProblem):
+        return set(problem.column_names())
+    return {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}

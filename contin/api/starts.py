@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.api.machine_code import compiled
 from contin.errors import InputError, NotFiniteError
+from contin.model.kinds import need_states, need_time
 from contin.problems.deflation import FoundEquilibrium, find, make_box
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.maps.iterate import iterate
@@ -44,6 +45,7 @@ def equilibrium(
     """
     _need_parameters(model)
     refuse_forced(model)
+    need_states(model, "equilibria")
     u, p = model.start_point(start, dict(parameters or {}))
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
@@ -92,6 +94,7 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     _need_parameters(model)
+    need_time(model, "periodic orbits")
     if isinstance(start, np.ndarray):
         if period is None and times is None:
             raise InputError(
@@ -124,6 +127,7 @@ def connecting_orbit(
     return to the first one (homoclinic). At the parameters a trajectory that leaves the first saddle must pass near the
     second one. `continuation(..., (p, q), ranges)` then solves for the orbit at the present value of q.
     """
+    need_time(model, "connecting orbits")
     saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
     if any(not isinstance(saddle, Equilibrium) for saddle in saddles) or saddles[0].system.kind == "map":
         raise InputError("connecting orbits need a flow given by formulas")
@@ -147,6 +151,7 @@ def find_equilibria(
     """
     _need_parameters(model)
     refuse_forced(model)
+    need_states(model, "equilibria")
     system = compiled(model)
     _, p = model.start_point(None, dict(parameters or {}))
     periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)

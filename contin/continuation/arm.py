@@ -27,6 +27,7 @@ from contin.continuation.problem import (
     is_planar,
     is_touching,
 )
+from contin.continuation.targets import Target
 from contin.continuation.vectors import dot
 
 JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
@@ -156,7 +157,7 @@ class Arm:
     def _skipped(self, z: Array, beyond: Array) -> list[str]:
         """A note for user values between two points of the branch between which it is not followed."""
         ends = np.array([z, beyond])
-        spans = [(t, t.values(self.problem, ends) - t.value) for t in self.course.targets]
+        spans = [(t, t.values(self.problem, ends) - t.value) for t in self.course.targets if isinstance(t, Target)]
         return [
             f"{t.column} = {t.value:.10g} is not labelled: two branches touch near there and cannot be told apart"
             for t, (a, b) in spans

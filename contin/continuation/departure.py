@@ -17,7 +17,7 @@ from contin.continuation.last_step import Course
 from contin.continuation.piece import Piece
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar, is_unfolding
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target
+from contin.continuation.targets import Wanted
 from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 
@@ -71,7 +71,7 @@ class Departure:
     known: list[Verified]  # points that are labelled already, shared by both arms
 
     def arm(
-        self, sense: int, targets: Sequence[Target] = (), march: Callable[..., Chunk] | None = None
+        self, sense: int, targets: Sequence[Wanted] = (), march: Callable[..., Chunk] | None = None
     ) -> tuple[Arm, list[Piece]] | End:
         """The arm against (-1) or along (+1) the start's tangent, with the rows before its first chunk.
 

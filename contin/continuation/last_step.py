@@ -19,7 +19,7 @@ from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_planar
 from contin.continuation.sameness import same_point
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target, hits
+from contin.continuation.targets import Wanted, hits
 from contin.continuation.walls import at_wall, walls_passed
 
 SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
@@ -43,7 +43,7 @@ class Course:
     problem: Problem
     bounds: tuple[float, float]
     settings: Settings
-    targets: Sequence[Target] = ()
+    targets: Sequence[Wanted] = ()
     known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
     symmetries: tuple[str, ...] = ()  # broken at the branch's birth: where it meets its own image, it is complete
     foundling: bool = False  # no other branch has the branch point at which it meets its own image as a label

@@ -51,14 +51,18 @@ class Linearisation(Protocol):
         """M x = right, (n + 1,)."""
 
 
-class Marchable(Protocol):
+class Correctable(Protocol):
+    """What Newton's method on a plane needs of a problem."""
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
+        """None where the equations are not finite."""
+
+
+class Marchable(Correctable, Protocol):
     """What the Python march needs of a problem."""
 
     @property
     def angle_periods(self) -> Array: ...
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> Linearisation | None:
-        """None where the equations are not finite."""
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         """Test functions from index 2 on, the number of unstable eigenvalues, and the eigenvalues."""
@@ -79,7 +83,7 @@ Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matri
 
 
 def correct(
-    problem: Marchable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
+    problem: Correctable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
     again: Again | None = None, before: Linearisation | None = None,
 ) -> Corrected | str:  # fmt: skip
     """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; a string says why it failed.

@@ -41,6 +41,9 @@ class Stop(Enum):
 STOPS: Final = tuple(Stop)  # by the code that a kernel returns
 
 
+WITHOUT_STABILITY: Final = frozenset({"bvp", "algebraic"})  # kinds of solutions that are no states of a flow or map
+
+
 @dataclass(frozen=True, eq=False)
 class Sample:
     """A point of the curve with all that is measured there."""

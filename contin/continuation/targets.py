@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
+from contin.continuation.extrema import Extremum, turns
 from contin.continuation.isolate import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
@@ -56,13 +58,22 @@ class Target:
         return Found(stretch.length_of(near), point, near)
 
 
+Wanted: TypeAlias = Target | Extremum
+
+
 def hits(
-    targets: Sequence[Target], problem: Problem, chunk: Chunk, z: Array, frame: Frame, settings: Settings,
+    wanted: Sequence[Wanted], problem: Problem, chunk: Chunk, z: Array, frame: Frame, settings: Settings,
     marked: Sequence[Row],
 ) -> Iterator[Row]:  # fmt: skip
-    """User values crossed between consecutive points of a chunk: rows (z: without the first) and labelled points."""
-    if not targets or len(chunk) < 2:
+    """User values crossed between consecutive points of a chunk: rows (z: without the first) and labelled points.
+
+    And extrema between its rows.
+    """
+    if not wanted or len(chunk) < 2:
         return
+    extrema = [target for target in wanted if isinstance(target, Extremum)]
+    yield from turns(extrema, problem, chunk, len(z) + 1, frame, settings)
+    targets = [target for target in wanted if isinstance(target, Target)]
     rows = np.vstack([chunk.z[:1], z])
     order: list[tuple[int, float, Array]] = [(k, -np.inf, row) for k, row in enumerate(rows)]
     order += [(mark.before, mark.length, mark.point.z) for mark in marked]

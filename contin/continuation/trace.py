@@ -20,6 +20,7 @@ from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
 from contin.continuation.problem import (
+    WITHOUT_STABILITY,
     Frame,
     Problem,
     Sample,
@@ -33,7 +34,7 @@ from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
-from contin.continuation.targets import Target
+from contin.continuation.targets import Target, Wanted
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.kernels.clock import computing_time
 from contin.records import Fields, Record
@@ -56,7 +57,7 @@ def trace(
     *,
     name: str = "branch",
     settings: Settings | None = None,
-    targets: Sequence[Target] = (),
+    targets: Sequence[Wanted] = (),
     watch: Watcher | None = None,
     journal: Journal | None = None,
     deadline: float | None = None,
@@ -158,7 +159,7 @@ def _progress(
 
 
 def _assemble(
-    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Target], notes: list[str],
+    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
     started: float,
 ) -> Branch:  # fmt: skip
     seed, start, here, scale = departure.seed, departure.start, departure.here, departure.scale
@@ -175,7 +176,9 @@ def _assemble(
         count, values = _start_measured(seed, start, problem)
         rows.add_block(start.z[None], (start.tangent * scale)[None], np.array([count]), values[None])
         for target in targets:
-            if not seed.born and float(target.values(problem, start.z[None])[0]) == target.value:
+            if seed.born or not isinstance(target, Target):
+                continue
+            if float(target.values(problem, start.z[None])[0]) == target.value:
                 rows.label(start_row, Verified("UZ", start.z, 0.0, 0.0, values, count), scale)
     if 1 in records:
         for piece in records[1].pieces:
@@ -196,8 +199,9 @@ def _assemble(
     if seed.scale is None and is_guessing(problem):
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
-    columns["unstable"] = unstable
-    columns["stable"] = columns["unstable"] == 0
+    if problem.kind not in WITHOUT_STABILITY:
+        columns["unstable"] = unstable
+        columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
     start_end = End(
         "start",

@@ -58,6 +58,6 @@ def build_graph(diagram: Diagram) -> MultiGraph:
         for (first, a), (last, b) in zip(
             zip(rows, nodes, strict=True), list(zip(rows, nodes, strict=True))[1:], strict=False
         ):
-            stable = bool(branch.columns["stable"][(first + last) // 2])
+            stable = "stable" in branch.columns and bool(branch.columns["stable"][(first + last) // 2])
             graph.add_edge(a, b, branch=branch.name, rows=(first, last), stable=stable)
     return graph

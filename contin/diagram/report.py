@@ -31,11 +31,16 @@ def _branch_lines(branch: Branch) -> list[str]:
     if branch.image_of is not None:
         return [f"{branch.name}: image of {branch.image_of.branch} under {branch.image_of.symmetry}"]
     born = f", born at {branch.parent.branch}.{branch.parent.label}" if branch.parent else ""
-    share = float(branch.columns["stable"].mean())
-    stability = "stable" if share == 1.0 else "unstable" if share == 0.0 else "partly stable"
-    lines = [f"{branch.name}: {branch.kind}{born}, {len(branch)} points, {stability}"]
+    lines = [f"{branch.name}: {branch.kind}{born}, {len(branch)} points{_stability(branch)}"]
     lines += [f"  {_point_line(branch, p)}" for p in branch.points]
     return [*lines, f"  ends: {branch.ends[0].text}; {branch.ends[1].text}"]
+
+
+def _stability(branch: Branch) -> str:
+    if "stable" not in branch.columns:
+        return ""
+    share = float(branch.columns["stable"].mean())
+    return ", stable" if share == 1.0 else ", unstable" if share == 0.0 else ", partly stable"
 
 
 def _point_line(branch: Branch, point: SpecialPoint) -> str:

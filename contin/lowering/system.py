@@ -19,6 +19,7 @@ from contin.lowering.routines import Layout, form_routine, gradient_routine, jac
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
+from contin.model.kinds import need_states
 from contin.model.model import Model
 from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
 from contin.symbolic.calculus.remove_singularities import remove_singularities
@@ -35,6 +36,7 @@ def compile_system(model: Model, regular: bool = False) -> CompiledSystem:
     that there are none. Each function is compiled when it is first asked for. Raises
     `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t` in a forced model).
     """
+    need_states(model, "states")
     return CompiledSystem(model, regular)
 
 

@@ -12,6 +12,7 @@ from contin.model import schema
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import Expression, is_condition
+from contin.model.functionals import FunctionalReader
 from contin.model.inline import MANY, Formulas
 from contin.model.lexer import canonical_name
 from contin.model.naming import check_label, check_names
@@ -20,6 +21,7 @@ from contin.model.parts import (
     Averaging,
     Expectation,
     Forcing,
+    Interval,
     Limit,
     Oscillator,
     Parameter,
@@ -84,28 +86,41 @@ def start_from_mapping(model: Model, mapping: Mapping[str, Any]) -> Start:
     formulas.functions = dict(model.functions)
     formulas.definitions = dict(model.definitions)
     formulas.conditions = {n for n, e in model.definitions.items() if is_condition(e)}
-    reader = _StartReader(formulas, list(model.state_names), list(model.parameter_names), problems)
+    time = None if model.interval is None else model.interval.name
+    reader = _StartReader(formulas, list(model.state_names), list(model.parameter_names), problems, time)
     start = reader.read("", data, ())
     problems.raise_if_any()
     return start
 
 
-class _StartReader:
-    """Reads starts: the states' values may use the parameters."""
+def _time_name(entry: schema.ModelEntry) -> str | None:
+    """What equations call the time of a forced flow, or the independent variable of a boundary-value problem."""
+    if entry.kind == "bvp":
+        return TIME if entry.time is None else canonical_name(entry.time.name)
+    return TIME if entry.forcing is not None else None
 
-    def __init__(self, formulas: Formulas, states: list[str], parameters: list[str], problems: Problems) -> None:
+
+class _StartReader:
+    """Reads starts: the states' values may use the parameters, and `time` where they are functions of it."""
+
+    def __init__(
+        self, formulas: Formulas, states: list[str], parameters: list[str], problems: Problems, time: str | None = None
+    ) -> None:
         self.formulas, self.states, self.parameters, self.problems = formulas, states, parameters, problems
         hidden = {s: f"{s} is a state; values here are formulas in the parameters" for s in states}
-        self.scope: Scope = formulas.scope_of(parameters, hidden)
+        self.constants: Scope = formulas.scope_of(parameters, hidden)
+        self.scope = self.constants if time is None else formulas.scope_of([*parameters, time], hidden)
 
     def read(self, name: str, data: Mapping[str, Any], path: Path) -> Start:
         values = dict(data)
         overrides = values.pop("parameters", None) or {}
-        states = self.known(values, self.states, "state", path)
-        parameters = self.known(overrides, self.parameters, "parameter", (*path, "parameters"))
+        states = self.known(values, self.states, "state", path, self.scope)
+        parameters = self.known(overrides, self.parameters, "parameter", (*path, "parameters"), self.constants)
         return Start(name, states, parameters)
 
-    def known(self, data: Mapping[str, Any], names: list[str], what: str, path: Path) -> dict[str, Expression]:
+    def known(
+        self, data: Mapping[str, Any], names: list[str], what: str, path: Path, scope: Scope
+    ) -> dict[str, Expression]:
         found = {}
         allowed = set(names)
         for key, value in data.items():
@@ -114,7 +129,7 @@ class _StartReader:
                 advice = closest(name, names) or f"there are {', '.join(names) or 'none'}"
                 self.problems.add((*path, key), f"not a {what}: {advice}", key=True)
                 continue
-            found[name] = self.formulas.read(value, (*path, key), self.scope)
+            found[name] = self.formulas.read(value, (*path, key), scope)
         return found
 
 
@@ -123,7 +138,8 @@ class _Builder:
         self.entry, self.problems = entry, problems
         self.states = [canonical_name(n) for n in entry.states]
         self.parameters = [canonical_name(n) for n in entry.parameters]
-        symbols = [*self.states, *self.parameters, *([TIME] if entry.forcing is not None else [])]
+        self.time = _time_name(entry)
+        symbols = [*self.states, *self.parameters, *([self.time] if self.time is not None else [])]
         observed = {
             canonical_name(n): f"{n} is an observable; put it under definitions to use it in formulas"
             for n in entry.observables
@@ -135,8 +151,10 @@ class _Builder:
         entry = self.entry
         check_names(entry, self.problems)
         self.formulas.declare(entry.functions, entry.definitions)
-        reader = _StartReader(self.formulas, self.states, self.parameters, self.problems)
-        self.constants = reader.scope
+        time = self.time if entry.kind == "bvp" else None
+        reader = _StartReader(self.formulas, self.states, self.parameters, self.problems, time)
+        self.constants, self.guesses = reader.constants, reader.scope
+        numbers = FunctionalReader(self.formulas, self.states, time or TIME, self.problems)
         parts: dict[str, Any] = {
             "name": entry.name,
             "kind": entry.kind,
@@ -149,7 +167,9 @@ class _Builder:
             "definitions": self.formulas.definitions,
             "equations": self.equations(),
             "observables": {
-                canonical_name(n): self.formulas.read(v, ("observables", n), self.formulas.scope)
+                canonical_name(n): numbers.number(v, ("observables", n))
+                if entry.kind == "bvp"
+                else self.formulas.read(v, ("observables", n), self.formulas.scope)
                 for n, v in entry.observables.items()
             },
             "symmetries": tuple(self.symmetry(n) for n in entry.symmetries),
@@ -165,6 +185,7 @@ class _Builder:
                 for k, item in enumerate(entry.limits)
             ),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
+            **self.boundary(numbers),
         }
         for section in ("starts", "symmetries"):
             for name in getattr(entry, section):
@@ -177,11 +198,11 @@ class _Builder:
         item, path = self.entry.states[key], ("states", key)
         name = canonical_name(key)
         if not isinstance(item, schema.StateEntry):
-            return State(name, self.formulas.read(item, path, self.constants))
+            return State(name, self.formulas.read(item, path, self.guesses))
         period, minimum = item.period, item.minimum
         return State(
             name,
-            self.formulas.read(item.value, (*path, "value"), self.constants),
+            self.formulas.read(item.value, (*path, "value"), self.guesses),
             item.unit,
             item.description,
             None if period is None else self.formulas.read(period, (*path, "period"), self.constants),
@@ -269,6 +290,31 @@ class _Builder:
         if self.entry.kind == "map":
             self.problems.add(("forcing",), "a map has no time; use kind: flow", key=True)
         return Forcing(self.formulas.read(item.period, ("forcing", "period"), self.constants))
+
+    def boundary(self, numbers: FunctionalReader) -> dict[str, Any]:
+        """The interval and the conditions of a boundary-value problem."""
+        entry = self.entry
+        if entry.kind != "bvp":
+            for key, given in (("time", entry.time is not None), ("conditions", bool(entry.conditions))):
+                if given:
+                    self.problems.add((key,), f"`{key}` belongs to kind: bvp; this is kind: {entry.kind}", key=True)
+            return {}
+        for key in ("forcing", "averaging", "symmetries", "rotation"):
+            if getattr(entry, key):
+                self.problems.add((key,), f"a boundary-value problem takes no `{key}`", key=True)
+        if self.time in (*self.states, *self.parameters):
+            advice = "give the independent variable another name"
+            self.problems.add(("time", "name"), f"{self.time} is declared already; {advice}")
+        written = entry.time or schema.IntervalEntry()
+        ends = [
+            self.formulas.read(v, ("time", key), self.constants)
+            for key, v in (("from", written.start), ("to", written.end))
+        ]
+        conditions = tuple(numbers.condition(text, ("conditions", k)) for k, text in enumerate(entry.conditions))
+        if not conditions:
+            self.problems.add(("conditions",), "a boundary-value problem needs conditions, such as u(start) = 0")
+        interval = Interval(str(self.time), ends[0], ends[1])
+        return {"interval": interval, "conditions": conditions, "functionals": dict(numbers.found)}
 
     def expectation(self, i: int) -> Expectation:
         item = self.entry.expect[i]

@@ -16,7 +16,20 @@ from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, number, symbol
 from contin.model.parser import parse
-from contin.model.parts import TIME, Averaging, Expectation, Forcing, Limit, Parameter, Start, State, Symmetry
+from contin.model.parts import (
+    TIME,
+    Averaging,
+    Condition,
+    Expectation,
+    Forcing,
+    Functional,
+    Interval,
+    Limit,
+    Parameter,
+    Start,
+    State,
+    Symmetry,
+)
 from contin.model.scope import Function
 from contin.model.source import CallSource
 from contin.model.values import Override, parameter_values
@@ -30,6 +43,9 @@ Array = NDArray[np.float64]
 class Model:
     """A system d(state)/dt = equations(state, parameters) (kind 'flow') or next state = equations (kind 'map').
 
+    Of kind 'algebraic' the equations vanish. Of kind 'bvp' they are d(state)/dt on an interval (`interval`), with
+    `conditions` at its ends and on integrals, whose `functionals` are listed by the symbols that stand for them.
+
     `Model(name=..., states={...}, parameters={...}, equations={...}, ...)` takes the keys and values of a model file,
     as texts, numbers or expressions, checks them alike and gives a model equal to the loaded file. Passes, which hold
     finished parts, use `Model.from_parts` and `replace`.
@@ -42,7 +58,7 @@ class Model:
     states: tuple[State, ...]
     parameters: tuple[Parameter, ...]
     equations: tuple[Expression, ...]
-    kind: Literal["flow", "map"] = "flow"
+    kind: Literal["flow", "map", "bvp", "algebraic"] = "flow"
     title: str | None = None
     source: str | None = None
     description: str | None = None
@@ -55,6 +71,9 @@ class Model:
     averaging: Averaging | None = None
     forcing: Forcing | None = None
     limits: tuple[Limit, ...] = ()
+    interval: Interval | None = None
+    conditions: tuple[Condition, ...] = ()
+    functionals: Mapping[str, Functional] = field(default_factory=dict)
     expect: tuple[Expectation, ...] = ()
 
     def __init__(self, name: str, **entries: object) -> None:
@@ -172,10 +191,31 @@ class Model:
         found = self._start(start)
         values = parameter_values(self.parameters, [found.parameters, parameters or {}], self.functions)
         formulas = {s.name: found.states.get(s.name, s.value) for s in self.states}
+        if self.interval is not None:  # functions of the independent variable, at its first value
+            values = {**values, self.interval.name: float(next(iter(evaluate_all([self.interval.start], values))))}
         u = np.array([float(v) for v in evaluate_all(formulas.values(), values)])
         if not np.all(np.isfinite(u)):
             raise NotFiniteError(f"model {self.name}, start: " + explain_not_finite(formulas, values, "state"))
-        return u, np.array(list(values.values()), dtype=float)
+        return u, np.array([values[name] for name in self.parameter_names], dtype=float)
+
+    def start_functions(
+        self, start: Any = None, parameters: Mapping[str, Override] | None = None, points: int = 101
+    ) -> tuple[dict[str, float], Array, Array]:
+        """Parameter values, points t (K,) of the interval, and the states there, (K, n), of a boundary-value problem.
+
+        `start` as of `start_point`; its formulas may contain the independent variable.
+        """
+        if self.interval is None:
+            raise InputError(f"model {self.name!r} has no interval: it is of kind {self.kind!r}")
+        found = self._start(start)
+        values = parameter_values(self.parameters, [found.parameters, parameters or {}], self.functions)
+        first, last = (float(v) for v in evaluate_all([self.interval.start, self.interval.end], values))
+        if not (np.isfinite(first) and np.isfinite(last) and first != last):
+            raise InputError(f"model {self.name}: its interval runs from {first:g} to {last:g}")
+        formulas = [found.states.get(s.name, s.value) for s in self.states]
+        times = np.linspace(first, last, points)
+        rows = [evaluate_all(formulas, {**values, self.interval.name: float(t)}) for t in times]
+        return dict(values), times, np.array(rows, dtype=float)
 
     def _start(self, start: object) -> Start:
         if start is None:

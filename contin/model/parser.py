@@ -168,7 +168,7 @@ class _Parser:
 
     def open_call(self, token: Token) -> tuple[None, int]:
         name = token.text
-        if name not in self.scope.functions and name not in FUNCTIONS:
+        if name not in self.scope.functions and name not in FUNCTIONS and name not in self.scope.calls:
             if self.scope.names is not None and name in self.scope.names:
                 raise ExpressionError(f"{name} is not a function; for a product write {name}*(...)", token.position)
             raise ExpressionError(advice.unknown_function(name, self.scope.functions), token.position)
@@ -296,6 +296,10 @@ class _Parser:
         for operand in operands:
             _need(operand, condition=False, where=f"as an argument of {frame.name}")
         arguments = [operand.node for operand in operands]
+        own = self.scope.calls.get(frame.name)
+        found = None if own is None else own(arguments, frame.position)
+        if found is not None:
+            return Operand(found, False, frame.position)
         function = self.scope.functions.get(frame.name)
         if function is not None:
             if len(arguments) != len(function.parameters):

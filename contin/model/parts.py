@@ -95,6 +95,35 @@ class Forcing:
 
 
 @dataclass(frozen=True)
+class Interval:
+    """The independent variable of a boundary-value problem and its two ends, expressions in the parameters."""
+
+    name: str
+    start: Expression
+    end: Expression
+
+
+@dataclass(frozen=True)
+class Functional:
+    """A number made of a function on the interval: `start` or `end` value, `integral`, `mean`, `norm`, `max`, `min`.
+
+    norm(x) = sqrt(mean(x^2)). `inner` is the function, an expression in states, parameters and the independent
+    variable.
+    """
+
+    kind: str
+    inner: Expression
+
+
+@dataclass(frozen=True)
+class Condition:
+    """residual = 0: an expression in the parameters and in symbols that are keys of `Model.functionals`."""
+
+    text: str
+    residual: Expression
+
+
+@dataclass(frozen=True)
 class Expectation:
     """In the last of `runs` (entries like those of a run file; empty: the first parameter over its range), after the
     passes `transform`, the points of type `label` are exactly those `at`, to relative `tolerance`.

@@ -149,6 +149,16 @@ class ForcingEntry(_Entry):
     period: Formula
 
 
+class IntervalEntry(BaseModel):
+    """The independent variable of a boundary-value problem and its ends."""
+
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, strict=True, populate_by_name=True)
+
+    name: Name = "t"
+    start: Formula = Field(default=0, alias="from")
+    end: Formula = Field(default=1, alias="to")
+
+
 class LimitEntry(_Entry):
     """Where the equations, an approximation, hold: margin >= 0; and what to say beyond."""
 
@@ -190,12 +200,14 @@ class ModelEntry(_Entry):
     title: Text | None = None
     source: Text | None = None
     description: Text | None = None
-    kind: Literal["flow", "map"] = "flow"
+    kind: Literal["flow", "map", "bvp", "algebraic"] = "flow"
+    time: IntervalEntry | None = None
     states: Annotated[dict[str, State], Field(min_length=1)]
     parameters: dict[str, Parameter] = {}
     functions: dict[str, Formula] = {}
     definitions: dict[str, Formula] = {}
     equations: dict[str, Formula]
+    conditions: list[Text] = []
     observables: dict[str, Formula] = {}
     symmetries: dict[str, dict[str, Formula]] = {}
     rotation: dict[str, Formula] = {}

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeAlias
 
 from contin.errors import ExpressionError
 from contin.model.expression import Expression, postorder, substitute, symbol
 
 NODE_BUDGET: Final = 500_000  # nodes that reading one model may build
+
+Calls: TypeAlias = Callable[[Sequence[Expression], int], Expression | None]
+"""From arguments and the position of a call to what stands for it; None where the call has its usual meaning."""
 
 
 class Budget:
@@ -59,10 +62,12 @@ def placeholders(function: str, parameters: tuple[str, ...]) -> tuple[Expression
 @dataclass(frozen=True)
 class Scope:
     """Names a formula may use: what each stands for, which stand for conditions, the declared functions, and what to
-    say (`unavailable`) about names that exist but mean nothing here. Without `names`, every name is a symbol."""
+    say (`unavailable`) about names that exist but mean nothing here. Without `names`, every name is a symbol.
+    `calls` are names with a meaning of their own before parentheses, such as a state's value at an end."""
 
     names: Mapping[str, Expression] | None = None
     functions: Mapping[str, Function] = field(default_factory=dict)
     conditions: Collection[str] = frozenset()
     unavailable: Mapping[str, str] = field(default_factory=dict)
     budget: Budget = field(default_factory=Budget)
+    calls: Mapping[str, Calls] = field(default_factory=dict)

@@ -42,6 +42,9 @@ def _lines(model: Model) -> Iterator[str]:
             yield f"{key}: {_text(value)}"
     if model.kind != "flow":
         yield f"kind: {model.kind}"
+    if model.interval is not None:
+        ends = {"from": formula(model.interval.start), "to": formula(model.interval.end)}
+        yield f"time: {_mapping({'name': model.interval.name, **ends})}"
     yield "states:"
     for s in model.states:
         more = {} if s.period is None else {"period": formula(s.period)}
@@ -71,6 +74,10 @@ def _lines(model: Model) -> Iterator[str]:
     yield "equations:"
     for name, node in model.equation_map.items():
         yield f"  {_key(name)}: {formula(node)}"
+    if model.conditions:
+        yield "conditions:"
+        for condition in model.conditions:
+            yield f"  - {_scalar(condition.text)}"
     if model.observables:
         yield "observables:"
         for name, node in model.observables.items():

@@ -12,6 +12,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import ContinError, NoSolutionError, NotFiniteError
+from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.maps.iterate import IteratedSystem
@@ -42,7 +43,8 @@ class Equilibrium:
     def problem(self, parameter: str) -> EquilibriumProblem:
         """The continuation problem with this parameter free."""
         index = list(self.system.parameter_names).index(parameter)
-        return EquilibriumProblem(self.system, self.p, index, self.angle_periods)
+        kind = AlgebraicProblem if self.system.kind == "algebraic" else EquilibriumProblem
+        return kind(self.system, self.p, index, self.angle_periods)
 
     def seed(self, parameter: str) -> Seed:
         """Where a continuation with this parameter free starts."""

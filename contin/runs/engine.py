@@ -84,6 +84,8 @@ class ContinEngine:
 
     def start(self, model: Model, run: RunPlan, parameters: Record) -> Any:
         api = _verbs()
+        if model.interval is not None:
+            return api.boundary_problem(model, run.start, parameters, free=run.free, samples=_table(run.samples))
         if run.as_ == "orbit":
             mesh = {key: run.settings[key] for key in ("intervals", "points", "method") if key in run.settings}
             if run.samples is not None:
@@ -114,6 +116,7 @@ class ContinEngine:
                 name=run.name if position == 0 else f"{run.name}.{position + 1}",  # as the explorer names them
                 direction=run.direction,
                 values=run.values,
+                extrema=run.extrema,
                 settings=run.settings,
                 watch=self.watch,
                 journal=self.journal,
@@ -160,7 +163,12 @@ class ContinEngine:
         return found
 
 
-_BRANCHING: Final = ("equilibrium", "fixed-point", "orbit")  # kinds of branch that others of the kind leave
+def _table(samples: Any) -> Any:
+    return None if samples is None else (samples.times, samples.states)
+
+
+# kinds of branch that others of the kind leave
+_BRANCHING: Final = ("equilibrium", "algebraic", "fixed-point", "orbit", "bvp")
 
 
 def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:

@@ -12,6 +12,7 @@ from contin.errors import ContinError, ExpressionError, InputError, NotFiniteErr
 from contin.limits import as_double
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate
+from contin.model.functionals import condition_count
 from contin.model.parser import parse
 from contin.model.registry import find
 from contin.model.source import PartSource, Path, Problems, Source, Span
@@ -49,6 +50,8 @@ class RunPlan:
     settings: Record = field(default_factory=dict)
     to: StartPoint = None  # of a connecting orbit: the saddle that it leads to
     samples: Samples | None = None  # of an orbit to begin with
+    free: tuple[str, ...] = ()  # parameters that are solved for beside those that vary
+    extrema: tuple[str, ...] = ()  # columns to be labelled where they turn
 
 
 @dataclass(frozen=True)
@@ -270,13 +273,38 @@ class _Planner:
         if entry.from_ is not None:
             branch, _, label = entry.from_.rpartition(".")
             reference = (branch, label)
+        free = self.free(entry, parameters, path)
+        self.extrema(entry.extrema, path)
         settings, as_, samples = entry.settings.chosen(), entry.as_, None
         if entry.samples is not None:
-            as_ = "orbit"
+            as_ = "orbit" if self.model.interval is None else None
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
         return RunPlan(
-            name, parameters, bounds, start, reference, as_, entry.direction, values, settings, to, samples
+            name, parameters, bounds, start, reference, as_, entry.direction, values, settings, to, samples, free,
+            tuple(entry.extrema),
         )  # fmt: skip
+
+    def free(self, entry: ContinuationEntry, parameters: Sequence[str], path: Path) -> tuple[str, ...]:
+        """Parameters that are solved for: as many as there are more conditions than equations."""
+        for k, name in enumerate(entry.free):
+            if self.known(name, (*path, "free", k)) and name in parameters:
+                self.problems.add((*path, "free", k), f"{name} varies in this run already (`parameter`)")
+        if self.model.interval is None:
+            if entry.free:
+                self.problems.add((*path, "free"), "only runs with conditions have free parameters", key=True)
+            return tuple(entry.free)
+        if entry.from_ is None:
+            needed = len(self.model.conditions) - len(self.model.states)
+            if needed != len(entry.free):
+                self.problems.add(path, condition_count(self.model, entry.free))
+        if entry.as_ is not None:
+            self.problems.add((*path, "as"), f"a boundary-value problem has no {entry.as_}; leave out `as`", key=True)
+        return tuple(entry.free)
+
+    def extrema(self, columns: Sequence[str], path: Path) -> None:
+        """Columns that are to be labelled where they turn."""
+        places = [((*path, "extrema", k), name) for k, name in enumerate(columns)]
+        check_columns(places, self.model, self.problems)
 
     # Parts of an entry ------------------------------------------------------------------------------------------------
 
@@ -403,7 +431,7 @@ class _Planner:
         columns = [*self.names, *self.model.state_names, *self.model.observables, "period"]
         found: dict[str, list[float]] = {}
         for name, entries in written.items():
-            if name.removesuffix(".min").removesuffix(".max") not in columns:
+            if name not in columns and name.rpartition(".")[0] not in columns:
                 advice = closest(name, columns) or f"there are {', '.join(columns)}"
                 self.problems.add((*path, "values", name), f"there is no column {name!r}: {advice}", key=True)
                 continue

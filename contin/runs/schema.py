@@ -168,6 +168,8 @@ class ContinuationEntry(Section):
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
+    free: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
+    extrema: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
     settings: SettingsEntry = SettingsEntry()
 
     @model_validator(mode="after")

@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
 from contin.lowering import compile_system
+from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
 from contin.simulate.natural import absolute_tolerances
@@ -91,6 +92,7 @@ def simulate(
 
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
+    need_time(model, "trajectories")
     if method not in METHODS:
         raise InputError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
     for name, value in (("time", time), ("rtol", rtol), ("box", box)):

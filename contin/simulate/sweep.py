@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering import compile_system
+from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
@@ -83,6 +84,7 @@ def sweep(
     if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= LARGEST:
         raise InputError(f"steps must be a whole number from 1 to {LARGEST}; got {steps!r}")
 
+    need_time(model, "steady states in time to sweep")
     system = compile_system(watching(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
     metric = natural_metric(system, u0, p)

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 GROUP: Final = "contin.transitions"
 KINDS: Final = {  # of branches, by the word of FORMATS, and how file names call them
     "equilibrium": ("equilibrium", "point"), "fixed-point": ("map", "equilibrium", "point"), "orbit": ("orbit",),
-    "locus": ("locus",), "bvp": ("bvp",), "algebraic": ("algebraic",), "connection": ("connection",),
+    "locus": ("locus",), "bvp": ("bvp",), "algebraic": ("algebraic", "equilibrium", "point"),
+    "connection": ("connection",),
 }  # fmt: skip
 
 Maker = Callable[[Any, SpecialPoint, Any], list[Seed]]

@@ -25,6 +25,9 @@ def _child(folder: Path, arguments: list[str], before: Callable[[], None] | None
     for name in SIGNALS:  # `nohup pytest` ignores SIGHUP, a shell's background job SIGINT, and children inherit that
         signal.signal(getattr(signal, name), signal.SIG_DFL)
     os.chdir(folder)
+    for number in (signal.SIGHUP, signal.SIGTERM):  # under `nohup` a hang-up is ignored, and children inherit that
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     errors = os.open("err", os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(errors, 2)
     sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115 - for the life of the process

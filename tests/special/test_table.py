@@ -69,7 +69,8 @@ def test_curves_that_meet_are_those_of_the_points_with_folds_of_cycles_for_folds
 
 def test_a_type_lies_on_branches_or_on_curves_by_its_codimension():
     for code, row in table().items():
-        where = ("equilibrium", "fixed-point", "orbit") if row.codimension < 2 else (*POINTS, "LPC", "BPC", "HOM")
+        kinds = ("equilibrium", "fixed-point", "orbit", "algebraic", "bvp")
+        where = kinds if row.codimension < 2 else (*POINTS, "LPC", "BPC", "HOM")
         assert row.on, code
         assert set(row.on) <= set(where), code
         assert row.condition, code

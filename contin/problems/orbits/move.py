@@ -12,13 +12,13 @@ from contin.continuation.problem import Sample
 from contin.problems.orbits.layout import Profile, Transfer, make_scale
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.meshed import Meshed
 
 
 class Move:
     """Takes samples to another mesh (by interpolation: the next march corrects its origin) and another metric."""
 
-    def __init__(self, problem: OrbitProblem, old_scale: Array, scale: Array, h: Array) -> None:
+    def __init__(self, problem: Meshed, old_scale: Array, scale: Array, h: Array) -> None:
         self.problem, self.old_scale, self.scale, self.h = problem, old_scale, scale, h
         self._transfers: dict[bytes, Transfer] = {}  # by the mesh from which they lead: mostly one
 

@@ -16,6 +16,7 @@ from contin.problems.orbits.mesh import WORTHWHILE, choose_mesh, estimate
 from contin.problems.orbits.move import Move
 
 if TYPE_CHECKING:
+    from contin.problems.orbits.meshed import Meshed
     from contin.problems.orbits.problem import OrbitProblem
 
 NEARLY = 0.7  # part of the tolerance at which the mesh is renewed
@@ -47,7 +48,7 @@ class Fit:
     period: float
 
 
-def refitted(problem: OrbitProblem, profile: Profile, sizes: Array, period: float) -> Fit | None:
+def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float) -> Fit | None:
     """What fits an orbit better than its mesh, these sizes and this scale of the period; None where they still do."""
     grown = np.maximum(sizes, state_growth(problem, profile, sizes))
     longer = 2.0 * profile.period if profile.period > period else period
@@ -62,7 +63,7 @@ def refitted(problem: OrbitProblem, profile: Profile, sizes: Array, period: floa
     return None if same else Fit(h, grown, longer)
 
 
-def state_growth(problem: OrbitProblem, profile: Profile, sizes: Array) -> Array:
+def state_growth(problem: Meshed, profile: Profile, sizes: Array) -> Array:
     """The states' sizes, where an orbit has outgrown them its own; an angle's does not change."""
     largest = np.abs(profile.u).max(axis=0)
     return np.where((problem.state_periods == 0.0) & (largest > 1.5 * sizes), largest, sizes)

@@ -18,13 +18,13 @@ from contin.problems.sparse.linear import Linear
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.problems.sparse.problem import LargeProblem
+    from contin.problems.sparse.equations import SparseEquations
 
 SAMPLES = 3
 TRUST = 1e-6  # coefficients below this part of their largest summand are zero to the accuracy of differenced forms
 
 
-def linear_at(problem: LargeProblem, z: Array) -> Linear:
+def linear_at(problem: SparseEquations, z: Array) -> Linear:
     """The operator F_u at a point; raises `NotFiniteError` where it has no value."""
     linear = problem.linear(z)
     if linear is None:
@@ -56,7 +56,7 @@ def rounding(linear: Linear, value: complex, q: Vector) -> float:
     return max(abs(complex(project((size * row).astype(complex))[1]).real) for row in noise)
 
 
-def rounding_of_fold(problem: LargeProblem, z: Array, q: Vector) -> float:
+def rounding_of_fold(problem: SparseEquations, z: Array, q: Vector) -> float:
     """How much the parameter of a fold moves when F is rounded: |<p, e>| / |<p, F_p>|.
 
     e has random entries of half a unit in the last place of the largest terms of F, which for a discretised derivative
@@ -77,14 +77,14 @@ def state(v: Vector) -> Vector:
     return np.append(v, 0.0)
 
 
-def fold(problem: LargeProblem, z: Array, q: Vector) -> Fields:
+def fold(problem: SparseEquations, z: Array, q: Vector) -> Fields:
     """`a` = <p, B(q, q)>/2."""
     q = normalise(q)
     _, value = projector(linear_at(problem, z), q)(problem.form(z, state(q), state(q)))
     return {"a": 0.5 * float(np.real(value))}
 
 
-def branch_point(problem: LargeProblem, z: Array, q: Vector) -> Fields:
+def branch_point(problem: SparseEquations, z: Array, q: Vector) -> Fields:
     """FORMATS' reduced equation at a simple branch point."""
     q = normalise(q)
     project = projector(linear_at(problem, z), q)
@@ -112,7 +112,7 @@ def branch_point(problem: LargeProblem, z: Array, q: Vector) -> Fields:
     return {"kind": "transcritical" if form["discriminant"] > 0 else "isolated", **form}
 
 
-def hopf(problem: LargeProblem, z: Array, q: Vector, omega: float) -> Fields:
+def hopf(problem: SparseEquations, z: Array, q: Vector, omega: float) -> Fields:
     """`omega`, `c1` = G21/2, `l1` = Re c1 / omega, `criticality` (Kuznetsov, 3rd ed., sec. 5.4)."""
     q = normalise(q)
     linear = linear_at(problem, z)

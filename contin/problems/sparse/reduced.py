@@ -23,7 +23,7 @@ from contin.errors import NotFiniteError
 from contin.problems.sparse.linear import Solution
 
 if TYPE_CHECKING:
-    from contin.problems.sparse.problem import LargeProblem
+    from contin.problems.sparse.equations import SparseEquations
 
 STEPS = 12
 
@@ -32,7 +32,7 @@ STEPS = 12
 class Reduced:
     """The reduction around z0 (raw unknowns (n + 1,)) with border rows C (n + 1, 2), raw, and column b (n,)."""
 
-    problem: LargeProblem
+    problem: SparseEquations
     rows: Array
     column: Array
 

@@ -24,6 +24,7 @@ from contin.problems.sparse.linear import Linear
 from contin.problems.sparse.reduced import Reduced
 
 if TYPE_CHECKING:
+    from contin.problems.sparse.equations import CorrectedEquations
     from contin.problems.sparse.problem import LargeProblem
 
 SECANT_BUDGET = 10
@@ -97,7 +98,7 @@ class At:
     residual: float
 
 
-def point_at(problem: LargeProblem, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
+def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Array, frame: Frame) -> At | None:
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
     found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
@@ -111,7 +112,9 @@ def point_at(problem: LargeProblem, base: Sample, length: float, guess: Array, f
 Measure = Callable[[At], float]
 
 
-def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[At, float, float, float] | None:
+def secant(
+    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure
+) -> tuple[At, float, float, float] | None:
     """The zero of `measure` near base.
 
     Returns the point, the value left, the estimated error of the parameter, and the slope of `measure` in the parameter
@@ -155,8 +158,9 @@ def secant(problem: Any, base: Sample, frame: Frame, measure: Measure) -> tuple[
 
 
 def _scatter(
-    problem: LargeProblem, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float, slope: float
-) -> float:
+    problem: CorrectedEquations, base: Sample, frame: Frame, measure: Measure, s: float, at: At, value: float,
+    slope: float,
+) -> float:  # fmt: skip
     """Error of the parameter from the same evaluation at perturbed points."""
     generator = np.random.default_rng(2)
     worst = 0.0

@@ -3,7 +3,8 @@
 from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
-    code="EX", words="extremum", many="extrema", codimension=0, on=("equilibrium", "fixed-point", "orbit"),
+    code="EX", words="extremum", many="extrema", codimension=0,
+    on=("equilibrium", "fixed-point", "orbit", "algebraic", "bvp"),
     condition="a column has a largest or smallest value along the branch", critical=0,
     marker="o", symbol="circle",
 )  # fmt: skip

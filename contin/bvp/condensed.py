@@ -1,0 +1,118 @@
+"""The linearised two-point problem by local condensation of the mesh intervals, then elimination along the chain.
+
+The kernels are those of periodic orbits up to the last block, which relates (u(0), u(1), T, p); the conditions' rows
+and the border take the place of periodicity. T = 1 has a row of its own. Layout of z: (u at the nodes, T, mesh, p).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation.vectors import norm
+from contin.kernels.collocation import evaluate, new_points, residual
+from contin.kernels.collocation_system import clear_right, expand, new_factors, reduce_right
+from contin.kernels.condensation import condense
+from contin.kernels.dense import lu_factor, lu_solve
+from contin.kernels.filling import fill
+from contin.machine import elementary
+
+if TYPE_CHECKING:
+    from contin.bvp.problem import BoundaryProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """Memory of the kernels for one mesh size; a linearisation is good until the next one is made in it."""
+
+    points: Any
+    factors: Any
+    last: Array  # (2 n + 2, 2 n + 2)
+    pivots: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, n: int, m: int, intervals: int, p: Array) -> Workspace:
+        size = 2 * n + 2
+        points = new_points(n, m, intervals, p)  # type: ignore[no-untyped-call]
+        factors = new_factors(n, m, intervals)  # type: ignore[no-untyped-call]
+        return cls(points, factors, np.zeros((size, size)), np.zeros(size, np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class Condensed:
+    """Scaled residual and M = [J; t^T] at a point, factorised (see `contin.continuation.march.Linearisation`)."""
+
+    residual: Array  # (size - 1,) collocation rows by interval, conditions, T - 1, and zeros for the mesh
+    sign: float
+    scale: Array
+    n: int
+    m: int
+    intervals: int
+    work: Workspace
+
+    @property
+    def log_determinant(self) -> float:
+        """In place of log |det M|, which swings by many powers of ten: -2 log |M^-1 e|.
+
+        The test for branch points becomes the determinant's sign times about the smallest singular value of M.
+        """
+        length = norm(self.solve(np.append(np.zeros(self.scale.size - 1), 1.0)))
+        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
+
+    def solve(self, right: Array) -> Array:
+        """M x = right, (size,), in scaled unknowns."""
+        n, m, count, s = self.n, self.m, self.intervals, self.work.factors
+        rows = count * m * n
+        local = right[:rows]
+        if local.any():
+            s.right_local[:] = local.reshape(count, m * n).T
+            reduce_right(s, n, m)
+        else:
+            clear_right(s, n, m)
+        last = np.concatenate([s.right_last[:n], right[rows : rows + n], s.right_last[n:]])
+        last[2 * n] += right[rows + n]
+        last[2 * n + 1] += right[-1]
+        lu_solve(self.work.last, self.work.pivots, last)
+        s.points[:, 0], s.points[:, count] = last[:n], last[n : 2 * n]
+        out = np.empty((count * m + 1) * n + 2)
+        expand(s, n, m, last[2 * n], last[2 * n + 1], out)
+        x = np.zeros(self.scale.size)
+        x[: out.size - 1] = out[:-1]
+        x[-1] = out[-1]
+        return x / self.scale
+
+
+def linearise(problem: BoundaryProblem, z: Array, tangent: Array, scale: Array) -> Condensed | None:
+    """None where the equations are not finite; its `sign` is 0 where M is singular."""
+    profile = problem.profile(z)
+    n, m, count = profile.n, profile.m, profile.intervals
+    p = problem.full_parameters(z)
+    work = problem.workspace(count, p)
+    w, s = work.points, work.factors
+    equations = problem.equations
+    if not evaluate(equations, w, z, True):
+        return None
+    jump, border, corner = np.empty(n), np.zeros(2), np.zeros((2, 2))
+    residual(equations, w, z, s.right_local, jump, border)
+    local = -s.right_local.T.reshape(-1)
+    value, matrix = problem.conditions(profile, p)
+    if not (np.all(np.isfinite(value)) and np.all(np.isfinite(matrix))):
+        return None
+    here = np.concatenate([local, value, [-border[0]], np.zeros(count)])
+    sign = fill(equations, w, z, tangent, scale, s, corner)
+    sign = sign * condense(s, n, m) if sign != 0 else 0
+    a = work.last
+    a[:] = 0.0
+    a[:n] = s.end[:n]
+    a[n : 2 * n, : 2 * n] = matrix[:, : 2 * n]
+    a[n : 2 * n, -1] = matrix[:, 2 * n + problem.active]
+    a[2 * n :] = s.end[n:]
+    a[2 * n :, 2 * n :] += corner
+    if sign != 0:
+        sign *= lu_factor(a, work.pivots)
+        sign *= int(np.prod(np.sign(np.diag(a))))
+    return Condensed(here, float(sign), scale, n, m, count, work)

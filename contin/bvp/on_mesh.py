@@ -1,0 +1,160 @@
+"""The collocation equations on one mesh as a system F(x) = 0 with a sparse Jacobian; x = (u at the nodes, p).
+
+Special points are verified in these unknowns with the bordered solves of large systems (`contin.problems.sparse`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.kernels.collocation import LANES, evaluate, new_points, residual
+from contin.kernels.collocation_basis import basis
+from contin.problems.orbits.layout import Profile
+from contin.problems.sparse.factor import Factoriser
+from contin.problems.sparse.linear import DirectLinear
+from contin.problems.sparse.problem import LargeLinearisation
+
+if TYPE_CHECKING:
+    from contin.bvp.problem import BoundaryProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    """F, F_u and F_p at one x."""
+
+    x: Array
+    residual: Array
+    linear: DirectLinear
+    slope: Array
+
+
+@dataclass(eq=False)
+class OnMesh:
+    """The equations of `problem` on the mesh h (N,)."""
+
+    problem: BoundaryProblem
+    h: Array
+    factoriser: Factoriser = field(default_factory=Factoriser)
+    _last: Evaluated | None = None
+
+    @property
+    def n(self) -> int:
+        """Number of node values, and of equations."""
+        return (len(self.h) * self.problem.points + 1) * self.problem.n
+
+    @property
+    def system(self) -> Any:
+        return self.problem.system
+
+    def full(self, x: Array) -> Array:
+        """z with this mesh."""
+        return np.concatenate([x[:-1], [1.0], self.h, x[-1:]])
+
+    def unknowns(self, z: Array) -> Array:
+        """x of a z on this mesh (also of scales and tangents)."""
+        return np.append(z[: self.n], z[-1])
+
+    def profile(self, x: Array) -> Profile:
+        return Profile(self.problem.points, x[:-1].reshape(-1, self.problem.n), 1.0, self.h, float(x[-1]))
+
+    def at(self, x: Array) -> Evaluated | None:
+        """None where something is not finite."""
+        if self._last is None or not np.array_equal(self._last.x, x):
+            self._last = self._evaluate(x) if np.all(np.isfinite(x)) else None
+        return self._last
+
+    def residual(self, x: Array) -> Array:
+        """F (n,), unscaled; NaN where it is not finite."""
+        here = self.at(x)
+        return np.full(self.n, np.nan) if here is None else here.residual
+
+    def linear(self, x: Array) -> DirectLinear | None:
+        here = self.at(x)
+        return None if here is None else here.linear
+
+    def parameter_slope(self, x: Array) -> Array:
+        here = self.at(x)
+        return np.full(self.n, np.nan) if here is None else here.slope
+
+    def linearisation(self, x: Array, tangent: Array, scale: Array) -> LargeLinearisation | None:
+        here = self.at(x)
+        if here is None:
+            return None
+        row = tangent / scale
+        solution = here.linear.bordered(here.slope[:, None], row[:-1, None], row[-1:, None])
+        sign = here.linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
+        return LargeLinearisation(here.residual / scale[:-1], sign, scale, solution)
+
+    def form(self, x: Array, *directions: NDArray[Any]) -> Array:
+        """D^k F(x)[d1, .., dk], k >= 2 real directions (n + 1,)."""
+        problem, scheme = self.problem, basis(self.problem.points)
+        n, m, count = problem.n, problem.points, len(self.h)
+        profile, width = self.profile(x), problem.system.n + problem.system.p_size
+        nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
+
+        def at_points(values: Array) -> Array:
+            return np.asarray(np.einsum("cj,ijk->ick", scheme.values, values.reshape(-1, n)[nodes])).reshape(-1, n)
+
+        p = np.tile(problem.full_parameters(x), (count * m, 1))
+        p[:, -1] = self._times
+        wide, ends = [], []
+        for d in directions:
+            v = np.zeros((count * m, width))
+            v[:, :n] = at_points(np.real(d[:-1]))
+            v[:, n + problem.active] = np.real(d[-1])
+            wide.append(v)
+            g = np.zeros(2 * n + len(problem.base))
+            g[:n], g[n : 2 * n], g[2 * n + problem.active] = np.real(d[:n]), np.real(d[-1 - n : -1]), np.real(d[-1])
+            ends.append(g)
+        local = problem.system.derivatives(at_points(x[:-1]), p, *wide)
+        local = -np.repeat(self.h, m)[:, None] * np.asarray(local)
+        conditions = problem.two.conditions.derivative(profile.u[0], profile.u[-1], p[0, :-1], *ends)
+        return np.concatenate([local.ravel(), conditions])
+
+    @cached_property
+    def _times(self) -> Array:
+        """s at the Gauss points, (N m,)."""
+        starts = np.concatenate([[0.0], np.cumsum(self.h)[:-1]])
+        return (starts[:, None] + self.h[:, None] * basis(self.problem.points).gauss).ravel()
+
+    def _evaluate(self, x: Array) -> Evaluated | None:
+        problem = self.problem
+        n, m, count = problem.n, problem.points, len(self.h)
+        z = self.full(x)
+        w = new_points(n, m, count, problem.full_parameters(z))  # type: ignore[no-untyped-call]
+        if not evaluate(problem.equations, w, z, True):
+            return None
+        right = np.zeros((m * n, count))
+        residual(problem.equations, w, z, right, np.empty(n), np.zeros(2))
+        g, dg = problem.conditions(self.profile(x), problem.full_parameters(z))
+        if not (np.all(np.isfinite(g)) and np.all(np.isfinite(dg))):
+            return None
+        fu = np.asarray(w.fu if n > LANES else np.moveaxis(w.fu, -1, 0))  # (N, m, n, n)
+        fp = np.moveaxis(w.fp, -1, 0)
+        slope = np.concatenate([(-self.h[:, None, None] * fp).ravel(), dg[:, 2 * n + problem.active]])
+        matrix = self._matrix(fu, dg)
+        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), DirectLinear(matrix, self.factoriser), slope)
+
+    def _matrix(self, fu: Array, dg: Array) -> Any:
+        """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""
+        from scipy import sparse
+
+        n, m, count, scheme = self.problem.n, self.problem.points, len(self.h), basis(self.problem.points)
+        blocks = -np.einsum("i,cj,ickq->ickjq", self.h, scheme.values, fu)
+        blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
+        i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
+        rows, columns = (i * m * n + r).ravel(), (i * m * n + c).ravel()
+        a, b = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+        first, last = self.n - n + a.ravel(), self.n - n
+        rows = np.concatenate([rows, first, first])
+        columns = np.concatenate([columns, b.ravel(), last + b.ravel()])
+        values = np.concatenate([blocks.ravel(), dg[:, :n].ravel(), dg[:, n : 2 * n].ravel()])
+        matrix = sparse.coo_matrix((values, (rows, columns)), shape=(self.n, self.n)).tocsc()
+        matrix.sort_indices()
+        return matrix

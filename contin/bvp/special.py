@@ -1,0 +1,214 @@
+"""Folds and branch points of boundary-value problems: what a change means, location to full precision, tangents.
+
+A fold is the zero of dp/ds on the curve, a branch point that of the gradient of the reduced equation; both on the mesh
+of the branch. The stated error holds what the same point moves to on a mesh of twice as many intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.on_mesh import OnMesh
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.vectors import norm
+from contin.errors import InputError, NotFiniteError
+from contin.problems.orbits.layout import make_scale
+from contin.problems.sparse import forms
+from contin.problems.sparse.reduced import Reduced
+from contin.problems.sparse.special import secant
+
+if TYPE_CHECKING:
+    from contin.bvp.problem import BoundaryProblem
+
+RESIDUAL_LIMIT = 1e-7
+NEWTON = 20  # iterations with a fixed parameter
+SHORTEST = 1e-3  # damping
+ACCURATE = 1e-13
+STALLED = 1e-8  # a correction that no longer falls, because of rounding
+REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix without it is singular
+PERTURBATION = 1e-8
+ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
+NOTHING = np.zeros(0, complex)
+ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """The determinant changes sign at branch points; dp/ds at folds, and at a pitchfork seen from its side branch."""
+    fold, determinant = (bool(x) for x in a.tests[:2] * b.tests[:2] < 0.0)
+    if determinant:
+        return ("BP",)
+    return ("LP",) if fold else ()
+
+
+def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    """The point of this type near a sample, to full precision; a string says why there is none."""
+    mesh = OnMesh(problem, problem.profile(near.z).h)
+    here = _in_unknowns(mesh, near)
+    local = Frame(mesh.unknowns(frame.scale))
+    found = (_fold if type_ == "LP" else _branch_point)(mesh, here, local)
+    if isinstance(found, str):
+        return found
+    x, residual, scatter, form, vectors = found
+    other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
+    if other is None:
+        return f"{type_} not verified: it is not there on a mesh of twice as many intervals"
+    error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
+    return Verified(type_, mesh.full(x), residual, error, NOTHING, 0, form, vectors)
+
+
+def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    """Several changes at one place: a branch point, else a fold."""
+    types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
+    return [verify(problem, types[0], a, frame)] if types else []
+
+
+Found = tuple[Array, float, float, dict[str, Any], dict[str, Any]]  # x, residual, error, normal form, vectors
+
+
+def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
+    t = mesh.unknowns(sample.tangent)
+    return Sample(mesh.unknowns(sample.z), t / norm(t), sample.tests, 0, NOTHING)
+
+
+def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | str:
+    found = secant(mesh, near, frame, lambda at: float(at.tangent[-1]))
+    if found is None:
+        return "LP not verified: the parameter does not turn at one point of the curve"
+    at, left, error, _ = found
+    residual = max(at.residual, abs(left))
+    if not residual < RESIDUAL_LIMIT:
+        return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    q = at.tangent[:-1] * frame.scale[:-1]
+    return at.z, residual, error, forms.fold(mesh, at.z, q), {}
+
+
+def null_vector(mesh: OnMesh, x: Array) -> Array:
+    """The right singular vector of F_u at x to its smallest singular value, by inverse iteration; unscaled."""
+    linear = mesh.linear(x)
+    if linear is None:
+        raise NotFiniteError("the equations are not finite near this point")
+    v = np.random.default_rng(8).normal(size=mesh.n)
+    for _ in range(3):
+        w = linear.factor.solve_transposed(v / norm(v))
+        v = linear.factor.solve(w / norm(w))
+    return v / norm(v)
+
+
+def reduction(mesh: OnMesh, x: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
+    """The reduced equation at x, bordered by the null vector of F_u (returned too) and the direction across it."""
+    q = null_vector(mesh, x)
+    null = np.append(q, 0.0) / scale
+    null /= norm(null)
+    other = tangent - (tangent @ null) * null
+    if norm(other) < 1e-6:
+        other = np.append(np.zeros(mesh.n), 1.0)
+    other /= norm(other)
+    rows = np.column_stack([null, other]) / scale[:, None]
+    linear = mesh.linear(x)
+    assert linear is not None
+    left = linear.factor.solve_transposed(q)
+    return Reduced(mesh, rows, left / norm(left)), q
+
+
+def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | str:
+    reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale)
+    found = reduced.branch_point(near.z)
+    if found is None:
+        return "BP not verified: Newton on the reduced equation did not converge"
+    x, mu, gradient = found
+    residual = max(float(np.max(np.abs(mesh.residual(x)))), abs(mu), float(np.max(np.abs(gradient))))
+    if not residual < RESIDUAL_LIMIT:
+        return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+    shift = np.random.default_rng(3).uniform(-1.0, 1.0, x.size) / np.sqrt(x.size)
+    again = reduced.branch_point(x + PERTURBATION * frame.scale * shift)
+    scatter = np.inf if again is None else 4.0 * abs(float(again[0][-1] - x[-1]))
+    if not np.isfinite(scatter):
+        return "BP not verified: its place is not determined to any accuracy"
+    return x, residual, scatter, forms.branch_point(mesh, x, null_vector(mesh, x)), {"kernel": 1}
+
+
+def _on_finer_mesh(
+    problem: BoundaryProblem, type_: str, near: Sample, frame: Frame, mesh: OnMesh, x: Array
+) -> float | None:
+    """The parameter of the same point where every interval is halved."""
+    h = np.repeat(0.5 * mesh.h, 2)
+    finer = OnMesh(problem, h)
+    old = mesh.profile(x).on_mesh(h)
+    sizes = problem.sizes(near.z, frame.scale)
+    scale = finer.unknowns(make_scale(h, problem.points, sizes, 1.0, float(frame.scale[-1])))
+    raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
+    t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
+    start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NOTHING)
+    found = (_fold if type_ == "LP" else _branch_point)(finer, start, Frame(scale))
+    return None if isinstance(found, str) else float(found[0][-1])
+
+
+def tangents(problem: BoundaryProblem, z: Array, scale: Array) -> list[Array]:
+    """Unit tangents (scaled, like z) of the branches through z: one, or at a branch point two."""
+    mesh = OnMesh(problem, problem.profile(z).h)
+    x, d = mesh.unknowns(z), mesh.unknowns(scale)
+    row = np.random.default_rng(5).normal(size=x.size)
+    here = mesh.linearisation(x, row / norm(row), d)
+    if here is None:
+        raise InputError(problem.describe_failure(z))
+    t = here.solve(np.append(np.zeros(x.size - 1), 1.0))
+    size = norm(t)
+    if np.isfinite(size) and size < REGULAR:
+        return [embedded(mesh, t)]
+    reduced, _ = reduction(mesh, x, np.append(np.zeros(mesh.n), 1.0), d)
+    return [embedded(mesh, direction / d) for direction, _ in reduced.crossing(x)] or [embedded(mesh, t)]
+
+
+def embedded(mesh: OnMesh, x: Array) -> Array:
+    """A direction in x as one in z (the mesh does not move), of unit length."""
+    out = np.zeros(mesh.n + len(mesh.h) + 2)
+    out[: mesh.n], out[-1] = x[:-1], x[-1]
+    return out / norm(out)
+
+
+def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+    """Newton with the parameter fixed, damped by the natural monotonicity test (Deuflhard 2004); None: failed."""
+    fixed = np.zeros_like(scale)
+    fixed[-1] = 1.0
+    z = guess.copy()
+    z[-1] = value
+    before, damping = np.inf, 1.0
+    for _ in range(NEWTON):
+        here = problem.linearisation(z, fixed, scale)
+        if here is None or here.sign == 0.0:
+            return None
+        step = here.solve(np.append(-here.residual, 0.0))
+        size = norm(step)
+        if not np.isfinite(size):
+            return None
+        if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
+            return z if size >= before else _moved(z, scale, step, value)
+        damping = min(1.0, 4.0 * damping)
+        while True:
+            trial = _moved(z, scale, damping * step, value)
+            there = problem.linearisation(trial, fixed, scale)
+            again = np.inf if there is None else norm(_simplified(problem, z, fixed, scale, there.residual))
+            if again <= (1.0 - 0.25 * damping) * size or again < STALLED:
+                break
+            damping *= 0.5
+            if damping < SHORTEST:
+                return None
+        z, before = trial, size if damping == 1.0 else np.inf
+    return None
+
+
+def _simplified(problem: BoundaryProblem, z: Array, fixed: Array, scale: Array, residual: Array) -> Array:
+    """The correction that the matrix at z gives for a residual elsewhere."""
+    here = problem.linearisation(z, fixed, scale)
+    assert here is not None
+    return here.solve(np.append(-residual, 0.0))
+
+
+def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:
+    moved = z + scale * step
+    moved[-1] = value
+    return moved

@@ -1,0 +1,66 @@
+"""The other branch through a branch point of a boundary-value problem."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.on_mesh import OnMesh
+from contin.bvp.problem import BoundaryProblem
+from contin.bvp.special import embedded, reduction
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.continuation.vectors import norm
+from contin.errors import InputError
+from contin.machine import elementary
+from contin.problems.orbits.layout import make_scale
+from contin.transitions.registry import Explored, born
+
+
+@born(BoundaryProblem, "BP", "the branch that crosses", explored=Explored())
+def crossing(problem: BoundaryProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The seed of the branch that crosses the point's own there, with tangent and curvature."""
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    mesh = OnMesh(problem, problem.profile(point.z).h)
+    x = mesh.unknowns(point.z)
+    own = mesh.unknowns(point.tangent / point.scale)
+    own /= norm(own)
+    scale = mesh.unknowns(point.scale)
+    reduced, _ = reduction(mesh, x, own, scale)
+    curves = reduced.crossing(x)
+    if not curves:
+        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    cosines = [abs(float((d / scale) @ own)) / norm(d / scale) for d, _ in curves]
+    direction, bend = curves[int(np.argmin(cosines))]
+    direction = _oriented(direction, scale)
+    metric = _metric(problem, point, mesh, direction, bend)
+    d, c = direction / metric, bend / metric
+    length = norm(d)
+    d, c = d / length, c / elementary.square(length)
+    c = c - float(c @ d) * d
+    flat = np.zeros(len(mesh.h) + 1)
+    curvature = np.concatenate([c[:-1], flat, c[-1:]])
+    full = np.concatenate([metric[:-1], [1.0], np.ones(len(mesh.h)), metric[-1:]])
+    return [Seed(replace(problem, spaces={}), point.z.copy(), embedded(mesh, d), curvature, full,
+                 parent=Parent(point.branch, point.label))]  # fmt: skip
+
+
+def _oriented(direction: Array, scale: Array) -> Array:
+    """Towards growing parameter; where that does not change, towards the growth of the largest entry."""
+    scaled = direction / scale
+    lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
+    backwards = lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0)
+    return -direction if backwards else direction
+
+
+def _metric(problem: BoundaryProblem, point: SpecialPoint, mesh: OnMesh, direction: Array, bend: Array) -> Array:
+    """Functions get the size that they reach when the parameter crosses its range along the new branch."""
+    width = float(point.scale[-1])
+    slope, curve = abs(float(direction[-1])) / width, abs(float(bend[-1])) / width
+    reaches = ([1.0 / slope] if slope > 1e-9 else []) + ([float(np.sqrt(2.0 / curve))] if curve > 1e-12 else [])
+    amplitude = np.abs(direction[:-1].reshape(-1, problem.n)).max(axis=0) * (min(reaches) if reaches else 0.0)
+    sizes = np.maximum(problem.sizes(point.z, point.scale), np.where(np.isfinite(amplitude), amplitude, 0.0))
+    return mesh.unknowns(make_scale(mesh.h, problem.points, sizes, 1.0, width))

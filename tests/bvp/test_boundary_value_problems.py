@@ -1,0 +1,160 @@
+"""Branches of boundary-value problems against closed forms, by their own stated errors."""
+
+import numpy as np
+import pytest
+
+import contin
+from contin.bvp.start import boundary_guess
+from contin.errors import InputError, NoSolutionError
+from contin.machine import elementary
+from contin.model.model import Model
+
+BRATU = {
+    "kind": "bvp", "time": {"name": "x"}, "states": {"u": 0, "v": 0},
+    "parameters": {"lam": {"value": 0, "range": [0, 4]}}, "equations": {"u": "v", "v": "-lam*exp(u)"},
+    "conditions": ["u(start) = 0", "u(end) = 0"],
+    "observables": {"height": "max(u)", "action": "integral(v^2/2 - lam*exp(u))", "slope": "v(start)"},
+}  # fmt: skip
+SINE = {
+    "kind": "bvp", "states": {"u": 0, "v": 0}, "parameters": {"q": {"value": 0.5, "range": [0.5, 3.5]}},
+    "equations": {"u": "v", "v": "-(q*pi)^2*u + u^3"}, "conditions": ["u(start) = 0", "u(end) = 0"],
+}  # fmt: skip
+
+
+def follow(parts, parameter, bounds, free=(), start=None, **options):
+    model = Model("m", **parts)
+    return contin.continuation(boundary_guess(model, start, None, free), parameter, bounds, **options)
+
+
+def bratu_fold():
+    """lam = 8 c^2 / cosh^2 c, largest where c tanh c = 1 (the unit interval; u = 2 log(cosh c / cosh(c (2 x - 1))))."""
+    c = 1.2
+    for _ in range(50):
+        t = float(elementary.tanh(c))
+        c -= (c * t - 1.0) / (t + c * (1.0 - t * t))
+    return 8.0 * c**2 / float(elementary.cosh(c)) ** 2, 2.0 * float(elementary.log(elementary.cosh(c)))
+
+
+def test_the_fold_of_bratus_problem():
+    line = follow(BRATU, "lam", (0, 4), direction="up", values={"height": [2.0]})
+    lam, height = bratu_fold()
+    fold = line["LP1"]
+    assert [p.type for p in line.points] == ["LP", "UZ"]
+    assert abs(fold.values["lam"] - lam) <= fold.error < 1e-8
+    assert fold.values["height"] == pytest.approx(height, abs=1e-7)
+    assert "stable" not in line.columns
+    assert line.ends[1].reason == "bound"
+    assert "lam stays at" in line.ends[1].text
+
+
+def test_columns_are_those_of_the_closed_form():
+    line = follow(BRATU, "lam", (0, 4), direction="up", settings={"steps": 12})
+    for row in range(len(line)):
+        lam, height = line.columns["lam"][row], line.columns["height"][row]
+        c = np.arccosh(np.exp(height / 2.0))
+        assert lam == pytest.approx(8.0 * c**2 / np.cosh(c) ** 2, abs=1e-9)
+        assert line.columns["v.start"][row] == pytest.approx(4.0 * c * np.tanh(c), abs=1e-8)
+        assert line.columns["v.end"][row] == pytest.approx(-4.0 * c * np.tanh(c), abs=1e-8)
+        x = np.linspace(0.0, 1.0, 2001)
+        u = 2.0 * np.log(np.cosh(c) / np.cosh(c * (2.0 * x - 1.0)))
+        assert line.columns["u.norm"][row] == pytest.approx(np.sqrt(np.trapezoid(u * u, x)), abs=1e-6)
+        v = -4.0 * c * np.tanh(c * (2.0 * x - 1.0))
+        action = np.trapezoid(v * v / 2.0 - lam * np.exp(u), x)
+        assert line.columns["action"][row] == pytest.approx(action, abs=1e-5)
+
+
+def test_eigenvalues_are_branch_points_and_their_branches_are_elliptic_functions():
+    """u'' = -(q pi)^2 u + u^3: born at q = 1, with the amplitude a: q = 1 + 3 (a/pi)^2/8 + O(a^4)."""
+    line = follow(SINE, "q", (0.5, 3.5), direction="up")
+    points = [p for p in line.points if p.type == "BP"]
+    assert [p.type for p in line.points] == ["BP"] * 3
+    for n, point in enumerate(points, 1):
+        assert abs(point.values["q"] - n) <= point.error < 1e-7
+        assert point.normal_form["kind"] == "pitchfork"
+    fork = contin.continuation(points[0].switch(), "q", (0.5, 1.05))
+    small = np.abs(fork.columns["u.max"] - fork.columns["u.min"]) < 0.2
+    a = (fork.columns["u.max"] - fork.columns["u.min"])[small]
+    assert fork.columns["q"][small] == pytest.approx(1.0 + 0.375 * (a / np.pi) ** 2, abs=1e-6)
+
+
+def test_an_integral_condition_frees_a_parameter():
+    """u'' = -lam, u(0) = u'(1) = 0: integral(u) = lam/3."""
+    parts = {
+        "kind": "bvp", "states": {"u": 0, "v": 0}, "parameters": {"lam": 0, "s": 0},
+        "equations": {"u": "v", "v": "-lam"}, "conditions": ["u(start) = 0", "v(end) = 0", "integral(u) = s"],
+    }  # fmt: skip
+    line = follow(parts, "s", (0, 1), free=["lam"], extrema=["lam"])
+    assert line.columns["lam"] == pytest.approx(3.0 * line.columns["s"], abs=1e-10)
+    with pytest.raises(InputError, match=r"3 conditions for 2 states, so 1 parameter must be solved for"):
+        follow(parts, "s", (0, 1))
+    with pytest.raises(InputError, match="is solved for"):
+        follow(parts, "lam", (0, 1), free=["lam"])
+
+
+@pytest.mark.parametrize(("kind", "power"), [("mean", 1), ("norm", 1), ("integral", 2)])
+def test_the_interval_may_depend_on_parameters(kind, power):
+    """u' = -u on [1, 1 + L], u(start) = 1: mean, norm, and integral of the square in closed form."""
+    inner = "u^2" if power == 2 else "u"
+    parts = {
+        "kind": "bvp", "time": {"name": "y", "from": 1, "to": "1 + L"}, "states": {"u": 1},
+        "parameters": {"L": {"value": 1, "range": [0.5, 2]}}, "equations": {"u": "-u*y/y"},
+        "conditions": ["u(start) = 1"], "observables": {"m": f"{kind}({inner})", "last": "u(end)"},
+    }  # fmt: skip
+    line = follow(parts, "L", (0.5, 2))
+    length = line.columns["L"]
+    exact = {
+        "mean": (1.0 - np.exp(-length)) / length,
+        "norm": np.sqrt((1.0 - np.exp(-2.0 * length)) / 2.0 / length),
+        "integral": (1.0 - np.exp(-2.0 * length)) / 2.0,
+    }[kind]
+    assert line.columns["m"] == pytest.approx(exact, abs=1e-8)
+    assert line.columns["last"] == pytest.approx(np.exp(-length), abs=1e-9)
+
+
+def test_the_independent_variable_stands_in_equations_and_starts():
+    """u' = 2 t p, u(0) = 0: u = p t^2, whatever the guess is."""
+    parts = {
+        "kind": "bvp", "states": {"u": "t"}, "parameters": {"p": {"value": 1, "range": [0, 2]}},
+        "equations": {"u": "2*t*p"}, "conditions": ["u(start) = 0"], "starts": {"wave": {"u": "sin(pi*t)"}},
+    }  # fmt: skip
+    for start in (None, "wave", {"u": "p*t"}):
+        line = follow(parts, "p", (0, 2), start=start)
+        assert line.columns["u.end"] == pytest.approx(line.columns["p"], abs=1e-12)
+        assert line.columns["u.norm"] == pytest.approx(line.columns["p"] / np.sqrt(5.0), abs=1e-12)
+
+
+def test_layers_get_a_mesh_of_their_own():
+    """eps u'' + u' = 0, u(0) = 0, u(1) = 1: u = (1 - exp(-x/eps))/(1 - exp(-1/eps)), down to eps = 1e-4."""
+    parts = {
+        "kind": "bvp", "states": {"u": "t", "v": "1/exp(k)"}, "parameters": {"k": {"value": 0, "range": [-9.2, 0]}},
+        "definitions": {"eps": "exp(k)"}, "equations": {"u": "v/eps", "v": "-v/eps"},
+        "conditions": ["u(start) = 0", "u(end) = 1"],
+    }  # fmt: skip
+    line = follow(parts, "k", (-9.2, 0))
+    assert line.ends[0].reason == "bound"
+    eps = np.exp(line.columns["k"])
+    assert line.columns["v.start"] == pytest.approx(1.0 / (1.0 - np.exp(-1.0 / eps)), rel=1e-6)
+
+
+def test_a_start_without_a_solution_says_so():
+    parts = {
+        "kind": "bvp", "states": {"u": 0}, "parameters": {"p": {"value": 1, "range": [0, 2]}},
+        "equations": {"u": "p"}, "conditions": ["u(start)^2 + 1 = 0"],
+    }  # fmt: skip
+    with pytest.raises(NoSolutionError, match="no solution of m found"):
+        follow(parts, "p", (0, 2))
+
+
+@pytest.mark.parametrize("kind", ["bvp", "algebraic"])
+def test_verbs_of_flows_say_that_there_is_no_time(kind):
+    model = Model("b", **BRATU) if kind == "bvp" else Model(
+        "b", kind=kind, states={"u": 1}, parameters={"lam": {"value": 1, "range": [0, 2]}}, equations={"u": "lam - u^2"}
+    )  # fmt: skip
+    verbs = [
+        lambda: contin.simulate(model), lambda: contin.sweep(model, "lam", (0, 1)),
+        lambda: contin.scan(model, {"lam": [0.1]}), lambda: contin.periodic_orbit(model),
+        lambda: contin.phase(model, ("lam", "lam")), lambda: contin.connecting_orbit(model, None),
+    ]  # fmt: skip
+    for verb in verbs if kind == "algebraic" else [*verbs, lambda: contin.equilibrium(model)]:
+        with pytest.raises(InputError, match="follow its solutions with"):
+            verb()
