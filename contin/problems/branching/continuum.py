@@ -22,7 +22,7 @@ from contin.problems.branching.outset import Outset
 from contin.problems.defining import singular_basis
 from contin.problems.scaled import ScaledSystem
 
-DISTANCES: Final = tuple(0.05 * float(np.sqrt(2.0)) ** k for k in range(11))  # s, scaled: up to 1.6
+DISTANCES: Final = tuple(0.05 * float(elementary.pow(2.0, 0.5 * k)) for k in range(11))  # s, scaled: up to 1.6
 SAMPLES: Final = 128  # of t on the circle: four times the half-branches of a ring of 16 cells
 CLEAR: Final = 1e10  # times its rounding errors: |g| from which Newton's method places its zeros to some 1e-11
 VISIBLE: Final = 1e7  # ... or this, where the equations have no solution at larger distances

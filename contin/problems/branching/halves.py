@@ -235,7 +235,8 @@ def _miss(y: Array, a: Half, b: Half) -> float:
     offset = b.near - y
     if abs(length - s) > 0.1 * s:  # looked at on different spheres
         other, w_b = b.deviation(offset)
-        offset = s / other * (offset - w_b) + (w_b * (s / other) ** b.power if np.isfinite(b.power) else w_b)
+        bent = w_b * elementary.pow(s / other, b.power) if np.isfinite(b.power) else w_b
+        offset = s / other * (offset - w_b) + bent
     if not np.isfinite(a.power) or size < STRAIGHT * s:
         return float(np.linalg.norm(offset + s * a.direction)) / (1e-3 * s)
     power = Fraction(a.power).limit_denominator(DENOMINATORS) if a.power < 10.0 else Fraction(round(a.power))

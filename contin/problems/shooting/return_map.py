@@ -141,7 +141,7 @@ class ReturnMap:
     @property
     def noise(self) -> float:
         """Rounding errors of the highest derivatives, in the coordinates."""
-        return NOISE * ACCURACY / STEP**2 * float(np.abs(self._centre).max())
+        return NOISE * ACCURACY / elementary.square(STEP) * float(np.abs(self._centre).max())
 
     def jet(self, factor: int = 1) -> DerivativeJet:
         """The derivatives as a normal form wants them; raises `NoDerivatives`."""
