@@ -7,7 +7,7 @@ from contin.kernels import sources
 from contin.kernels.catalogue import every
 from contin.kernels.library import complete, known, module_of
 from contin.machine import packed, target
-from contin.machine.folder import DERIVED, MACHINE_CODE, folder, place
+from contin.machine.folder import COMPILED, DERIVED, MACHINE_CODE, folder, place
 
 ACTIONS = ("status", "build", "clear", "where")
 
@@ -39,7 +39,7 @@ def _build() -> None:
 
 def _clear() -> None:
     removed = 0
-    for kept in (folder(MACHINE_CODE), folder(DERIVED)):
+    for kept in (folder(MACHINE_CODE), folder(DERIVED), folder(COMPILED)):
         for name in kept.names() if kept else []:
             if kept:
                 kept.remove(name)

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from contin.abi import Address
 from contin.lowering.llvm_text import UNSPLIT, Routine, declarations, elementary_functions, routine_text
+from contin.lowering.objects_by_text import object_of
 from contin.machine import elementary, target
 
 HUGE: Final = 25_000  # statements; more are compiled without optimisation
@@ -41,7 +42,7 @@ def compile_routines(routines: Sequence[Routine]) -> MachineCode:
     elementary.addresses(called)
     with _lock:
         _prepare(llvm)
-        engine = _engine(llvm, llvm.parse_assembly(text), _level(routines))
+        engine = _loaded(llvm, text, _level(routines))
         addresses = {r.name: int(engine.get_function_address(r.name)) for r in routines}
     return MachineCode(engine, addresses, {r.name: len(r.statements) for r in routines})
 
@@ -90,20 +91,29 @@ def loop_address() -> Address:
         with _lock:
             if not _loop:  # two threads may ask at once: code made twice would be freed under the feet of one of them
                 _prepare(llvm)
-                engine = _engine(llvm, llvm.parse_assembly(_LOOP), 2)
+                engine = _loaded(llvm, _LOOP, 2)
                 _loop.append((engine, int(engine.get_function_address("many"))))
     return _loop[0][1]
 
 
-def _engine(llvm: Any, module: Any, level: int) -> Any:
-    machine = target.machine(level)
+def _loaded(llvm: Any, text: str, level: int) -> Any:
+    """An engine that holds the machine code of a module."""
+    code = object_of(text, level, lambda: _compiled(llvm, text, level))
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine(level))
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine
+
+
+def _compiled(llvm: Any, text: str, level: int) -> bytes:
+    """An object file."""
+    machine, module = target.object_machine(level=level), llvm.parse_assembly(text)
+    module.triple = machine.triple
     if level == 2:
         options = llvm.create_pipeline_tuning_options(speed_level=2)
         builder = llvm.create_pass_builder(machine, options)
         builder.getModulePassManager().run(module, builder)
-    engine = llvm.create_mcjit_compiler(module, machine)
-    engine.finalize_object()
-    return engine
+    return bytes(machine.emit_object(module))
 
 
 def _prepare(llvm: Any) -> None:

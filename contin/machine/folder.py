@@ -1,4 +1,4 @@
-"""The user's folders of machine code and of derived models: where they are, and whether they can be trusted.
+"""The user's folders of machine code and of models, derived and compiled: where they are, and whether they can be trusted.
 
 Whoever can write there can make this process run what they like. So a folder is used only if it is a real directory
 that belongs to this user and that nobody else may enter (mode 0700), and it is opened once: what is read and written
@@ -21,6 +21,7 @@ from typing import Final
 
 MACHINE_CODE: Final = "machine-code"
 DERIVED: Final = "derived-models"
+COMPILED: Final = "compiled-models"
 BY_DESCRIPTOR: Final = os.open in os.supports_dir_fd and os.name == "posix"
 
 

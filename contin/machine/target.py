@@ -59,7 +59,7 @@ def processor() -> str:
     return name() if name() in LEVELS else "generic"
 
 
-def object_machine(triple: str = "", cpu: str = "") -> Any:
+def object_machine(triple: str = "", cpu: str = "", level: int = 3) -> Any:
     """LLVM's target machine for object files that are loaded anywhere in memory; for this process, or as said."""
     import llvmlite.binding as llvm
 
@@ -70,7 +70,7 @@ def object_machine(triple: str = "", cpu: str = "") -> Any:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
     return llvm.Target.from_triple(triple or llvm.get_process_triple()).create_target_machine(
-        cpu=cpu or processor(), features="", opt=3, reloc="static", codemodel="large", jit=True
+        cpu=cpu or processor(), features="", opt=level, reloc="static", codemodel="large", jit=True
     )
 
 
