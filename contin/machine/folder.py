@@ -1,4 +1,4 @@
-"""The user's folders of machine code and of models, derived and compiled: where they are, and whether they can be trusted.
+"""The folders of machine code and of models, derived and compiled: where they are, and whether they can be trusted.
 
 Whoever can write there can make this process run what they like. So a folder is used only if it is a real directory
 that belongs to this user and that nobody else may enter (mode 0700), and it is opened once: what is read and written
