@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from contin.problems.sparse.from_model import sparse_function
 from contin.problems.sparse.start import LargeEquilibrium, converge_large
 from contin.problems.start import Equilibrium, converge
 from contin.records import Record
+from contin.simulate.natural import natural_metric
 from contin.symbolic.passes.corotating import frame_for
 
 if TYPE_CHECKING:
@@ -177,15 +178,28 @@ def refuse_forced(model: Model) -> None:
         )
 
 
+USUAL: Final = 0.5  # half of the box of a state about which nothing is known
+RESOLVED: Final = 1e-3  # part of the box that a search tells from a point: it takes 1e-6 of it for the same
+
+
 def reach_of(model: Any, parameters: Record | None = None) -> dict[str, tuple[float, float]]:
     """Twice the largest size of each state in the model's default and named starts, in both directions.
+
+    Where all are 0, the natural sizes of the states, if these are far from 1.
 
     Angles apart.
     """
     names = (None, *(s.name for s in model.starts))
     points = [model.start_point(name, dict(parameters or {}))[0] for name in names]
     largest = np.abs(np.array(points)).max(axis=0)
-    sizes = 2.0 * np.where(largest > 0.0, largest, max(float(largest.max(initial=0.0)), 0.5))
+    usual = np.full(len(largest), max(float(largest.max(initial=0.0)), USUAL))
+    if not largest.any():  # only the equations tell; sizes that a search of the usual box would see need no other
+        system, (u, p) = compiled(model), model.start_point(None, dict(parameters or {}))
+        natural = natural_metric(system, u, p)
+        known = ~np.isin(model.state_names, natural.guessed)
+        unseen = (natural.states < RESOLVED * usual) | (natural.states > usual / RESOLVED)
+        usual = np.where(known & unseen, natural.states, usual)
+    sizes = 2.0 * np.where(largest > 0.0, largest, usual)
     angles = np.asarray(model.periods()) > 0.0
     return {
         name: (-float(size), float(size))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.branch import Branch, SpecialPoint
+from contin.continuation.branch import Branch, Parent, SpecialPoint
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, symmetry_names
 from contin.transitions.registry import Explored
@@ -61,7 +61,8 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
         own = parent is not None and parent.branch == branch.name
         rows = {p.index for p in branch.points if p.type == "BPC"} if not own else set()
         sibling = own_birth is not None and branch.parent is not None and own_birth == _birth(branch.parent)
-        if branch.parent is not None and not sibling:  # several families may be born at one point
+        beside = parent is not None and branch.parent is not None and _are_two_hopf_points(parent, branch.parent)
+        if branch.parent is not None and not sibling and not beside:  # several families may be born at one point
             rows.add(branch.start_row)
         ends = zip((0, len(branch) - 1), branch.ends, strict=True)
         rows |= {k for k, end in ends if end.reason in ("hopf", "joined")}
@@ -73,6 +74,11 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
             if any(_same(other, one) for one in here):
                 return branch
     return None
+
+
+def _are_two_hopf_points(a: Parent, b: Parent) -> bool:
+    """Two labels of one branch are two points, however near, and what is born at each is another family."""
+    return a.branch == b.branch and a.label != b.label and a.label.startswith("HB") and b.label.startswith("HB")
 
 
 def family_through(branches: Iterable[Branch], seed: Any, bounds: tuple[float, float]) -> Branch | None:

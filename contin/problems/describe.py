@@ -22,6 +22,12 @@ if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
 
+SEVERAL_PAIRS = (
+    "HB: several pairs of eigenvalues cross at once, for which there is no normal form here; families of cycles born "
+    "there are told apart by declared symmetries alone, and without these one is followed"
+)
+
+
 def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
     def derivative(directions: tuple[Array, ...]) -> Vector:
@@ -44,6 +50,8 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
     vectors = {**point.vectors, **form.vectors}
     errors = {"errors": dict(form.errors)} if form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
+    if point.type == "HB" and int(point.vectors.get("kernel", 1)) > 1 and not problem.system.model.symmetries:
+        described = replace(described, remark=SEVERAL_PAIRS)
     return degenerate.described(problem, described, scale) if degenerate.is_degenerate(described) else described
 
 

@@ -149,3 +149,14 @@ def test_starts_fill_the_box_evenly():
     assert counts.sum() == 512
     assert counts.min() >= 4
     assert counts.max() <= 14
+
+
+@pytest.mark.parametrize("size", [1e-15, 1.0, 1e12])
+def test_states_of_any_size_are_found_where_the_model_says_nothing_about_them(size):
+    """x' = size (x/size) (1 - (x/size)^2): 0 and +-size, and nothing else."""
+    inner = f"(x/{size})"
+    model = contin.Model(
+        "sized", states={"x": 0.0}, parameters={"a": 1.0}, equations={"x": f"{size}*{inner}*(a - {inner}^2)"}
+    )
+    found = sorted(float(e.u[0]) / size for e in contin.find_equilibria(model))
+    np.testing.assert_allclose(found, [-1.0, 0.0, 1.0], atol=1e-12)
