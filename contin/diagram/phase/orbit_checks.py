@@ -63,6 +63,6 @@ def _goes_on(plane: Plane, orbit: Array, period: float, a: Array, b: Array, legs
             u = integrate(system, u, p, time, rtol=TOLERANCE, atol=floor, budget=BUDGET).end
         times = np.linspace(0.0, WINDOW * period, SAMPLES)
         window = integrate(system, u, p, float(times[-1]), times=times, rtol=TOLERANCE, atol=floor, budget=BUDGET).u
-    except (ContinError, np.linalg.LinAlgError):
+    except (ContinError, np.linalg.LinAlgError):  # it says nothing
         return None
     return bool(np.ptp(window[:, largest]) > STILL * extent[largest])
