@@ -43,6 +43,7 @@ SHORT = (
 LONG = (
     *SHORT,
     *(Units(s, t, p) for s in (1e15, 1e6, 1.0, 1e-3, 1e-9) for t in (1e12, 1e-9) for p in (1e12, 1e-9)),
+    Units(1e6, mixed=True), Units(1e-6, 1e12, 1e-9, mixed=True), Units(1e4, 1e9, 1e6, mixed=True),
 )  # fmt: skip
 
 
