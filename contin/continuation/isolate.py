@@ -55,6 +55,7 @@ class Note:
 
     text: str
     suspect: bool = False
+    hides: bool = False  # events may lie there that were not told from each other
     jump: float | None = None  # arclength at which unstable values change for want of smoothness: no riddle
 
 
@@ -119,7 +120,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
     if not simple:
         text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"
-        yield Note(_where(stretch, point, text))
+        yield Note(_where(stretch, point, text), hides=is_adaptive(stretch.problem))
 
 
 def next_to_event(
@@ -150,7 +151,7 @@ def _rest(
     points = points_between(stretch, near, far, centre, crossing, noise)
     unclear = None
     for sample in points if is_adaptive(stretch.problem) else ():
-        if np.any((np.abs(sample.tests) <= noise)[crossing][1:]):  # of a fold the rows themselves tell the sides
+        if np.any((np.abs(sample.tests) <= noise)[crossing]):
             unclear = sample
     for a, b in pairwise(points):
         if stretch.problem.explain(a, b) == ():
@@ -161,7 +162,7 @@ def _rest(
         else:
             unclear = a
     if unclear is not None:
-        yield Note(_where(stretch, unclear, LOST_IN_ROUNDING))
+        yield Note(_where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
 
 
 def _verified(stretch: Stretch, type_: str, near: Sample) -> Verified | str:

@@ -73,9 +73,11 @@ def resolve(
     )  # fmt: skip
     marked: list[Row] = []
     notes: list[str] = []
+    hiding = 0
     end: End | None = None
     if rows > 1 and event is not None:
-        marked, notes = _in_steps(course, chunk, frame, event, {0, *_low(course, chunk, event, forward=True)})
+        low = {0, *_low(course, chunk, event, forward=True)}
+        marked, notes, hiding = _in_steps(course, chunk, frame, event, low)
     if rows:
         stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
         step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
@@ -88,14 +90,14 @@ def resolve(
         if step.halt is not None:  # the labelled point itself is the last row
             piece = piece.cut(rows - 1)
         jumps = tuple(rows if length >= 0.0 else rows - 1 for length in step.jumps)
-        piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps)
+        piece = replace(piece, notes=(*notes, *step.notes), jumps=jumps, hiding=hiding + step.hiding)
         marked += [_row(f, chunk, scale) for f in step.found]
         if step.found and end is None:
             first = Behind(step.found[0].point, float(np.sum(chunk.lengths[1:rows])) + step.found[0].length)
             before_it = _low(course, chunk, first, forward=False)
-            hidden, more = _in_steps(course, chunk, frame, first, before_it, forward=False)
+            hidden, more, untold = _in_steps(course, chunk, frame, first, before_it, forward=False)
             marked += hidden
-            piece = replace(piece, notes=(*piece.notes, *more))
+            piece = replace(piece, notes=(*piece.notes, *more), hiding=piece.hiding + untold)
     if end is None and not corner:
         end = _failure(course, chunk)
     marked += _user_values(course, chunk, piece, frame, marked)
@@ -116,6 +118,7 @@ class _LastStep:
     found: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     jumps: list[float] = field(default_factory=list)  # arclengths, see `Note.jump`
+    hiding: int = 0  # see `Note.hides`
     halt: Found | None = None  # the labelled point that the arm ends at
 
     def __post_init__(self) -> None:
@@ -141,6 +144,7 @@ class _LastStep:
             if isinstance(item, Note):
                 self.notes.append(item.text)
                 self.jumps += [] if item.jump is None else [item.jump]
+                self.hiding += item.hides
             elif not self._is_labelled(item.point):
                 self.found.append(item)
         self.found = sorted((_anchored(f, self.chunk, self.scale) for f in self.found), key=lambda f: f.length)
@@ -201,7 +205,7 @@ class _LastStep:
             for f in self.found
             if f.length < image.length and not (f.point.type == "LPC" and abs(f.point.z[-1] - at) < near)
         ]
-        self.notes, self.jumps = [], []  # they are about what the branch passes there
+        self.notes, self.jumps, self.hiding = [], [], 0  # they are about what the branch passes there
         if self.course.foundling and not halves(self.problem, image, self.scale):
             self.found.append(image)
             self.halt = image
@@ -247,9 +251,9 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
 
 def _in_steps(
     course: Course, chunk: Chunk, frame: Frame, event: Behind, rows: set[int], forward: bool = True
-) -> tuple[list[Row], list[str]]:
-    """What the steps beyond these rows hide, seen from an event nearby."""
-    found, notes = [], []
+) -> tuple[list[Row], list[str], int]:
+    """What the steps beyond these rows hide, seen from an event nearby; notes, and how many say that it may."""
+    found, notes, hiding = [], [], 0
     for k in sorted(rows):
         stretch = Stretch(course.problem, chunk.sample(k), frame, course.settings)
         far = k + 1 if forward else k - 1
@@ -257,10 +261,11 @@ def _in_steps(
         for item in next_to_event(stretch, chunk.sample(k), chunk.sample(far), event.point, centre):
             if isinstance(item, Note):
                 notes.append(item.text)
+                hiding += item.hides
             elif not course.is_known(item.point, frame.scale):
                 course.known.append(item.point)
                 found.append(Row(max(k, far), item.length, item.point, item.sample.tangent))
-    return found, notes
+    return found, notes, hiding
 
 
 def _user_values(course: Course, chunk: Chunk, piece: Piece, frame: Frame, marked: Sequence[Row]) -> list[Row]:

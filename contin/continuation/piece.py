@@ -34,6 +34,7 @@ class Piece:
     found: tuple[Row, ...] = ()
     notes: tuple[str, ...] = ()
     jumps: tuple[int, ...] = ()  # numbers of rows, as of `Row.before`: unstable values change before them, see `Jump`
+    hiding: int = 0  # notes that say that events may not have been told apart
     evaluations: int = 0
 
     @classmethod

@@ -222,7 +222,7 @@ def _assemble(
         z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
-        unexplained=len(changes),
+        unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from contin.problems.orbits.saddles import Saddle, extent_of, rounded, saddles_n
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 REACHED = 2e-9  # distance of the parameter from its limit, relative to its range, at which the approach is complete
 AGREED = 1e-9  # ... or at which two extrapolations agree to this
@@ -38,7 +38,7 @@ PRECISE = Settings(tolerance=1e-11)
 
 
 def diverged(
-    problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame, failed: bool = False
+    problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame, failed: bool = False
 ) -> tuple[End, Verified] | None:
     """The homoclinic or heteroclinic orbit that a family with growing period approaches.
 
@@ -54,7 +54,7 @@ def diverged(
         counts as error.
     """
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
-    position = profile.u.size
+    position = problem.period_place(origin.z)
     earlier = problem.profile(before.z)
     gained = profile.period - earlier.period
     if not gained > 0.0:
@@ -161,7 +161,7 @@ def _growth(profile: Profile, earlier: Profile, sizes: Array) -> float:
 
 
 def _connection(
-    problem: OrbitProblem, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
+    problem: FamilyOfOrbits, origin: Sample, profile: Profile, saddles: list[Saddle], limit: float, error: float
 ) -> tuple[End, Verified]:
     name, names = problem.parameters[0], problem.system.state_names
     data: Fields = {"at": {name: limit}, "error": error, "spiral": any(s.leading.imag > 0.0 for s in saddles)}

@@ -16,19 +16,19 @@ from contin.problems.orbits.layout import Profile
 from contin.symbolic.passes.corotating import frame_generator
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 SLOW = 0.05  # speed relative to the mean below which an orbit dwells
 ALONG = 1e-6  # relative residual to which the rotation is an eigenvector of a relative equilibrium
 
 
-def turning(problem: OrbitProblem, u: Array) -> Array | None:
+def turning(problem: FamilyOfOrbits, u: Array) -> Array | None:
     """Directions (K, n) in which the frame turns the states u (K, n); None where the model is in none."""
     matrix = frame_generator(problem.system.model, problem.constants())
     return None if matrix is None else np.asarray(u @ matrix.T)
 
 
-def speeds(problem: OrbitProblem, profile: Profile, sizes: Array) -> tuple[Array, float]:
+def speeds(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> tuple[Array, float]:
     """Speed between neighbouring nodes, in states relative to their sizes, and its mean over the (scaled) period."""
     steps = np.diff(profile.u, axis=0) / sizes
     along = turning(problem, 0.5 * (profile.u[1:] + profile.u[:-1]))
@@ -40,13 +40,13 @@ def speeds(problem: OrbitProblem, profile: Profile, sizes: Array) -> tuple[Array
     return lengths / np.diff(profile.times), float(lengths.sum())
 
 
-def dwelling(problem: OrbitProblem, profile: Profile, sizes: Array) -> float:
+def dwelling(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> float:
     """Part of the period during which the orbit moves at less than a twentieth of its mean speed."""
     speed, mean = speeds(problem, profile, sizes)
     return float(np.diff(profile.times)[speed < SLOW * mean].sum())
 
 
-def slowest_points(problem: OrbitProblem, profile: Profile, sizes: Array) -> list[Array]:
+def slowest_points(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> list[Array]:
     """The slowest node of every stretch of the orbit (a closed curve) that is passed slowly."""
     speed, mean = speeds(problem, profile, sizes)
     slow = speed < SLOW * mean
@@ -65,7 +65,7 @@ def slowest_points(problem: OrbitProblem, profile: Profile, sizes: Array) -> lis
     return points
 
 
-def of_the_frame(problem: OrbitProblem, u: Array, jacobian: Array, values: NDArray[np.complex128]) -> int | None:
+def of_the_frame(problem: FamilyOfOrbits, u: Array, jacobian: Array, values: NDArray[np.complex128]) -> int | None:
     """Index among the eigenvalues of an equilibrium u of the one that belongs to the frame, or None."""
     along = turning(problem, u[None])
     if along is None or not along.any():

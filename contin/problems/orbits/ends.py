@@ -21,6 +21,7 @@ from contin.problems.orbits.traversed import joined
 from contin.problems.orbits.vertical import unbounded
 
 if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
     from contin.problems.orbits.problem import OrbitProblem
     from contin.problems.shooting.problem import ShootingProblem
 
@@ -50,13 +51,18 @@ def ending(problem: OrbitProblem, origin: Sample, before: Sample | None, frame: 
     grown = unbounded(problem, origin, frame) or joined(problem, origin.z, before.z, frame.scale)
     if grown is not None:
         return Ending(grown)
+    return connected(problem, origin, before, frame)
+
+
+def connected(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+    """The connecting orbit, or the fold of equilibria, that a family with growing period has come to."""
     if not _lingers(problem, origin, frame):
         return None
     reached = diverged(problem, origin, before, frame) or invariant_circle(problem, origin, before, frame)
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
-def foretold(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
+def foretold(problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The homoclinic or heteroclinic orbit that a family was near whose corrector fails: the last orbits agree on it
     less well than elsewhere, and its error says so.
     """
@@ -66,7 +72,7 @@ def foretold(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame
     return None if reached is None else Ending(reached[0], None, reached[1])
 
 
-def _lingers(problem: OrbitProblem, origin: Sample, frame: Frame) -> bool:
+def _lingers(problem: FamilyOfOrbits, origin: Sample, frame: Frame) -> bool:
     sizes = problem.sizes(origin.z, frame.scale)
     return bool(problem.autonomous and dwelling(problem, problem.profile(origin.z), sizes) >= LINGERING)
 

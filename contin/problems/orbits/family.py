@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Verified
+from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.settings import Settings
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
@@ -98,6 +99,23 @@ class FamilyOfOrbits:
     @abstractmethod
     def profile(self, z: Array) -> Profile:
         """The orbit over one period."""
+
+    @abstractmethod
+    def sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric of z."""
+
+    @abstractmethod
+    def period_place(self, z: Array) -> int:
+        """Where the period stands in z, and in its tangents."""
+
+    @property
+    @abstractmethod
+    def resolution(self) -> float:
+        """Relative error of the orbits: below it two of them are not told apart."""
+
+    @abstractmethod
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        """See `contin.continuation.problem.Problem.probe`."""
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""

@@ -25,7 +25,7 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 DWELT = 0.6  # part of the period spent in the bottleneck from which a fold is looked for
 REACHED = 1e-4  # distance of the parameter from the fold, relative to its range, at which the family is complete
@@ -53,7 +53,7 @@ class Bottleneck:
         return float(np.sqrt(abs(self.b * (parameter - float(self.z[-1])) / self.a)))
 
 
-def bottlenecks(problem: OrbitProblem, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
+def bottlenecks(problem: FamilyOfOrbits, profile: Profile, sizes: Array, width: float) -> list[Bottleneck]:
     """The folds of equilibria in whose neighbourhood the orbit is slow; none if it is slow elsewhere, too."""
     found = []
     for u in slowest_points(problem, profile, sizes):
@@ -64,7 +64,7 @@ def bottlenecks(problem: OrbitProblem, profile: Profile, sizes: Array, width: fl
     return found
 
 
-def _bottleneck(problem: OrbitProblem, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
+def _bottleneck(problem: FamilyOfOrbits, guess: Array, sizes: Array, width: float) -> Bottleneck | None:
     metric = np.append(np.sqrt(problem.n) * sizes, width)
     solved = defining.fold(equilibria_of(problem).scaled(metric), guess / metric)
     if solved is None or not solved.residual < 1e-8:
@@ -79,14 +79,14 @@ def _bottleneck(problem: OrbitProblem, guess: Array, sizes: Array, width: float)
 
 
 def invariant_circle(
-    problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame
+    problem: FamilyOfOrbits, origin: Sample, before: Sample, frame: Frame
 ) -> tuple[End, Verified] | None:
     """The fold of equilibria that the family has come to, or None."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
     if profile.period <= problem.profile(before.z).period or dwelling(problem, profile, sizes) < DWELT:
         return None
     raw = origin.tangent * frame.scale
-    width, position = float(frame.scale[-1]), profile.u.size
+    width, position = float(frame.scale[-1]), problem.period_place(origin.z)
     folds = bottlenecks(problem, profile, sizes, width)
     if not folds or raw[-1] == 0.0 or any(abs(float(fold.z[-1] - folds[0].z[-1])) > SAME * width for fold in folds):
         return None

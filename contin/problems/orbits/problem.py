@@ -87,6 +87,13 @@ class OrbitProblem(FamilyOfOrbits):
         """The states' sizes (n,) in a metric that belongs to z's mesh."""
         return sizes_of(scale, self.profile(z).h, self.n, self.points)
 
+    def period_place(self, z: Array) -> int:
+        return int(self.profile(z).u.size)
+
+    @property
+    def resolution(self) -> float:
+        return self.tolerance
+
     def is_constant(self, z: Array, scale: Array) -> bool:
         """True where the orbit is an equilibrium."""
         u = self.profile(z).u

@@ -15,7 +15,6 @@ from contin.problems.orbits.layout import Profile
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
-    from contin.problems.orbits.problem import OrbitProblem
 
 NEAR_SADDLE = 0.1  # of the orbit's extent: how close the slowest point must be to its equilibrium
 
@@ -50,7 +49,7 @@ class Saddle:
                 found[-1] = complex(value)
         return found
 
-    def at(self, problem: OrbitProblem, parameter: float, sizes: Array) -> Saddle:
+    def at(self, problem: FamilyOfOrbits, parameter: float, sizes: Array) -> Saddle:
         """The same equilibrium at another parameter value; as it is here where it is no such saddle there."""
         found = equilibrium_near(problem, self.u, parameter, sizes)
         if found is None or np.sum(found.own.real > 0.0) != np.sum(self.own.real > 0.0):
@@ -64,7 +63,7 @@ class Saddle:
         return float(real[real > 0].min() + real[real < 0].max())
 
 
-def saddles_near(problem: OrbitProblem, profile: Profile, sizes: Array) -> list[Saddle]:
+def saddles_near(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> list[Saddle]:
     """Hyperbolic saddles that the orbit comes close to, each with the number of its visits in a period."""
     extent = extent_of(profile, sizes)
     found: list[Saddle] = []
@@ -91,7 +90,7 @@ def equilibria_of(problem: FamilyOfOrbits) -> EquilibriumProblem:
     return EquilibriumProblem(problem.system, problem.base.copy(), problem.active)
 
 
-def equilibrium_near(problem: OrbitProblem, u: Array, parameter: float, sizes: Array) -> Saddle | None:
+def equilibrium_near(problem: FamilyOfOrbits, u: Array, parameter: float, sizes: Array) -> Saddle | None:
     """The equilibrium near u and its eigenvalues by falling real part."""
     rest = equilibria_of(problem)
     z = rest.at_parameter(np.append(u, parameter), parameter, np.append(sizes, 1.0))
@@ -103,18 +102,18 @@ def equilibrium_near(problem: OrbitProblem, u: Array, parameter: float, sizes: A
     return Saddle(z[:-1], values, 1, of_the_frame(problem, z[:-1], jacobian, values))
 
 
-def turns(problem: OrbitProblem, difference: Array) -> Array:
+def turns(problem: FamilyOfOrbits, difference: Array) -> Array:
     """The whole turns of angles in a difference of states (rows of them); 0 for other states."""
     periods = np.asarray(problem.system.model.periods(problem.constants()), dtype=float)
     count = np.round(difference / np.where(periods > 0.0, periods, 1.0))
     return np.asarray(np.where(periods > 0.0, count * periods, 0.0))
 
 
-def apart(problem: OrbitProblem, u: Array, v: Array) -> Array:
+def apart(problem: FamilyOfOrbits, u: Array, v: Array) -> Array:
     return np.asarray(u - v - turns(problem, u - v))
 
 
-def distance(problem: OrbitProblem, u: Array, v: Array, sizes: Array) -> float:
+def distance(problem: FamilyOfOrbits, u: Array, v: Array, sizes: Array) -> float:
     """Largest difference of two states relative to their sizes, in a turning frame: but for a small turn."""
     gap = (u - v) / sizes
     along = turning(problem, v[None])

@@ -60,11 +60,15 @@ def room(problem: ShootingProblem, z: Array) -> float:
 
 
 def section_at(problem: ShootingProblem, u: Array, p: Array, sizes: Array) -> tuple[Array, float]:
-    """The plane through u that the flow crosses squarely in the metric of `sizes`; normal of unit scaled length."""
+    """The plane through u that the flow crosses squarely in the metric of `sizes`; normal of unit scaled length.
+
+    An angle has a part in it where the orbit winds round it: the others may hardly move, or turn.
+    """
     normal = problem.system.value(u, p) / elementary.square(sizes)
     angles = np.asarray(problem.system.model.periods(problem.constants()), dtype=float) > 0.0
-    if np.any(normal[~angles] != 0.0):
-        normal = np.where(angles, 0.0, normal)
+    apart = angles & (np.asarray(problem.winding) == 0.0)
+    if np.any(normal[~apart] != 0.0):
+        normal = np.where(apart, 0.0, normal)
     normal = normal / max(float(np.linalg.norm(normal * sizes)), 1e-300)
     return normal, float(normal @ u)
 
@@ -91,7 +95,8 @@ def onto_section(problem: ShootingProblem, z: Array, fraction: float, target: No
     p = problem.full_parameters(z)
     ahead = fraction - 0.1 if fraction > 0.1 else fraction + 0.9
     start = states(problem, z, np.array([ahead]))[0]
-    section = Section(target.normal, target.offset, 1)
+    turned = 0.0 if fraction > 0.1 else float(target.normal @ problem.winding)  # it is met after a turn
+    section = Section(target.normal, target.offset + turned, 1)
     flight = fly(problem.system, start, p, 0.2 * nodes.period, section=section, events=1, rtol=1e-10)
     time = ahead + (flight.events[0, 0] / nodes.period if len(flight.events) else 0.1)
     moved = Nodes.of(rebased(problem, z, time % 1.0, np.ones(problem.n)), problem.n)

@@ -18,6 +18,7 @@ from contin.kernels.tests_of_stability import map_tests
 from contin.model.evaluate import evaluate
 from contin.problems.neutral import is_suspect, paired, remarks_on_orbits
 from contin.problems.orbits.columns import names_of
+from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
@@ -38,6 +39,7 @@ PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple 
 BUDGET = 200_000  # steps of one segment
 ROUNDING = 1e-9  # of the largest state: a state this small is zero on the orbit
 PROBE_TOLERANCE = 1e-10
+RESOLUTION = 1e-6  # distance from a connecting orbit at which a curve of orbits is taken to have come to it
 PAIRED = 1e-10  # two multipliers are m and 1/m to this: the flow keeps an area, and |m| = 1 is no rounding error
 
 
@@ -94,6 +96,19 @@ class ShootingProblem(FamilyOfOrbits):
     def sizes(self, z: Array, scale: Array) -> Array:
         """The states' sizes (n,) in a metric."""
         return sizes_of(scale, self.n)
+
+    def period_place(self, z: Array) -> int:
+        return len(z) - self.n - 3
+
+    @property
+    def resolution(self) -> float:
+        """Nearer to a connecting orbit there is little more to see than its period, which grows without bound."""
+        return RESOLUTION
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The connecting orbit that the family was near when its corrector failed."""
+        found = None if before is None or not self.autonomous else foretold(self, origin, before, frame)
+        return None if found is None else Renewal(frame.scale, origin, before, None, found.end, None, found.point)
 
     def profile(self, z: Array) -> Profile:
         """The orbit sampled over one period."""

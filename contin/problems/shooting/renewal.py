@@ -122,7 +122,7 @@ def _parameter_and_period(problem: ShootingProblem, raw: Array, scale: Array) ->
 
 
 def _ending(problem: ShootingProblem, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-    """The Hopf point that the family shrinks to, or a period out of all proportion."""
+    """The Hopf point that the family shrinks to, or the connecting orbit with which its period diverges."""
     if before is None or not problem.autonomous:
         return None
     sizes = problem.sizes(origin.z, frame.scale)
@@ -132,7 +132,11 @@ def _ending(problem: ShootingProblem, origin: Sample, before: Sample | None, fra
     extent = float(np.max(np.ptp(profile.u, axis=0) / sizes))
     if extent < ends.SMALL and extent < float(np.max(np.ptp(earlier.u, axis=0) / sizes)):
         return _at_hopf_point(problem, origin, before, frame)
-    return at_rest(problem, origin, before, frame)  # amplitude zero may lie between the two
+    resting = at_rest(problem, origin, before, frame)  # amplitude zero may lie between the two
+    connected = None if resting is not None else ends.connected(problem, origin, before, frame)
+    if connected is None:
+        return resting
+    return Renewal(frame.scale, origin, before, None, connected.end, connected.last, connected.point)
 
 
 def _at_hopf_point(problem: ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Renewal | None:

@@ -29,6 +29,7 @@ ACCURACY: Final = 1e-13  # of the trajectories
 STEP: Final = 3e-3  # (scaled) of the differences, of fourth order: rounding ACCURACY/STEP^2, error STEP^4
 NOISE: Final = 10.0  # trajectories' errors beside their accuracy
 TOGETHER: Final = 1e-7  # of the period: crossings this close are one
+LONGEST: Final = 2.0  # of the period: a trajectory beside the orbit that has not returned by then
 RETURNS: Final = 8  # Newton steps for the time of return
 SAMPLES: Final = 256  # of a variation over a period
 
@@ -61,6 +62,8 @@ class ReturnMap:
         return np.asarray(null_space((self.nodes.normal * self.sizes)[None]))
 
     def _fly(self, u: Array, duration: float, **more: Any) -> Any:
+        if not 0.0 < duration < LONGEST * self.nodes.period:
+            raise NoDerivatives("a trajectory beside the orbit does not return")
         problem, p = self.problem, self.problem.full_parameters(self.z)
         atol = 1e-2 * ACCURACY * max(float(np.abs(self.nodes.u).max()), 1e-300)
         flight = fly(problem.system, u, p, duration, rtol=ACCURACY, atol=atol, budget=problem.budget, **more)

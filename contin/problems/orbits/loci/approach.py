@@ -23,14 +23,14 @@ from contin.problems.orbits.saddles import Saddle, distance, extent_of, rounded,
 from contin.records import Fields
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.loci.problem import OrbitLocusProblem
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
+    from contin.problems.orbits.loci.special import OfSpecialOrbits
 
 NEAR: Final = 0.05  # of its extent: an orbit this close to its saddle moves as the linearised equations say
 CLOSE: Final = 1e-4  # ... where the corrector fails: special orbits are regular to a part of what remains
 
 
-def approached(problem: OrbitLocusProblem, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
+def approached(problem: OfSpecialOrbits, z: Array, before: Array, scale: Array, failed: bool = False) -> End | None:
     """The end of a curve (z, its row before) that cannot be told from one of connecting orbits; None elsewhere.
 
     failed : the corrector can go no further, which is explained already by less than the mesh's error.
@@ -47,11 +47,11 @@ def approached(problem: OrbitLocusProblem, z: Array, before: Array, scale: Array
     if not saddles:
         return None
     beside = _beside(orbits, profile, saddles, sizes)
-    limit = CLOSE if failed else orbits.tolerance
+    limit = CLOSE if failed else orbits.resolution
     return _end(problem, z, profile.period, saddles, beside, scale, sizes) if beside < limit else None
 
 
-def _beside(orbits: OrbitProblem, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
+def _beside(orbits: FamilyOfOrbits, profile: Profile, saddles: list[Saddle], sizes: Array) -> float:
     """exp(-min(r, s) t) of the passage that makes least of it; 1 where there is none.
 
     One of length t_in + t_out with the closest distance d, both sides of which begin at `NEAR`, has the rates
@@ -79,7 +79,7 @@ def _beside(orbits: OrbitProblem, profile: Profile, saddles: list[Saddle], sizes
 
 
 def _end(
-    problem: OrbitLocusProblem, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
+    problem: OfSpecialOrbits, z: Array, period: float, saddles: list[Saddle], beside: float, scale: Array,
     sizes: Array
 ) -> End:  # fmt: skip
     first, second = problem.parameters

@@ -17,7 +17,6 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.problems.orbits.loci import criticality
-from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
 from contin.problems.orbits.loci.special import OfSpecialOrbits
@@ -108,17 +107,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         if self.locus == "LPC" and before is not None and self.passes_half(before.z, origin.z, frame.scale):
             text = "came together with orbits of half the period, at their degenerate period doubling near "
             return Renewal(frame.scale, origin, before, loop, End("joined", text + self.place(origin.z)))
-        near = None if before is None else approached(self, origin.z, before.z, frame.scale)
-        if near is not None:
-            return Renewal(frame.scale, origin, before, loop, near)
-        return renew(self, origin, before, frame, settings)
-
-    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """A curve of homoclinic orbits that this one was near when its corrector failed."""
-        if before is None:
-            return None
-        end = approached(self, origin.z, before.z, frame.scale, failed=True)
-        return None if end is None else Renewal(frame.scale, origin, before, None, end)
+        return self.connected(origin, before, frame) or renew(self, origin, before, frame, settings)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return on_finer_mesh(self, sample, frame)

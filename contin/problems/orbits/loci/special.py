@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Renewal, Sample, Verified
 from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import criticality, events
+from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.multipliers import nontrivial, without
 from contin.problems.orbits.two_parameters import SMALL, OfPeriodicOrbits
 from contin.special.table import tests_of_orbits
@@ -41,6 +42,18 @@ class OfSpecialOrbits(OfPeriodicOrbits):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(tests_of_orbits(self.locus), changed, strict=True) if c]
+
+    def connected(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end of the curve where it cannot be told from one of connecting orbits any more."""
+        end = None if before is None else approached(self, origin.z, before.z, frame.scale)
+        return None if end is None else Renewal(frame.scale, origin, before, None, end)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """A curve of homoclinic orbits that this one was near when its corrector failed."""
+        if before is None:
+            return None
+        end = approached(self, origin.z, before.z, frame.scale, failed=True)
+        return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
     def remarks(self, z: Array) -> Sequence[str]:
         return criticality.remarks(self.curve)

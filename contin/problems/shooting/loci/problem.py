@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.problems.orbits.loci import criticality
@@ -56,6 +56,11 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
         if found is None or not criticality.is_measured(self.curve, base):
             return found
         return criticality.measured(self.curve, found, frame.scale)
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        return self.connected(origin, before, frame) or super().renew(origin, before, loop, frame, settings)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
         return verify(self, type_, near, frame)
