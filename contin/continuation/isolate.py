@@ -376,7 +376,8 @@ def _pair(
         errors = points[0].error + points[1].error
         alike = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
         one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
-        alike |= one and is_planar(stretch.problem)
+        seen = any(_is_seen_by(stretch, points[0].type, test) for test in range(len(stretch.base.tests)))
+        alike |= one and is_planar(stretch.problem) and seen  # else one point of another type, passed on both sides
     elif len(points) == 1 and not points[0].touches:  # the second zero was not told from the first
         alike = len(items) > 1
     if not alike:
@@ -406,8 +407,13 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
         turned = high.tests.copy()
         turned[test] = -np.copysign(1.0, low.tests[test])
         low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
-        if any(_together(stretch, low, replace(high, tests=turned))):  # '' : no event of the type, a neutral saddle
+        items = [item for item in _together(stretch, low, replace(high, tests=turned)) if item]  # '' : no event
+        if any(isinstance(item, str) or _is_seen_by(stretch, item.type, test) for item in items):
             yield Note(_where(stretch, low, TOUCHES))
+        else:  # it is part of a point of another type
+            for item in items:
+                assert isinstance(item, Verified)
+                yield _found(stretch, low, item, anchor)
         return
     items = _together(stretch, low, high)
     scale = stretch.frame.scale[-1]
@@ -417,6 +423,14 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
     yield from (_found(stretch, low, point, anchor) for point in points)
     if not points and (items or test == 0):
         yield Note(_where(stretch, low, TOUCHES))
+
+
+def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:
+    """True where points of this type are zeros of this test."""
+    try:
+        return stretch.problem.watch(type_) == test
+    except KeyError:
+        return False
 
 
 def _parabola_minimum(s: list[float], f: list[float]) -> float | None:

@@ -239,3 +239,22 @@ def _at(branch: Any, row: int) -> Any:
     z = branch.z[row].copy()
     z[-1] = problem.base[problem.active]
     return Seed(problem, z)
+
+
+@pytest.mark.parametrize("jump", ["(0 if p < 0.4*q else 1)", "heaviside(p - 0.4*q)", "(1 + sign(p - 0.4*q))/2"])
+def test_a_jump_that_only_the_parameter_decides_is_named(jump):
+    model = Model("step", states={"x": 0.0}, parameters={"p": 0.0, "q": 1.25}, equations={"x": f"p - x + {jump}"})
+    branch = api.continuation(api.equilibrium(model), "p", (-0.5, 1.0))
+    end = branch.ends[1]
+    assert end.reason == "surface"
+    assert end.data["at"]["p"] == pytest.approx(0.5, abs=1e-8)
+    assert "whatever the states are" in end.text
+
+
+def test_two_surfaces_that_are_met_at_once_are_both_named_and_nothing_is_said_of_what_begins_there():
+    equations = {"x": "a - x - heaviside(x - 1)", "y": "a - y - 2*heaviside(y - 1)"}
+    model = Model("corner", states={"x": 0.0, "y": 0.0}, parameters={"a": 0.0}, equations=equations)
+    branch = api.continuation(api.equilibrium(model), "a", (0.0, 5.0))
+    (point,) = branch.points
+    assert (point.type, point.normal_form["kind"]) == ("BE", "degenerate")
+    assert "x - 1 = 0 and y - 1 = 0" in branch.ends[1].text

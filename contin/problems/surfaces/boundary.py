@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from operator import mul
 from typing import TYPE_CHECKING, Final
@@ -14,6 +14,8 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.model.expression import symbols_in
+from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ TANGENT: Final = 1e-2  # sine of an angle: fields that cross the surface at less
 AHEAD: Final = tuple(accumulate([2.15] * 9, mul, initial=1e-6))  # scaled distances beyond a last row, to 1e-3
 NEAR: Final = 1e-4  # a step across a surface is repeated with shorter ones down to this length
 SHORTER: Final = 4.0
+TOGETHER: Final = 1e-8  # scaled distance of two surfaces that are met at once
 ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
 
 
@@ -103,15 +106,44 @@ def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renew
     """The end of a branch whose next step would cross a surface of discontinuity; None where there is none ahead."""
     found = [m for m in _meetings(problem, origin, frame) if _is_reached(problem, m, origin, frame)]
     if not found:
-        return _tangent_fields(problem, origin, frame)
+        return _tangent_fields(problem, origin, frame) or _jump_of_parameter(problem, origin, frame)
     first = min(found, key=lambda m: m.distance)
     point = _verified(problem, first)
+    together = [m for m in found if m.jump is not first.jump and m.distance - first.distance < TOGETHER]
+    if together:  # two surfaces at once: what begins there is not known from one of them
+        point = replace(point, normal_form=dict(point.normal_form) | {"kind": "degenerate"})
+    names = list(dict.fromkeys(m.jump.surface.text for m in (first, *together)))
+    surfaces = f"the surface{'s' if together else ''} {' and '.join(names)}"
     name = problem.parameters[0]
     noun = "fixed point" if problem.is_map else "equilibrium"
-    text = f"at {name} = {first.z[-1]:.10g}, the {noun} meets the surface {first.jump.surface.text}, where the "
+    text = f"at {name} = {first.z[-1]:.10g}, the {noun} meets {surfaces}, where the "
     text += "equations jump" if problem.sliding is None else "equations jump, and the motion slides no further"
-    data = {"surface": first.jump.surface.text, "at": {name: float(first.z[-1])}}
+    data = {"surface": " and ".join(names), "at": {name: float(first.z[-1])}}
     return Renewal(frame.scale, origin, None, None, End("surface", text, data), None, point)
+
+
+def _jump_of_parameter(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
+    """The end of a branch before a value of the parameter at which the equations jump, wherever the states are."""
+    system, n = problem.system, problem.n
+    if not system.n_switches or problem.sliding is not None:
+        return None
+    states = frozenset(system.state_names)
+    sense = float(np.sign(origin.tangent[-1]))
+    before = system.switches(origin.z[:n], problem.full_parameters(origin.z))
+    for length in AHEAD:
+        z = origin.z.copy()
+        z[-1] += sense * length * frame.scale[-1]
+        after = system.switches(z[:n], problem.full_parameters(z))
+        for k in np.flatnonzero(before * after < 0.0):
+            function = system.switching[int(k)]
+            if states & set(symbols_in([function])):
+                continue
+            at = float(origin.z[-1] + (z[-1] - origin.z[-1]) * before[k] / (before[k] - after[k]))
+            name, surface = problem.parameters[0], f"{to_text(function)} = 0"
+            text = f"at {name} = {at:.10g}, the equations jump at {surface}, whatever the states are"
+            data = {"surface": surface, "at": {name: at}}
+            return Renewal(frame.scale, origin, None, None, End("surface", text, data))
+    return None
 
 
 def _tangent_fields(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
