@@ -78,19 +78,7 @@ class Arm:
             chunk = (self.march or problem.march)(
                 origin, before, length, frame, step, limit, self.bounds, settings, self.loop
             )
-            if is_touching(problem):
-                chunk = _until_lowest(chunk)
-            if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
-                chunk = _without_last(chunk)
-            else:
-                corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
-            resolved = self._resolved(chunk, before, corner is not None, event)
-            if resolved is None:  # the last step jumped to another branch: again, shorter
-                self._forget(corner)
-                chunk, corner = _without_last(chunk), None
-                resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
-                assert resolved is not None
-            piece, self.end = resolved
+            chunk, corner, (piece, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(piece)
             if past is not None:
                 self.accepted += len(past[0].z)
@@ -163,6 +151,24 @@ class Arm:
             for t, (a, b) in spans
             if a * b < 0.0
         ]
+
+    def _looked_at(
+        self, chunk: Chunk, before: Sample | None, event: Behind | None
+    ) -> tuple[Chunk, tuple[Sample, Piece] | None, tuple[Piece, End | None]]:
+        """What counts of a chunk, the sharp corner beyond it, and its piece with the arm's end, if that is reached."""
+        if is_touching(self.problem):
+            chunk = _until_lowest(chunk)
+        if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
+            chunk = _without_last(chunk)
+        else:
+            corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
+        resolved = self._resolved(chunk, before, corner is not None, event)
+        if resolved is None:  # the last step jumped to another branch: again, shorter
+            self._forget(corner)
+            chunk, corner = _without_last(chunk), None
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
+            assert resolved is not None
+        return chunk, corner, resolved
 
     def _resolved(
         self, chunk: Chunk, before: Sample | None, corner: bool, event: Behind | None

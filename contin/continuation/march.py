@@ -159,7 +159,6 @@ def march(
     """`Problem.march` in terms of linearisations; `again` where a matrix is dear, see `correct`."""
     scale = frame.scale
     n = len(scale) - 1
-    cos_max = elementary.cos(np.radians(settings.max_angle))
     target_angle = np.radians(settings.max_angle) / 2.5
     evaluations = 1
     here = problem.linearisation(origin.z, origin.tangent, scale)
@@ -191,49 +190,15 @@ def march(
     old, nearest = before, here
     while len(rows) <= limit:
         last = rows[-1]
-        blocks = 0
-        while True:
-            bend = (
-                0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and h_previous > 0 else 0.0
-            )
-            guess = h * last.tangent + bend
-            found = correct(
-                problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest
-            )  # fmt: skip
-            if not isinstance(found, str) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
-                found = "not the curve that the step set out on"
-            if isinstance(found, str):
-                evaluations += 1
-                if h <= settings.min_step:
-                    return chunk(Stop.NOT_FINITE if found == "not finite" else Stop.CORRECTOR, h)
-                h = max(0.5 * h, settings.min_step)
-                continue
-            evaluations += found.iterations
-            sample = measure(problem, found, reference)
-            cosine = dot(last.tangent, sample.tangent)
-            corner = False
-            if not cosine >= cos_max:
-                if h <= max(settings.min_step, CORNER_STEP):
-                    corner = True
-                    break
-                h = max(0.5 * h, settings.min_step, CORNER_STEP)
-                continue
-            if h > GUARD_FLOOR and old is not None and h_previous > 0 and blocks < 8:
-                expected = last.tests + (last.tests - old.tests) * h / h_previous
-                size = np.maximum(np.maximum(np.abs(old.tests), np.abs(last.tests)), np.abs(sample.tests))
-                if np.any(np.abs(sample.tests - expected)[1:] > GUARD * size[1:]):
-                    blocks += 1
-                    h = max(0.5 * h, 0.5 * GUARD_FLOOR)
-                    continue
-            landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
-            if landed and blocks < 8 and h > settings.min_step:
-                blocks = 8
-                h = max(0.9 * h, settings.min_step)
-                continue
-            break
+        taken = _step(problem, old, last, h_previous, h, scale, settings, reference, again, nearest)
+        evaluations += taken.evaluations
+        h = taken.length
+        if isinstance(taken, _Refused):
+            return chunk(taken.stop, h)
+        sample, found, corner = taken.sample, taken.found, taken.corner
         rows.append(sample)
         lengths.append(h)
-        angle = target_angle if corner else float(elementary.acos(min(cosine, 1.0)))
+        angle = target_angle if corner else float(elementary.acos(min(taken.cosine, 1.0)))
         factor = min(GROWTH, target_angle / angle if angle > 0 else GROWTH)
         if found.first_correction > 0:
             factor = min(factor, elementary.pow(0.02 / found.first_correction, 1 / 3))
@@ -245,6 +210,72 @@ def march(
             return chunk(stop, h, dipped)
         old, h_previous, nearest = last, h_used, found.last
     return chunk(Stop.LIMIT, h)
+
+
+@dataclass(frozen=True, eq=False)
+class _Refused:
+    """No step from the last row, however short."""
+
+    stop: Stop
+    length: float
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False)
+class _Taken:
+    """A step that is accepted; `corner`: the shortest that there is, although it turns too sharply."""
+
+    sample: Sample
+    found: Corrected
+    cosine: float
+    corner: bool
+    length: float
+    evaluations: int
+
+
+def _step(
+    problem: Marchable, old: Sample | None, last: Sample, h_previous: float, h: float, scale: Array, settings: Settings,
+    reference: float, again: Again | None, nearest: Linearisation,
+) -> _Taken | _Refused:  # fmt: skip
+    """A step of length h, or of what is left of it where the corrector fails or the path turns too sharply."""
+    cos_max = elementary.cos(np.radians(settings.max_angle))
+    curved = old is not None and h_previous > 0
+    evaluations = blocks = 0
+    while True:
+        bend = 0.5 * h * h / h_previous * (last.tangent - old.tangent) if old is not None and curved else 0.0
+        guess = h * last.tangent + bend
+        found = correct(
+            problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest
+        )  # fmt: skip
+        if not isinstance(found, str) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
+            found = "not the curve that the step set out on"
+        if isinstance(found, str):
+            evaluations += 1
+            if h <= settings.min_step:
+                return _Refused(Stop.NOT_FINITE if found == "not finite" else Stop.CORRECTOR, h, evaluations)
+            h = max(0.5 * h, settings.min_step)
+            continue
+        evaluations += found.iterations
+        sample = measure(problem, found, reference)
+        cosine = dot(last.tangent, sample.tangent)
+        if not cosine >= cos_max:
+            if h <= max(settings.min_step, CORNER_STEP):
+                return _Taken(sample, found, cosine, True, h, evaluations)
+            h = max(0.5 * h, settings.min_step, CORNER_STEP)
+            continue
+        if h > GUARD_FLOOR and old is not None and curved and blocks < 8:
+            expected = last.tests + (last.tests - old.tests) * h / h_previous
+            size = np.maximum(np.maximum(np.abs(old.tests), np.abs(last.tests)), np.abs(sample.tests))
+            if np.any(np.abs(sample.tests - expected)[1:] > GUARD * size[1:]):
+                blocks += 1
+                h = max(0.5 * h, 0.5 * GUARD_FLOOR)
+                continue
+        landed = np.any(np.abs(sample.tests) < LANDED * np.abs(last.tests))
+        if landed and blocks < 8 and h > settings.min_step:
+            blocks = 8
+            h = max(0.9 * h, settings.min_step)
+            continue
+        return _Taken(sample, found, cosine, False, h, evaluations)
 
 
 def _what_happened(

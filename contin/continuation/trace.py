@@ -203,27 +203,25 @@ def _assemble(
         columns["unstable"] = unstable
         columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
-    start_end = End(
-        "start",
-        "the branch starts here"
-        if not seed.born
-        else f"born at {seed.parent.label if seed.parent else 'a special point'}",
-    )
-    down, up = records.get(-1), records.get(1)
-    ends = (down.end if down else start_end, up.end if up else start_end)
-    if down is not None and down.end.reason == "stopped" and up is None and 1 in seed.arms:
-        ends = (down.end, start_end)
     effort = {
         "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
         "steps": sum(r.accepted for r in records.values()),
     }
     return Branch(
-        name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points, ends=ends,
-        z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
+        name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points,
+        ends=_ends(seed, records), z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
+
+
+def _ends(seed: Seed, records: dict[int, _ArmRecord]) -> tuple[End, End]:
+    """Of the first row and the last: an arm's end, or the start."""
+    born = f"born at {seed.parent.label if seed.parent else 'a special point'}"
+    start = End("start", born if seed.born else "the branch starts here")
+    down, up = records.get(-1), records.get(1)
+    return down.end if down else start, up.end if up else start
 
 
 def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from contin.model.expression import Expression
@@ -88,6 +88,11 @@ def _lines(model: Model) -> Iterator[str]:
             yield f"  {_key(symmetry.name)}: {_mapping({k: formula(v) for k, v in symmetry.map.items()})}"
     if model.rotation:
         yield f"rotation: {_mapping({k: formula(v) for k, v in model.rotation.items()})}"
+    yield from _declarations(model, formula)
+
+
+def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+    """What follows the equations and their symmetries: starts, averaging, forcing, limits and expected points."""
     if model.starts:
         yield "starts:"
         for start in model.starts:

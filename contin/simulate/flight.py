@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from contin.kernels.piecewise import flight as kernel
 from contin.kernels.piecewise.flow import Flow, new_memory
 from contin.model.evaluate import evaluate
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
-from contin.simulate.section import Section
+from contin.simulate.section import Section, plane_of
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -71,6 +73,14 @@ class Flight:
         return self
 
 
+def check_flight(system: CompiledSystem, duration: float) -> None:
+    """Raises InputError for a map or a bad duration."""
+    if system.kind == "map":
+        raise InputError("a map has no trajectories in continuous time; iterate it")
+    if not duration > 0.0:
+        raise InputError(f"duration must be positive; got {duration!r}")
+
+
 def fly(
     system: CompiledSystem, u: Array, p: Array, duration: float, *, start: float = 0.0, times: Array | None = None,
     section: Section | None = None, events: int = 0, variations: Array | None = None,
@@ -90,14 +100,9 @@ def fly(
     DOP853: about 1 us a step for small models; 2000 time units of the pair of metronomes, with 2700 crossings, 18 ms.
     Raises InputError for a map or a bad duration. All other trouble is an `outcome` in words.
     """
-    if system.kind == "map":
-        raise InputError("a map has no trajectories in continuous time; iterate it")
-    if not duration > 0.0:
-        raise InputError(f"duration must be positive; got {duration!r}")
-    n = int(system.n)
-    if pieces is None:
-        pieces = system.pieces
-    y = np.array(u, dtype=float)
+    check_flight(system, duration)
+    n, y = int(system.n), np.array(u, dtype=float)
+    pieces = system.pieces if pieces is None else pieces
     if y.shape != (n,):
         raise InputError(f"the start must have {n} values ({', '.join(system.state_names)}); got {y.size}")
     carried = 0 if variations is None else variations.shape[1]
@@ -106,13 +111,8 @@ def fly(
     if variations is not None:
         y = np.concatenate([y, np.asarray(variations, dtype=float).T.ravel()])
     of = np.full(carried, -1, np.int64) if columns is None else shifted(columns, pieces)
-    plane = np.zeros(n + 2)
-    if section is not None:
-        plane[:n], plane[n], plane[n + 1] = section.normal, section.offset, section.direction
-    flow = Flow(
-        pieces.value_address, pieces.jacobian_address, pieces.surfaces_address, n, pieces.count, pieces.first_mode,
-        system.is_forced, of, plane,
-    )  # fmt: skip
+    addresses = pieces.value_address, pieces.jacobian_address, pieces.surfaces_address
+    flow = Flow(*addresses, n, pieces.count, pieces.first_mode, system.is_forced, of, plane_of(section, n))
     if system.is_forced and pieces.count:
         max_step = min(max_step, forcing_period(system, p) / STEPS_A_PERIOD)
     memory = new_memory(n, pieces.count, pieces.p_size, y.size)  # type: ignore[no-untyped-call]
@@ -123,34 +123,47 @@ def fly(
     controls = np.array([start, start + duration, 0.0, max_step, rtol, start, 0.0, 0.0, 0.0])
     sensitive = None if columns is None else np.array([p[k - n] if n <= k < n + system.m else 0.0 for k in columns])
     errors = with_variations(allowed, SMALLER * rtol, variations, sensitive)
-    started, stiff, left = False, 0, 0.0
-    while True:
-        status = kernel.fly(
-            flow, memory, y, controls, errors, boxes, CHUNK, started, wanted, samples, found, ring, counts
-        )
-        started = True
-        if status != kernel.STEPS or counts[2] > budget:
-            break
-        left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
-        if counts[2] > SURE and left > HOPELESS * budget:
-            break
-        stiff = stiff + 1 if left > LONG and is_stiff(system, y[:n], memory.p, float(controls[2])) else 0
-        if stiff >= STIFF_CHUNKS:
-            break
+    flown = partial(kernel.fly, flow, memory, y, controls, errors, boxes, CHUNK)
+    status, stiff, left = _in_chunks(
+        lambda started: flown(started, wanted, samples, found, ring, counts),
+        lambda: is_stiff(system, y[:n], memory.p, float(controls[2])), controls, counts, budget,
+    )  # fmt: skip
     crossed_last = counts[4] > 0 and ring[(counts[4] - 1) % CROSSINGS, 0] >= controls[0]
     if status == kernel.ESCAPED and not carried and not crossed_last:
         controls[0] = _leave(
             system, memory.begin, p, float(controls[5]), float(controls[0]), boxes, rtol, allowed, y
         )
     outcome, why = _outcome(system, status, y, memory, counts, budget, boxes, float(controls[0]), left)
-    if stiff >= STIFF_CHUNKS:
-        why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF"
+    why = f"stiff: {int(left):.2g} steps would still be needed; use the method Radau, LSODA or BDF" if stiff else why
     crossed = int(counts[4])
     order = np.arange(max(0, crossed - CROSSINGS), crossed) % CROSSINGS
     return Flight(
         n, wanted[: counts[0]], samples[: counts[0]], found[: counts[1]], float(controls[0]), y, ring[order], crossed,
         int(counts[5]), int(counts[2]), outcome, why,
     )  # fmt: skip
+
+
+def _in_chunks(
+    flown: Callable[[bool], int], looks_stiff: Callable[[], bool], controls: Array, counts: NDArray[np.int64],
+    budget: int,
+) -> tuple[int, bool, float]:  # fmt: skip
+    """Chunks of steps until the kernel is done or there is no hope that it will be.
+
+    The kernel's status, whether the flow is stiff, and how many steps would still be needed.
+    """
+    started, stiff, left = False, 0, 0.0
+    while True:
+        status = flown(started)
+        started = True
+        if status != kernel.STEPS or counts[2] > budget:
+            break
+        left = (float(controls[1]) - float(controls[0])) / max(float(controls[2]), 1e-300)
+        if counts[2] > SURE and left > HOPELESS * budget:
+            break
+        stiff = stiff + 1 if left > LONG and looks_stiff() else 0
+        if stiff >= STIFF_CHUNKS:
+            break
+    return status, stiff >= STIFF_CHUNKS, left
 
 
 def is_stiff(system: CompiledSystem, u: Array, p: Array, h: float) -> bool:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from contin.abi import Array
 
 
@@ -12,3 +14,10 @@ class Section:
     normal: Array
     offset: float
     direction: int = 1
+
+
+def plane_of(section: Section | None, n: int) -> Array:
+    """(normal, offset, direction) as kernels take it, (n + 2,); zeros without a section."""
+    if section is None:
+        return np.zeros(n + 2)
+    return np.concatenate([section.normal, [section.offset, section.direction]])

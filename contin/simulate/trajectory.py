@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.errors import InputError, NotFiniteError
+from contin.errors import NotFiniteError
 from contin.kernels import runge_kutta as kernel
-from contin.simulate.flight import fly
+from contin.simulate.flight import check_flight, fly
 from contin.simulate.natural import SMALLER, absolute_tolerances, with_variations
-from contin.simulate.section import Section
+from contin.simulate.section import Section, plane_of
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -55,10 +55,7 @@ def integrate(
     the budget of steps is used up (a stiff model: see
     `contin.simulate.stiff`). A piecewise-smooth flow is integrated piece by piece (`contin.simulate.flight`).
     """
-    if system.kind == "map":
-        raise InputError("a map has no trajectories in continuous time; iterate it")
-    if not duration > 0.0:
-        raise InputError(f"duration must be positive; got {duration!r}")
+    check_flight(system, duration)
     if system.n_switches:
         return _in_pieces(
             system, u, p, duration, start=start, times=times, section=section, events=events, variations=variations,
@@ -73,9 +70,7 @@ def integrate(
     full[: len(p)] = p
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
     samples, found = np.empty((wanted.size, y.size)), np.empty((max(events, 0), 1 + y.size))
-    plane = np.zeros(n + 2)
-    if section is not None:
-        plane[:n], plane[n], plane[n + 1] = section.normal, section.offset, section.direction
+    plane = plane_of(section, n)
     counts = np.zeros(4, np.int64)
     controls = np.array([start, start + duration, 0.0, max_step, rtol])
     memory = kernel.new_work(y.size, n, system.p_size)  # type: ignore[no-untyped-call]

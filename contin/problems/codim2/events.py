@@ -172,9 +172,8 @@ def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sampl
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
     within a few steps. The error of the first parameter is estimated as in `defining.newton`.
     """
-    curve = problem.curve
+    curve, rows, count = problem.curve, scale[:-1], len(near.z)
     parameters = curve.parameters(near.z)
-    rows, count = scale[:-1], len(near.z)
     steps = DIFFERENCE * np.diag(scale)
     gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
     size = float(np.linalg.norm(gradient))

@@ -11,7 +11,7 @@ from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import Expression, add, mul, substitute, symbol
 from contin.model.model import Model
-from contin.model.parts import Limit, Start, State
+from contin.model.parts import Limit, Start, State, Symmetry
 from contin.records import Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 from contin.symbolic.calculus.shorter import shorter
@@ -38,14 +38,8 @@ def change_coordinates(
     """
     old_names, parameters = list(model.state_names), list(model.parameter_names)
     new_names = list(states)
-    taken = sorted(set(new_names) & set(parameters))
-    if taken:
-        raise InputError(f"coordinates: {taken[0]} is a parameter; choose another name for the state")
+    _check_names(model, new_names, inverse)
     phi = [read(states[n], [*old_names, *parameters], f"coordinates: {n}") for n in new_names]
-    missing = [n for n in old_names if n not in inverse]
-    if missing or len(new_names) != len(old_names):
-        what = f"give `inverse` for {missing[0]}" if missing else f"{len(old_names)} states need as many new ones"
-        raise InputError(f"coordinates: {what}")
     back = {n: read(inverse[n], [*new_names, *parameters], f"coordinates: inverse of {n}") for n in old_names}
     mapping = {symbol(n): e for n, e in back.items()}
     _check(model, dict(zip(new_names, phi, strict=True)), back)
@@ -53,14 +47,6 @@ def change_coordinates(
     def converted(formula: Expression) -> Expression:
         return shorter(substitute([formula], mapping)[0])
 
-    if model.kind == "map":
-        images = dict(zip((symbol(n) for n in old_names), model.equations, strict=True))
-        equations = tuple(converted(substitute([p], images)[0]) for p in phi)
-    else:
-        rows: list[list[Expression]] = [[] for _ in phi]
-        for (i, j), slope in sparse_jacobian(phi, old_names).items():
-            rows[i].append(mul(slope, model.equations[j]))
-        equations = tuple(converted(add(*row)) for row in rows)
     angles = {n: read(v, parameters, f"coordinates: period of {n}") for n, v in (periods or {}).items()}
 
     def at(point: Mapping[Expression, Expression]) -> list[Expression]:
@@ -76,24 +62,48 @@ def change_coordinates(
         )
         for s in model.starts
     )
-    symmetries = []
-    for s in model.symmetries:
+
+    def conjugated(s: Symmetry) -> Symmetry:
         images = {symbol(n): s.map.get(n, symbol(n)) for n in old_names}
-        conjugated = {n: converted(substitute([p], images)[0]) for n, p in zip(new_names, phi, strict=True)}
-        symmetries.append(type(s)(s.name, {n: e for n, e in conjugated.items() if e is not symbol(n)}))
+        formulas = {n: converted(substitute([p], images)[0]) for n, p in zip(new_names, phi, strict=True)}
+        return Symmetry(s.name, {n: e for n, e in formulas.items() if e is not symbol(n)})
+
     return model.replace(
         states=tuple(State(n, v, None, None, angles.get(n)) for n, v in zip(new_names, values, strict=True)),
-        equations=equations,
+        equations=tuple(converted(rate) for rate in _rates(model, phi)),
         functions={},
         definitions={},
         observables={n: converted(e) for n, e in model.observables.items() if n not in new_names},
-        symmetries=tuple(s for s in symmetries if s.map),
+        symmetries=tuple(s for s in map(conjugated, model.symmetries) if s.map),
         rotation={},
         starts=starts,
         averaging=None,
         limits=tuple(Limit(converted(limit.margin), limit.beyond) for limit in model.limits),
         expect=(),
     )
+
+
+def _rates(model: Model, phi: list[Expression]) -> list[Expression]:
+    """Dphi f of a flow, phi(f) of a map, in the old states."""
+    if model.kind == "map":
+        images = dict(zip((symbol(n) for n in model.state_names), model.equations, strict=True))
+        return [substitute([p], images)[0] for p in phi]
+    rows: list[list[Expression]] = [[] for _ in phi]
+    for (i, j), slope in sparse_jacobian(phi, list(model.state_names)).items():
+        rows[i].append(mul(slope, model.equations[j]))
+    return [add(*row) for row in rows]
+
+
+def _check_names(model: Model, new_names: list[str], inverse: Record) -> None:
+    """As many new states as old ones, none of them named like a parameter, and every old one given in them."""
+    old_names = list(model.state_names)
+    taken = sorted(set(new_names) & set(model.parameter_names))
+    if taken:
+        raise InputError(f"coordinates: {taken[0]} is a parameter; choose another name for the state")
+    missing = [n for n in old_names if n not in inverse]
+    if missing or len(new_names) != len(old_names):
+        what = f"give `inverse` for {missing[0]}" if missing else f"{len(old_names)} states need as many new ones"
+        raise InputError(f"coordinates: {what}")
 
 
 def _check(model: Model, phi: Mapping[str, Expression], back: Mapping[str, Expression]) -> None:
