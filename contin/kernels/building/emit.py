@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import llvmlite.binding as llvm
 from llvmlite import ir
@@ -20,6 +20,12 @@ from contin.kernels.building.targets import BuildTarget
 from contin.kernels.signature import Array, Scalar, Tuple, Type, words
 from contin.machine.elementary import FUNCTIONS
 from contin.machine.elementary import symbol as elementary_symbol
+
+if TYPE_CHECKING:
+    from llvmlite.binding import TargetMachine
+    from numba.core.base import BaseContext
+    from numba.core.codegen import CodeLibrary
+    from numba.core.funcdesc import FunctionDescriptor
 
 FAST: Final = {"contract", "reassoc", "nsz"}
 WORD: Final = ir.IntType(64)
@@ -76,7 +82,7 @@ def translate(kernel: KernelFunction) -> Translated:
     return Translated(declaration.name, _ours(str(module)))
 
 
-def _inlined(module: Any, own: str) -> list[str]:
+def _inlined(module: ir.Module, own: str) -> list[str]:
     """Kernels whose code is put in place of their calls in the module; what they call so themselves is in it."""
     names = [f.name.removeprefix("contin.") for f in module.functions if f.is_declaration]
     return [name for name in names if name != own and name in REGISTRY and REGISTRY[name].declaration.inlined]
@@ -112,9 +118,9 @@ def entry_symbol(name: str) -> str:
     return f"entry.{name}"
 
 
-def _all(libraries: Sequence[Any]) -> list[Any]:
+def _all(libraries: Sequence[CodeLibrary]) -> list[CodeLibrary]:
     """Libraries and those that they need, each once."""
-    found: list[Any] = []
+    found: list[CodeLibrary] = []
     for library in libraries:
         if library not in found:
             found.append(library)
@@ -142,7 +148,7 @@ def _repeats(line: str, seen: set[str]) -> bool:
     return known
 
 
-def _for(text: str, target: BuildTarget, machine: Any) -> str:
+def _for(text: str, target: BuildTarget, machine: TargetMachine) -> str:
     """The module for another target than the one that numba wrote it for."""
     text = re.sub(r'target triple = "[^"]*"', f'target triple = "{target.triple}"', text)
     return re.sub(r'target datalayout = "[^"]*"', f'target datalayout = "{machine.target_data}"', text)
@@ -157,7 +163,7 @@ def _can_be_called(kernel: KernelFunction) -> bool:
     return all(plain(kind) for kind in kernel.signature.arguments)
 
 
-def _entry(kernel: KernelFunction, library: Any, descriptor: Any) -> Any:
+def _entry(kernel: KernelFunction, library: CodeLibrary, descriptor: FunctionDescriptor) -> ir.Function:
     """void entry(words): words -> values, the call, status and results -> words."""
     context = cpu_target.target_context
     signature = kernel.signature
@@ -200,10 +206,12 @@ def _results(kind: Type | None) -> list[Scalar]:
     return scalars
 
 
-def _value(context: Any, builder: Any, all_words: Any, at: int, kind: Type, numba_kind: Any) -> Any:
+def _value(
+    context: BaseContext, builder: ir.IRBuilder, all_words: ir.Value, at: int, kind: Type, numba_kind: Any
+) -> ir.Value:
     """The numba value that starts at a word."""
 
-    def word(index: int) -> Any:
+    def word(index: int) -> ir.Value:
         return builder.load(builder.gep(all_words, [WORD(index)]))
 
     if isinstance(kind, Tuple):

@@ -8,7 +8,8 @@ declaration: the call is an external symbol, which the loader resolves.
 from __future__ import annotations
 
 import inspect
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from numba import njit, types
 from numba.core import typing
@@ -22,6 +23,11 @@ from contin.kernels.building import pointer_calls, vectors
 from contin.kernels.building.types import numba_type
 from contin.kernels.mode import Declaration
 from contin.kernels.signature import Signature, parse
+
+if TYPE_CHECKING:
+    from llvmlite import ir
+    from numba.core.base import BaseContext
+    from numba.core.typing import Signature as NumbaSignature
 
 REGISTRY: dict[str, KernelFunction] = {}
 
@@ -40,11 +46,11 @@ class KernelFunction:
         return parse(self.declaration.signature)
 
     @property
-    def numba_signature(self) -> Any:
+    def numba_signature(self) -> NumbaSignature:
         stated = self.signature
         return typing.signature(numba_type(stated.result), *(numba_type(a) for a in stated.arguments))
 
-    def register(self, context: Any) -> None:
+    def register(self, context: BaseContext) -> None:
         """Tell numba how to call it."""
         if self._registered:
             return
@@ -73,7 +79,7 @@ class KernelType(types.Callable, types.Opaque):  # type: ignore[misc,unused-igno
         self.function = function
         super().__init__(f"KernelType({function.declaration.name})")
 
-    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+    def get_call_type(self, context: BaseContext, args: Sequence[types.Type], kws: object) -> NumbaSignature:
         from numba.core.registry import cpu_target
 
         self.function.register(cpu_target.target_context)
@@ -84,14 +90,14 @@ class KernelType(types.Callable, types.Opaque):  # type: ignore[misc,unused-igno
             raise TypeError(f"{name} is declared as {self.function.declaration.signature!r} and called with {given}")
         return stated
 
-    def get_call_signatures(self) -> Any:
+    def get_call_signatures(self) -> tuple[tuple[NumbaSignature], bool]:
         return (self.function.numba_signature,), False
 
-    def get_impl_key(self, signature: Any) -> Any:
+    def get_impl_key(self, signature: NumbaSignature) -> object:
         return self.function
 
 
-def _fits(given: Any, stated: Any) -> bool:
+def _fits(given: types.Type, stated: types.Type) -> bool:
     """Whether numba may hand over the one for the other: the same type, or a number for a number."""
     return bool(given == stated or (isinstance(given, types.Number) and isinstance(stated, types.Number)))
 
@@ -100,12 +106,12 @@ register_model(KernelType)(models.OpaqueModel)
 
 
 @typeof_impl.register(KernelFunction)
-def _type_of(value: KernelFunction, context: Any) -> KernelType:
+def _type_of(value: KernelFunction, context: object) -> KernelType:
     return value.type
 
 
 @lower_constant(KernelType)
-def _constant(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+def _constant(context: BaseContext, builder: ir.IRBuilder, kind: types.Type, value: object) -> ir.Value:
     return context.get_dummy_value()
 
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
 
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.types import Type
+from numba.core.typing import Signature
 from numba.extending import intrinsic
 
+if TYPE_CHECKING:
+    from numba.core.base import BaseContext
 
-def _emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+Intrinsic: TypeAlias = tuple[Signature, Callable[..., ir.Value]]  # what it is of these types, and what emits it
+
+
+def _emit(context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]) -> ir.Value:
     byte_pointer = ir.IntType(8).as_pointer()
     function_type = ir.FunctionType(ir.VoidType(), [byte_pointer] * (len(args) - 1))
     function = builder.inttoptr(args[0], function_type.as_pointer())
@@ -22,24 +30,26 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
 
 
 @intrinsic
-def call3(typing_context: Any, address: Any, a: Any, b: Any, c: Any) -> Any:
+def call3(typing_context: BaseContext, address: Type, a: Type, b: Type, c: Type) -> Intrinsic:
     """Call `void f(double*, double*, double*)` at `address`."""
     return types.void(types.intp, a, b, c), _emit
 
 
 @intrinsic
-def call4(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+def call4(typing_context: BaseContext, address: Type, a: Type, b: Type, c: Type, d: Type) -> Intrinsic:
     """Call `void f(double*, double*, double*, double*)` at `address`."""
     return types.void(types.intp, a, b, c, d), _emit
 
 
 @intrinsic
-def call5(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, e: Any) -> Any:
+def call5(typing_context: BaseContext, address: Type, a: Type, b: Type, c: Type, d: Type, e: Type) -> Intrinsic:
     """Call `void f(double*, ...)` with five pointers at `address`."""
     return types.void(types.intp, a, b, c, d, e), _emit
 
 
 @intrinsic
-def call6(typing_context: Any, address: Any, a: Any, b: Any, c: Any, d: Any, e: Any, f: Any) -> Any:
+def call6(
+    typing_context: BaseContext, address: Type, a: Type, b: Type, c: Type, d: Type, e: Type, f: Type
+) -> Intrinsic:
     """Call `void f(double*, ...)` with six pointers at `address`."""
     return types.void(types.intp, a, b, c, d, e, f), _emit

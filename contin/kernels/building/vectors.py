@@ -4,13 +4,23 @@ numba turns plain loops into vector instructions too, but tests before each of t
 leaves up to fifteen numbers at the end to be done one by one: half of the time for rows of twenty to a hundred numbers.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.types import Type
+from numba.core.typing import Signature
 from numba.extending import intrinsic
+
+if TYPE_CHECKING:
+    from numba.core.base import BaseContext
+
+Intrinsic: TypeAlias = tuple[Signature, Callable[..., ir.Value]]  # what it is of these types, and what emits it
 
 LANES, ROWS, PIVOTS = 4, 2, 4  # numbers in a vector; rows worked on together; rows of P
 FUSED = ("contract",)
@@ -20,9 +30,10 @@ VECTOR = ir.VectorType(NUMBER, LANES)
 
 @intrinsic
 def add_four(
-    typing_context: Any, c: Any, c_at: Any, c_step: Any, rows: Any, p: Any, p_at: Any, p_step: Any, f: Any, f_at: Any,
-    f_row: Any, f_column: Any, columns: Any,
-) -> Any:  # fmt: skip
+    typing_context: BaseContext, c: Type, c_at: Type, c_step: Type, rows: Type, p: Type, p_at: Type, p_step: Type,
+    f: Type, f_at: Type,
+    f_row: Type, f_column: Type, columns: Type,
+) -> Intrinsic:  # fmt: skip
     """C += F P, C (rows, columns), F (rows, 4), P (4, columns), each somewhere in a contiguous array of float64.
 
     *_at : index of the first element in the flat array.  *_step : distance of rows; f_row, f_column: of rows and
@@ -33,18 +44,20 @@ def add_four(
 
 @intrinsic
 def subtract_four(
-    typing_context: Any, c: Any, c_at: Any, c_step: Any, rows: Any, p: Any, p_at: Any, p_step: Any, f: Any, f_at: Any,
-    f_row: Any, f_column: Any, columns: Any,
-) -> Any:  # fmt: skip
+    typing_context: BaseContext, c: Type, c_at: Type, c_step: Type, rows: Type, p: Type, p_at: Type, p_step: Type,
+    f: Type, f_at: Type,
+    f_row: Type, f_column: Type, columns: Type,
+) -> Intrinsic:  # fmt: skip
     """C -= F P, as `add_four`."""
     return _signature(c, p, f), partial(_update, -1)
 
 
 @intrinsic
 def multiply(
-    typing_context: Any, out: Any, out_at: Any, a: Any, a_at: Any, a_step: Any, rows: Any, v: Any, v_at: Any,
-    columns: Any,
-) -> Any:  # fmt: skip
+    typing_context: BaseContext, out: Type, out_at: Type, a: Type, a_at: Type, a_step: Type, rows: Type, v: Type,
+    v_at: Type,
+    columns: Type,
+) -> Intrinsic:  # fmt: skip
     """out = A v, A (rows, columns), each somewhere in a contiguous array of float64; places as of `add_four`.
 
     out must not overlap A or v.
@@ -53,12 +66,14 @@ def multiply(
     return types.void(out, word, a, word, word, word, v, word, word), _multiply
 
 
-def _signature(c: Any, p: Any, f: Any) -> Any:
+def _signature(c: Type, p: Type, f: Type) -> Signature:
     word = types.intp
     return types.void(c, word, word, word, p, word, word, f, word, word, word, word)
 
 
-def _update(sign: int, context: Any, builder: Any, signature: Any, args: Any) -> Any:
+def _update(
+    sign: int, context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]
+) -> ir.Value:
     combine = builder.fadd if sign > 0 else builder.fsub
 
     target, pivots, factors = (_first(context, builder, signature, args, k) for k in (0, 4, 7))
@@ -67,7 +82,7 @@ def _update(sign: int, context: Any, builder: Any, signature: Any, args: Any) ->
     vectors = builder.udiv(columns, _word(LANES))
     beyond = builder.mul(vectors, _word(LANES))
 
-    def together(start: Any, count: int) -> None:
+    def together(start: ir.Value, count: int) -> None:
         """`count` rows from `start` on."""
         targets, scalars = [], []
         for k in range(count):
@@ -79,8 +94,8 @@ def _update(sign: int, context: Any, builder: Any, signature: Any, args: Any) ->
             )
         broadcasts = [[_broadcast(builder, x) for x in row] for row in scalars]
 
-        def columns_at(offset: Any, values: list[list[Any]], type_: Any) -> None:
-            def pointer(row: Any) -> Any:
+        def columns_at(offset: ir.Value, values: list[list[ir.Value]], type_: ir.Type) -> None:
+            def pointer(row: ir.Value) -> ir.Value:
                 return builder.bitcast(_at(builder, row, offset), type_.as_pointer())
 
             above = [builder.load(pointer(row), align=8) for row in pivot_rows]
@@ -100,20 +115,20 @@ def _update(sign: int, context: Any, builder: Any, signature: Any, args: Any) ->
     return context.get_dummy_value()
 
 
-def _multiply(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+def _multiply(context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value]) -> ir.Value:
     target, matrix, vector = (_first(context, builder, signature, args, k) for k in (0, 2, 6))
     step, rows, columns = args[4], args[5], args[8]
     vectors = builder.udiv(columns, _word(LANES))
     beyond = builder.mul(vectors, _word(LANES))
 
-    def together(start: Any, count: int) -> None:
+    def together(start: ir.Value, count: int) -> None:
         """`count` rows from `start` on."""
         places = [_at(builder, matrix, builder.mul(builder.add(start, _word(k)), step)) for k in range(count)]
         sums = [_zero(builder, VECTOR, [0.0] * LANES) for _ in range(count)]
         rests = [_zero(builder, NUMBER, 0.0) for _ in range(count)]
 
-        def columns_at(offset: Any, totals: list[Any], type_: Any) -> None:
-            def load(row: Any) -> Any:
+        def columns_at(offset: ir.Value, totals: list[ir.Value], type_: ir.Type) -> None:
+            def load(row: ir.Value) -> ir.Value:
                 return builder.load(builder.bitcast(_at(builder, row, offset), type_.as_pointer()), align=8)
 
             x = load(vector)
@@ -135,7 +150,7 @@ def _multiply(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-def _in_groups(builder: Any, rows: Any, size: int, together: Any) -> None:
+def _in_groups(builder: ir.IRBuilder, rows: ir.Value, size: int, together: Callable[[ir.Value, int], None]) -> None:
     """`together(first row, count)` for all `rows`: in groups of `size`, what is left one by one."""
     groups = builder.udiv(rows, _word(size))
     with cgutils.for_range(builder, groups) as loop:
@@ -145,28 +160,30 @@ def _in_groups(builder: Any, rows: Any, size: int, together: Any) -> None:
         together(builder.add(grouped, loop.index), 1)
 
 
-def _first(context: Any, builder: Any, signature: Any, args: Any, k: int) -> Any:
+def _first(
+    context: BaseContext, builder: ir.IRBuilder, signature: Signature, args: Sequence[ir.Value], k: int
+) -> ir.Value:
     """Address of the element that arguments k (an array) and k + 1 (an index) name."""
     data = cgutils.create_struct_proxy(signature.args[k])(context, builder, args[k]).data
     return builder.gep(data, [args[k + 1]])
 
 
-def _zero(builder: Any, type_: Any, value: Any) -> Any:
+def _zero(builder: ir.IRBuilder, type_: ir.Type, value: ir.Value) -> ir.Value:
     """A variable that is zero here (its place is made once, at the top of the function)."""
     variable = cgutils.alloca_once(builder, type_)
     builder.store(ir.Constant(type_, value), variable)
     return variable
 
 
-def _word(value: int) -> Any:
+def _word(value: int) -> ir.Value:
     return ir.Constant(WORD, value)
 
 
-def _at(builder: Any, pointer: Any, offset: Any) -> Any:
+def _at(builder: ir.IRBuilder, pointer: ir.Value, offset: ir.Value) -> ir.Value:
     return builder.gep(pointer, [offset])
 
 
-def _broadcast(builder: Any, x: Any) -> Any:
+def _broadcast(builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     place = ir.Constant(ir.IntType(32), 0)
     single = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), x, place)
     everywhere = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)

@@ -5,10 +5,12 @@ inside the piece and falls through zero where it ends. The last surface (index `
 which changes no formula.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from contin.abi import Array
 from contin.kernels.compile import call3, call4, kernel, part
 from contin.kernels.dop853 import STAGES
 from contin.kernels.signature import structure
@@ -26,8 +28,8 @@ class Flow(NamedTuple):
     surface_count: int
     first_mode: int
     forced: bool
-    columns: Any  # (k,) for every variation the column of df/dz added to f_u v: a sensitivity to a parameter; -1: none
-    section: Any  # (n + 2,) normal, offset, direction; normal 0: no section
+    columns: NDArray[np.int64]  # (k,) the column of df/dz added to f_u v of each variation: a sensitivity; -1: none
+    section: Array  # (n + 2,) normal, offset, direction; normal 0: no section
 
 
 structure(Flow, "i, i, i, i, i, i, b, i1, f1")
@@ -36,22 +38,22 @@ structure(Flow, "i, i, i, i, i, i, b, i1, f1")
 class FlightMemory(NamedTuple):
     """Arrays the kernels work in; p and sigma carry the state of the flight between calls."""
 
-    p: Any  # parameters, modes, time
-    sigma: Any  # (count + 1,) modes; the last is the section's side
-    u: Any
-    f: Any
-    J: Any
-    h: Any  # (count,)
-    dh: Any  # (count, n + p_size)
-    g0: Any  # (count + 1,) g and dg/dt at the beginning of the step
-    d0: Any
-    g1: Any
-    d1: Any
-    slopes: Any  # (STAGES + 4, size)
-    begin: Any
-    trial: Any
-    point: Any
-    dense: Any
+    p: Array  # parameters, modes, time
+    sigma: Array  # (count + 1,) modes; the last is the section's side
+    u: Array
+    f: Array
+    J: Array
+    h: Array  # (count,)
+    dh: Array  # (count, n + p_size)
+    g0: Array  # (count + 1,) g and dg/dt at the beginning of the step
+    d0: Array
+    g1: Array
+    d1: Array
+    slopes: Array  # (STAGES + 4, size)
+    begin: Array
+    trial: Array
+    point: Array
+    dense: Array
 
 
 structure(FlightMemory, "f1, f1, f1, f1, f2, f1, f2, f1, f1, f1, f1, f2, f1, f1, f1, f2")
