@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from contin.records import Json
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -19,7 +21,7 @@ class _Printed:
     def __init__(self, inner: object) -> None:
         self.inner = inner
 
-    def __rich_console__(self, console: Any, options: Any) -> Iterator[Any]:
+    def __rich_console__(self, console: Any, options: Json) -> Iterator[Any]:
         from rich.segment import Segment
 
         for segment in console.render(self.inner, options):

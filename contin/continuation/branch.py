@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from contin import lazy
 from contin.abi import Array, Vector
 from contin.continuation.frames import dataframe, dataset
 from contin.records import Record
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 ANNOUNCED_FAILURES = frozenset({"corrector", "steps", "stopped"})  # reasons that make a run exit with code 1
 
@@ -135,11 +139,11 @@ class Branch:
         known = ", ".join(p.label for p in self.points) or "none"
         raise KeyError(f"branch {self.name!r} has no point {label!r}; its points: {known}")
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> DataFrame:
         """A pandas.DataFrame with the columns and `label` ('' where a row has none); needs pandas."""
         return dataframe(self)
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> Dataset:
         """An xarray.Dataset of the columns over the dimension `row`; needs xarray."""
         return dataset(self)
 

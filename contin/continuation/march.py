@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.vectors import dot, norm
@@ -313,7 +313,7 @@ def _what_happened(
     return None, 0
 
 
-def is_dip(before: Any, here: Any, after: Any, h_before: float, h_after: float) -> bool:
+def is_dip(before: Vector, here: Vector, after: Vector, h_before: float, h_after: float) -> bool:
     """True where |test| has a local minimum at `here` that may hide two zeros.
 
     So say the parabola through three points, or the line through two of them, on either side (a corner's minimum).

@@ -18,6 +18,7 @@ from contin.store.results import save_branches
 
 if TYPE_CHECKING:
     from networkx import MultiGraph
+    from pandas import DataFrame
 
 
 @dataclass(eq=False)
@@ -71,7 +72,7 @@ class Diagram:
         """An interactive page in one file."""
         write_html(self.branches, path, x=x or self.parameter, y=y)
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> DataFrame:
         """One pandas.DataFrame of all branches, indexed by `branch` and `row`; needs pandas."""
         return dataframes(self.branches)
 

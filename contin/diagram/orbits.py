@@ -14,6 +14,7 @@ from contin.problems.symmetry import apply_symmetry, symmetry_names
 from contin.transitions.registry import Explored
 
 if TYPE_CHECKING:
+    from contin.continuation.branch import Parent
     from contin.problems.equilibrium import EquilibriumProblem
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
@@ -121,7 +122,7 @@ def copies(problem: EquilibriumProblem, z: Array) -> int:
     return len(distinct)
 
 
-def _birth(parent: Any) -> tuple[str, str]:
+def _birth(parent: Parent) -> tuple[str, str]:
     return parent.branch, parent.label
 
 

@@ -8,12 +8,15 @@ import sys
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.abi import Address
 from contin.lowering.llvm_text import UNSPLIT, Routine, declarations, elementary_functions, routine_text
 from contin.lowering.objects_by_text import object_of
 from contin.machine import elementary, target
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 HUGE: Final = 25_000  # statements; more are compiled without optimisation
 
@@ -116,7 +119,7 @@ def _compiled(llvm: Any, text: str, level: int) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def _prepare(llvm: Any) -> None:
+def _prepare(llvm: ModuleType) -> None:
     """Targets, and the C library's functions by address where the process does not export them by name (Windows)."""
     global _ready
     if _ready:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
-from contin.records import Record
+from contin.records import Json, Record
 
 
 @runtime_checkable
@@ -28,7 +28,7 @@ class AnyModel(Protocol):
 
     def parameter_range(self, name: str, overrides: Record | None = None) -> tuple[float, float] | None: ...
 
-    def start_point(self, start: Any = None, parameters: Record | None = None) -> tuple[Any, Any]: ...
+    def start_point(self, start: Json = None, parameters: Record | None = None) -> tuple[Any, Any]: ...
 
     def periods(self, overrides: Record | None = None) -> Any: ...
 

@@ -9,11 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.machine import elementary
 from contin.model.expression import COMPARISONS, Expression, postorder
 from contin.records import Record
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 Value = Any  # float, or mpmath's mpf
 
@@ -52,7 +55,7 @@ def node_values(roots: Iterable[Expression], env: Record, lib: Any = math) -> di
 class _Arithmetic:
     """The operations over one number type."""
 
-    def __init__(self, lib: Any) -> None:
+    def __init__(self, lib: ModuleType) -> None:
         self.lib = lib
         self.real: Callable[[Any], Any] = float if lib is math else lib.mpf
         self.nan = self.real("nan")

@@ -8,12 +8,15 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.errors import InputError
 from contin.model.any_model import AnyModel
 from contin.model.yaml_loader import load_model
 from contin.model.yaml_reader import read_file
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 _SUFFIXES = (".yaml", ".yml", ".py")
 
@@ -61,7 +64,7 @@ class Family:
             raise InputError(f"{path}: model() returned {type(made).__name__}, not a Model or a FunctionProblem")
         return made
 
-    def _module(self, name: str, path: Path) -> Any:
+    def _module(self, name: str, path: Path) -> ModuleType:
         full = f"{self.package}.{name.replace('/', '.').replace('-', '_')}"
         known = sys.modules.get(full)
         if known is not None and getattr(known, "__file__", None) == str(path):

@@ -28,6 +28,7 @@ from contin.model.expression import (
 from contin.model.model import Model
 from contin.model.parts import Averaging, Expectation, Forcing, Limit, Oscillator, Parameter, Start, State, Symmetry
 from contin.model.scope import Function
+from contin.records import Json
 
 PARTS: Final = {
     kind.__name__: kind
@@ -64,7 +65,7 @@ def from_graph_text(text: str) -> Model:
         raise ValueError(f"this is no model: {error}") from None
 
 
-def _collect(value: Any, roots: list[Expression]) -> None:
+def _collect(value: Json, roots: list[Expression]) -> None:
     if isinstance(value, Expression):
         roots.append(value)
     elif isinstance(value, Mapping):
@@ -101,7 +102,7 @@ def _node(row: list[Any], nodes: list[Expression]) -> Expression:
     return exactly(op, tuple([nodes[k] for k in rest]))
 
 
-def _plain(value: object, places: Mapping[Expression, int]) -> Any:
+def _plain(value: object, places: Mapping[Expression, int]) -> Json:
     """Plain data as they are; anything else as a list that begins with its kind."""
     if isinstance(value, Expression):
         return ["formula", places[value]]
@@ -118,7 +119,7 @@ def _plain(value: object, places: Mapping[Expression, int]) -> Any:
     raise TypeError(f"a model with {type(value).__name__} has no such text")
 
 
-def _value(data: object, nodes: list[Expression]) -> Any:
+def _value(data: object, nodes: list[Expression]) -> Json:
     if not isinstance(data, list):
         return data
     kind, *rest = data

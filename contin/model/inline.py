@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 from contin.errors import ExpressionError
 from contin.model.expression import Expression, crowd, is_condition, mask_of, number, substitute, symbol, symbols_in
@@ -16,7 +16,7 @@ from contin.model.parser import Operand, parse_operand
 from contin.model.scope import Budget, Function, Scope, placeholders
 from contin.model.source import Path, Problems, Span
 from contin.model.templates import Templates
-from contin.records import Record
+from contin.records import Json, Record
 
 MANY: Final = 100  # symbols from which formulas are likely to be written alike
 HEADING = re.compile(r"\s*([^\W\d]\w*)\s*\(([^()]*)\)\s*")
@@ -84,7 +84,7 @@ class Formulas:
             self._note(path, value, str(error), error.position)
             return Operand(number(1), False, 0)
 
-    def _number(self, value: Any) -> Operand:
+    def _number(self, value: Json) -> Operand:
         key = type(value), repr(value)  # -0.0 is not 0.0
         known = self._numbers.get(key)
         if known is None:

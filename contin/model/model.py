@@ -34,7 +34,7 @@ from contin.model.scope import Function
 from contin.model.source import CallSource
 from contin.model.values import Override, parameter_values
 from contin.model.writer import model_latex, model_text, summary
-from contin.records import Record
+from contin.records import Json, Record
 
 Array = NDArray[np.float64]
 
@@ -227,7 +227,7 @@ class Model:
 
         return start_from_mapping(self, start)
 
-    def _listed(self, values: Any) -> dict[str, float]:
+    def _listed(self, values: Json) -> dict[str, float]:
         """A start given as numbers in the order of the states."""
         names = self.state_names
         try:

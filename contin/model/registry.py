@@ -27,7 +27,7 @@ from contin.model.advice import closest
 from contin.model.any_model import AnyModel
 from contin.model.family import Family
 from contin.model.yaml_loader import load_model, model_from_mapping
-from contin.records import Record
+from contin.records import Json, Record
 
 GROUP: Final = "contin.models"
 SWITCH: Final = "CONTIN_PLUGINS"
@@ -116,7 +116,7 @@ def listing() -> list[Listed]:
     return lines
 
 
-def load(model: str | os.PathLike[str] | Record) -> Any:
+def load(model: str | os.PathLike[str] | Record) -> Json:
     """A model by its name, by the path of a model file, or from a mapping of the shape of one.
 
     A `Model`; a `FunctionProblem` where a package gives one.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from pydantic import BaseModel, ValidationError
 
@@ -13,7 +13,7 @@ from contin.model.advice import closest
 from contin.model.expression import Expression
 from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
 from contin.model.source import Path, Problems
-from contin.records import Fields
+from contin.records import Fields, Json
 
 MAX_DEPTH: Final = 40
 _NAMED_FORMULAS: Final = frozenset({"states", "parameters", "equations", "definitions", "functions", "observables"})
@@ -32,7 +32,7 @@ _EXAMPLES: Final = {
 }
 
 
-def plain(value: Any, depth: int = 0) -> Any:
+def plain(value: Json, depth: int = 0) -> Json:
     """Mappings, sequences and numpy scalars as dict, list, int and float; everything else as it is."""
     if depth > MAX_DEPTH:
         raise InputError(f"a model nested deeper than {MAX_DEPTH} levels")
@@ -69,7 +69,7 @@ def check_version(data: object, problems: Problems, required: bool) -> None:
         raise FormatVersionError(message + (f"\n{snippet}" if snippet else ""))
 
 
-def validate(data: Any, problems: Problems) -> ModelEntry:
+def validate(data: Json, problems: Problems) -> ModelEntry:
     """The typed entries; raises if what is left after mending cannot be used."""
     if not isinstance(data, dict):
         problems.add((), f"expected a model (a mapping with name, states, equations), got {shown(data)}")
@@ -93,7 +93,7 @@ def _real_path(loc: tuple[int | str, ...]) -> Path:
     return tuple(part for part in loc if part not in TAGS)
 
 
-def _note(item: Any, data: Any, problems: Problems) -> None:
+def _note(item: Json, data: Json, problems: Problems) -> None:
     path, kind = _real_path(item["loc"]), item["type"]
     value = item.get("input")
     if kind == "extra_forbidden":
@@ -144,7 +144,7 @@ def _mend(data: Fields, path: Path, kind: str) -> None:
         data.pop(str(section), None)
 
 
-def _delete(data: Any, path: Path) -> bool:
+def _delete(data: Json, path: Path) -> bool:
     for part in path[:-1]:
         try:
             data = data[part]

@@ -16,7 +16,7 @@ from contin.errors import InputError
 from contin.limits import is_finite
 from contin.model.source import Marks, Path, Problems, Span, YamlSource
 from contin.model.yaml_lines import HELD, Entry, Shortened, shorten
-from contin.records import Fields
+from contin.records import Fields, Json
 
 MAX_BYTES: Final = 20_000_000
 MAX_DEPTH: Final = 40  # mappings and lists inside each other
@@ -160,7 +160,7 @@ class _Reader:
         self.problems.raise_if_any()
         raise InputError(f"{heading}: {message}" + (f"\n{snippet}" if snippet else ""))
 
-    def scalar(self, event: Any, span: Span) -> None:
+    def scalar(self, event: Json, span: Span) -> None:
         if event.tag is not None:
             self.fail(span, f"the tag {event.tag} is not allowed; write the plain value")
         if self.short is not None and self.is_held(event):
@@ -181,7 +181,7 @@ class _Reader:
             self.anchors[event.anchor] = (value, 1)
         self.put(value, trimmed)
 
-    def is_held(self, event: Any) -> bool:
+    def is_held(self, event: Json) -> bool:
         """True for key and value of the line that stands for a run of lines, whose entries are taken in then."""
         if self.held:
             for entry in self.held.pop():
@@ -208,7 +208,7 @@ class _Reader:
         except UnicodeDecodeError:
             self.fail(span, "half of a character: a \\u escape between \\ud800 and \\udfff without its partner")
 
-    def open(self, event: Any, span: Span, container: Fields | list[Any]) -> None:
+    def open(self, event: Json, span: Span, container: Fields | list[Any]) -> None:
         if event.tag is not None:
             self.fail(span, f"the tag {event.tag} is not allowed; write the plain value")
         if self.expects_key():
@@ -278,7 +278,7 @@ class _Reader:
             self.fail(span, f"more than {MAX_VALUES} values, aliases written out")
 
 
-def _resolve(text: str) -> Any:
+def _resolve(text: str) -> Json:
     """A plain scalar by the YAML 1.2 core schema; what is no constant and no number stays a text."""
     if text in _CONSTANTS:
         return _CONSTANTS[text]

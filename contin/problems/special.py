@@ -275,7 +275,7 @@ def _accept(
     return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)
 
 
-def eigenvalues_of(problem: EquilibriumProblem, z: Array) -> Any:
+def eigenvalues_of(problem: EquilibriumProblem, z: Array) -> Vector:
     """Eigenvalues of f_u at z, by falling real part."""
     return spectrum(problem.linear_part(z))[0]
 

@@ -12,6 +12,8 @@ from contin.records import Record
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     from contin.continuation.journal import Journal
     from contin.model.model import Model
     from contin.runs.plan import DiagramPlan, PhasePlan, RunPlan
@@ -56,7 +58,7 @@ class Engine(Protocol):
     def start(self, model: Model, run: RunPlan, parameters: Record) -> Any:
         """The start of a run from the model's starts."""
 
-    def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:
+    def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         """The start of a run from a labelled point of a branch."""
 
     def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
@@ -97,7 +99,7 @@ class ContinEngine:
             return api.solution(model, run.start, parameters)
         return api.equilibrium(model, run.start, parameters)
 
-    def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> Any:
+    def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         point: Any = branch[label]
         if len(run.parameters) == 2:
             return point.locus(run.parameters)
@@ -193,7 +195,7 @@ def _same_solution(branch: Branch, point: Any, parameter: str) -> Any:
     return Seed(problem, z)
 
 
-def _verbs() -> Any:
+def _verbs() -> ModuleType:
     """`contin.api`, imported when the first run begins: it brings the compiled kernels."""
     from contin import api
 

@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
 from contin.continuation.defects import DEFECT
@@ -138,7 +137,7 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
             state.add(branch)
 
 
-def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> Any:
+def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> object:
     """The start at a point of an earlier branch; None, with a note, where there is no such point."""
     name, label = reference
     branch = state.branches.get(name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path as FilePath
-from typing import Any, Final, TypeVar, get_args
+from typing import Final, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -13,6 +13,7 @@ from contin.model.schema import TAGS, shown
 from contin.model.shape import check_version, plain
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
+from contin.records import Json
 from contin.runs.schema import RunEntry
 
 _EXAMPLES: Final = {
@@ -43,7 +44,7 @@ def read_run(data: object, source: Source, *, version_required: bool = True) -> 
     return read_entries(data, source, RunEntry, version_required=version_required)
 
 
-def read_entries(data: Any, source: Source, shape: type[_Shape], *, version_required: bool = True) -> _Shape:
+def read_entries(data: Json, source: Source, shape: type[_Shape], *, version_required: bool = True) -> _Shape:
     """The entries of a file of this shape from plain data; `source` finds their places for messages."""
     problems = Problems(source)
     if not isinstance(data, dict):
@@ -70,7 +71,7 @@ _LIMITS = {
 }  # fmt: skip
 
 
-def _note(item: Any, problems: Problems, shape: type[BaseModel]) -> None:
+def _note(item: Json, problems: Problems, shape: type[BaseModel]) -> None:
     path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
     if kind == "extra_forbidden":
         allowed = _keys_at(path[:-1], shape)

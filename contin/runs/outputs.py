@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
-from typing import Any, Final
+from typing import Final
 
 from contin.errors import InputError
 from contin.model.source import Path as Place
 from contin.model.source import Problems
+from contin.records import Json
 
 ENDINGS: Final[dict[str, tuple[str, ...]]] = {
     "plot": (".png", ".pdf", ".svg"),
@@ -82,7 +83,7 @@ def path_mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Pa
     return None
 
 
-def files_read(entry: Any, run_file: Path) -> list[Path]:
+def files_read(entry: Json, run_file: Path) -> list[Path]:
     """The files that a run or scan file is made of: itself, a model, samples. No output may overwrite them."""
     samples = [item.samples for item in getattr(entry, "continuations", ()) if item.samples is not None]
     models = [entry.model] if isinstance(entry.model, str) else []

@@ -17,7 +17,7 @@ from contin.model.parser import parse
 from contin.model.registry import find
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
-from contin.records import Record
+from contin.records import Json, Record
 from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
 from contin.runs.references import check_references
@@ -152,12 +152,12 @@ def _written_files(entry: RunEntry) -> dict[str, str]:
 def _model(
     entry: RunEntry, source: Source, file: FilePath, problems: Problems, overrides: Mapping[str, Number],
     ranges: Mapping[str, tuple[float, float]] | None = None,
-) -> Any:  # fmt: skip
+) -> Model:  # fmt: skip
     model = _written_model(entry, source, file, problems)
     return apply_passes(model, entry.transform, problems, {**entry.parameters, **overrides}, ranges)
 
 
-def swept(entry: Any) -> dict[str, tuple[float, float]]:
+def swept(entry: Json) -> dict[str, tuple[float, float]]:
     """The smallest interval that holds all ranges of each parameter in the file, where these are numbers."""
     found: dict[str, tuple[float, float]] = {}
     if not isinstance(entry, RunEntry):  # a scan file
@@ -179,7 +179,7 @@ def swept(entry: Any) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _written_model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Any:
+def _written_model(entry: RunEntry, source: Source, file: FilePath, problems: Problems) -> Json:
     """The model that the file names or holds, before any pass."""
     if isinstance(entry.model, str):
         try:

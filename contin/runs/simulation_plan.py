@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from contin.errors import ContinError
 from contin.model.source import Path, Problems, Source
-from contin.records import Fields, Record
+from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
 from contin.runs.plan import Plan, StartPoint, _Planner
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
@@ -54,7 +54,7 @@ class SweepPlan:
     outputs: Mapping[str, FilePath] = field(default_factory=dict)  # csv
 
 
-def with_simulations(plan: Plan, written: Any, entry: RunEntry, source: Source, file: FilePath) -> Plan:
+def with_simulations(plan: Plan, written: Json, entry: RunEntry, source: Source, file: FilePath) -> Plan:
     """The plan with its simulations and its sweep; InputError with everything that is wrong, each at its place."""
     problems = Problems(source)
     taken = list(plan.outputs.values())
@@ -106,7 +106,7 @@ def _planner(
 
 
 def _start(
-    planner: _Planner, written: Any, parameters: Record, problems: Problems, path: Path
+    planner: _Planner, written: Json, parameters: Record, problems: Problems, path: Path
 ) -> StartPoint:
     start = None if written is None else planner.start(written, (*path, "start"))
     if not problems:
@@ -118,7 +118,7 @@ def _start(
 
 
 def _simulation(
-    item: SimulateEntry, name: str, model: Any, shared: Record, problems: Problems, path: Path
+    item: SimulateEntry, name: str, model: Model, shared: Record, problems: Problems, path: Path
 ) -> SimulationPlan:
     planner, parameters = _planner(model, shared, item.parameters, problems, path)
     start = _start(planner, item.start, parameters, problems, path)
@@ -129,7 +129,7 @@ def _simulation(
     return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), x=item.x, y=item.y)
 
 
-def _sweep(item: SweepEntry, model: Any, shared: Record, problems: Problems) -> SweepPlan | None:
+def _sweep(item: SweepEntry, model: Model, shared: Record, problems: Problems) -> SweepPlan | None:
     path: Path = ("sweep",)
     planner, parameters = _planner(model, shared, item.parameters, problems, path)
     start = _start(planner, item.start, parameters, problems, path)

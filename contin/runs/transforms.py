@@ -36,7 +36,7 @@ def apply_passes(
     problems: Problems,
     values: Record | None = None,
     ranges: Mapping[str, tuple[float, float]] | None = None,
-) -> Any:
+) -> Model:
     """The model after the passes, in order; what is wrong with them is noted in `problems`.
 
     `values` are the parameters of the run, `ranges` those that it sweeps: passes that look at sizes (which threshold
@@ -75,13 +75,13 @@ def apply_passes(
     return model
 
 
-def _with_ranges(model: Model, ranges: Mapping[str, tuple[float, float]]) -> Any:
+def _with_ranges(model: Model, ranges: Mapping[str, tuple[float, float]]) -> Model:
     """The model with these ranges."""
     pairs = {name: (number(low), number(high)) for name, (low, high) in ranges.items() if low < high}
     return model.replace(parameters=tuple(replace(p, range=pairs.get(p.name, p.range)) for p in model.parameters))
 
 
-def _with_values(model: Model, values: Record) -> Any:
+def _with_values(model: Model, values: Record) -> Model:
     """The model with these values as defaults; what is wrong with them is said where the run is planned."""
     known = {name: value for name, value in values.items() if name in model.parameter_names}
     try:

@@ -19,6 +19,7 @@ from contin.simulate.watch import watching
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
+    from contin.model.model import Model
 
 STEPS = 60
 LARGEST = 100_000
@@ -110,7 +111,7 @@ def sweep(
     )  # fmt: skip
 
 
-def parameters_of(model: Any, start: Any) -> Fields:
+def parameters_of(model: Model, start: Any) -> Fields:
     """The parameter values that belong to a start."""
     if start is None:
         return {}

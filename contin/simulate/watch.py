@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
 
 
-def watching(model: Model, measures: Mapping[str, str | Any] | None) -> Any:
+def watching(model: Model, measures: Mapping[str, str | Any] | None) -> Model:
     """The model with the quantities to watch as its observables.
 
     By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, c13, .. of

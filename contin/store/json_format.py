@@ -16,7 +16,7 @@ import numpy as np
 
 from contin.continuation.branch import Branch, End, SpecialPoint
 from contin.errors import FormatVersionError, InputError
-from contin.records import Fields, Record
+from contin.records import Fields, Json, Record
 from contin.store.atomic import write_text
 from contin.store.built import built
 from contin.store.digest import KEY, DamageWarning, mistake, signed
@@ -142,7 +142,7 @@ def model_of(branches: Sequence[Branch]) -> Fields:
     return describe_model(problem.system.model, problem.constants())
 
 
-def plain(value: object) -> Any:
+def plain(value: object) -> Json:
     """`value` in JSON's own types: arrays as lists, complex numbers as [re, im], NaN and infinity as None."""
     if value is None or isinstance(value, str | bool):
         return value
@@ -163,7 +163,7 @@ def plain(value: object) -> Any:
     raise TypeError(f"a result holds a {type(value).__name__}, which JSON has no form for")
 
 
-def _plain_array(array: np.ndarray[Any, Any]) -> Any:
+def _plain_array(array: np.ndarray[Any, Any]) -> Json:
     if np.iscomplexobj(array):
         return _plain_array(np.stack([array.real, array.imag], axis=-1))
     if array.dtype.kind != "f" or np.isfinite(array).all():

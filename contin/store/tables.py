@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contin.errors import InputError
-from contin.records import Record
+from contin.records import Json, Record
 from contin.store.atomic import replacing, write_text
 
 
@@ -28,7 +28,7 @@ def write_csv(document: Record, path: Path) -> None:
     write_text(path, stream.getvalue())
 
 
-def _cell(value: object) -> Any:
+def _cell(value: object) -> Json:
     return int(value) if isinstance(value, bool) else "" if value is None else repr(value)
 
 
@@ -52,7 +52,7 @@ def write_netcdf(document: Record, path: Path) -> None:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
 
 
-def _dataset(branch: Record, xarray: Any) -> Any:
+def _dataset(branch: Record, xarray: Any) -> Json:
     columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
     labels = [""] * len(next(iter(branch["columns"].values()), []))
     for point in branch["points"]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from contin.errors import InputError
-from contin.records import Record
+from contin.records import Json, Record
 from contin.store.result_schema import RESULT_SCHEMA
 
 _TYPES: Final[Mapping[str, frozenset[type]]] = {
@@ -31,7 +31,7 @@ def validate(document: Record, path: Path) -> None:
         raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
 
 
-def _mistakes(value: Any, schema: Record, where: str) -> Iterator[Mistake]:
+def _mistakes(value: Json, schema: Record, where: str) -> Iterator[Mistake]:
     allowed = _allowed(schema)
     if allowed is not None and type(value) not in allowed:
         yield where, f"should be {_named(schema['type'])}, is {_shown(value)}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from contin.transitions.registry import Explored, born
 
 
 @born(LargeProblem, "BP", "the branch that crosses", explored=Explored())
-def sparse_branches(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own there."""
     own = point.tangent / point.scale
     own = own / norm(own)

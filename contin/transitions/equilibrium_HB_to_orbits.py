@@ -92,7 +92,7 @@ def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tu
 
 
 @born(LargeProblem, "HB", "the periodic orbits", explored=SMALL)
-def hopf_seeds_of_large(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def hopf_seeds_of_large(problem: LargeProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """As `hopf_seeds`, of a large system that is small enough to be followed as a dense one."""
     dense = dense_problem(problem)
     if dense is None:

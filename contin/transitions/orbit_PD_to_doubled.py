@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from contin.abi import Vector
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.halting import HALF_PERIOD
@@ -47,5 +48,5 @@ def _doubled(problem: OrbitProblem, point: SpecialPoint) -> Seed:
     )  # fmt: skip
 
 
-def _squared(values: object) -> Any:
+def _squared(values: object) -> Vector:
     return elementary.square(np.asarray(values))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,12 @@ from contin.transitions.orbit_PD_to_doubled import CASCADE
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import born
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
+
 
 @born(ShootingProblem, "PD", "the orbits of twice the period", explored=CASCADE)
-def doubled_by_shooting(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def doubled_by_shooting(problem: FamilyOfOrbits, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled orbits, with any parameter free that moves the point."""
     return [_doubled(*in_another(problem, point, parameter))]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
@@ -22,7 +21,7 @@ from contin.transitions.special_orbits import seed_of
 
 
 @born(ShootingProblem, "UZ", "the orbits of this period", parameters=2)
-def isoperiodic_by_shooting(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def isoperiodic_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of orbits of the same period, of autonomous systems."""
     if not problem.autonomous:
         raise InputError(
@@ -33,7 +32,7 @@ def isoperiodic_by_shooting(problem: Any, point: SpecialPoint, parameters: Seque
 
 
 @born(ShootingProblem, "LPC PD NS BPC", "the curve of such orbits", parameters=2)
-def loci_of_shot_orbit(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def loci_of_shot_orbit(problem: ShootingProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve through a fold, branch point, period doubling or torus bifurcation of a family of orbits."""
     if point.type == "LPC" and point.normal_form.get("kind") == "nonsmooth":
         return [_touching(problem, point, parameters)]

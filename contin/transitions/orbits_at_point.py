@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contin.continuation.branch import SpecialPoint
 from contin.errors import InputError
 from contin.problems.scales import parameter_width
+
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 
 def along_own_parameter(problem: Any, point: SpecialPoint, parameter: str) -> None:
@@ -21,7 +24,7 @@ def along_own_parameter(problem: Any, point: SpecialPoint, parameter: str) -> No
         )
 
 
-def in_another(problem: Any, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
+def in_another(problem: FamilyOfOrbits, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
     """The same orbit with another parameter free: the doubled orbits are born along every one that moves the point."""
     if parameter == problem.parameters[0]:
         return problem, point

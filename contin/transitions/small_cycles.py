@@ -21,6 +21,7 @@ from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
+    from contin.problems.two_parameters import TwoParameterProblem
     from contin.systems.protocol import System
 
 
@@ -77,6 +78,6 @@ def seed_of_cycles(
     return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent)
 
 
-def follows_cycles(problem: Any) -> bool:
+def follows_cycles(problem: TwoParameterProblem) -> bool:
     """True for curves of equilibria of compiled flows, whose periodic orbits can be followed."""
     return bool(problem.system.kind != "map" and problem.system.jacobian_address != NO_FUNCTION)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,9 +15,12 @@ from contin.problems.two_parameters import indices
 from contin.special.table import curves_of_orbits
 from contin.transitions.found_beside import tori_beside
 
+if TYPE_CHECKING:
+    from contin.problems.orbits.family import FamilyOfOrbits
+
 
 def seed_of(
-    curve_of: Callable[[Any, int], Any], problem_of: Callable[[Any], Any], orbits: Any, orbit: Array,
+    curve_of: Callable[[Any, int], Any], problem_of: Callable[[Any], Any], orbits: FamilyOfOrbits, orbit: Array,
     point: SpecialPoint, parameters: Sequence[str], further: float = 0.0,
 ) -> Seed:  # fmt: skip
     """The curve in two parameters through an orbit.

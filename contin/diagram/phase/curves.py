@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from contin.diagram.phase.starts import was_stopped
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
 from contin.special.table import codes, crossings
+
+if TYPE_CHECKING:
+    pass
 
 MOST_ORBITAL: Final = 24  # curves of orbits: there are infinitely many beside a homoclinic orbit to a saddle-focus
 MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where orbits pass near other special ones

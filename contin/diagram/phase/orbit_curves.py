@@ -14,6 +14,7 @@ from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
 
 if TYPE_CHECKING:
     from contin.problems.orbits.layout import Profile
+    from contin.problems.two_parameters import TwoParameterProblem
 
 NEAR: Final = 1e-3  # distance in the unit square of a point from a curve that it is on
 BESIDE: Final = 0.02  # ... of a row of a curve from the point that the curve is said to lead to
@@ -54,7 +55,7 @@ def repeats_curve(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
     )
 
 
-def _marks(problem: Any, columns: Any) -> Array:
+def _marks(problem: TwoParameterProblem, columns: Any) -> Array:
     """(rows, 2): period (of connecting orbits: 1) and extent, which symmetries leave as they are."""
     names = problem.system.state_names
     extents = np.array([columns[f"{name}.max"] - columns[f"{name}.min"] for name in names])

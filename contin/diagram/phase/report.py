@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
+from contin.abi import Vector
 from contin.plot.vocabulary import locus_words, style_of
 from contin.records import Fields, Record
 
@@ -77,7 +78,7 @@ def _shown(value: float, size: float) -> float:
 def as_data(diagram: PhaseDiagram) -> Fields:
     """See `PhaseDiagram.as_data`."""
 
-    def ring(points: Any) -> list[list[float]]:
+    def ring(points: Vector) -> list[list[float]]:
         return [[float(x), float(y)] for x, y in points]
 
     regions: list[Record] = [

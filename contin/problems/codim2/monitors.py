@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.normalforms.maps import period_doubling
 from contin.problems.codim2 import degenerate
@@ -73,7 +73,7 @@ def quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
     return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
 
 
-def real_test(values: Any, target: float) -> float:
+def real_test(values: Vector, target: float) -> float:
     """Sign of prod (l - target) over the real ones, with the relative size of the smallest factor; 1 without any."""
     if not len(values):
         return 1.0
@@ -83,7 +83,7 @@ def real_test(values: Any, target: float) -> float:
     return float((-1.0) ** int(np.sum(real < target))) * (smallest if smallest > NOISE else 0.0)
 
 
-def pair_test(values: Any, is_map: bool) -> float:
+def pair_test(values: Vector, is_map: bool) -> float:
     """The test of pairs of `kernels.tests_of_stability`, zero where it is only rounding."""
     _, tests = count_and_tests(values, is_map)
     return float(tests[2]) if abs(tests[2]) > NOISE else 0.0

@@ -7,11 +7,11 @@ systems are singular, so it is located by symmetric functions of the two other e
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.abi import Array
+from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.codim2.functions import own_critical, scaled_matrix
 
@@ -45,7 +45,7 @@ def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified |
     return min(found, key=lambda point: point.error) if found else None
 
 
-def _others(problem: LocusProblem, z: Array) -> Any:
+def _others(problem: LocusProblem, z: Array) -> Vector:
     """The two smallest eigenvalues without the curve's own, relative to the size of f_u (which is not zero there)."""
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)

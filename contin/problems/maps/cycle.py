@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import cast
 
 import numpy as np
 
@@ -257,7 +257,7 @@ def lifted(seed: Seed, symmetries: tuple[str, ...] | None = None) -> Seed:
     assert seed.direction is not None
     assert seed.curvature is not None
     assert seed.scale is not None
-    inner: Any = seed.problem
+    inner = cast("EquilibriumProblem", seed.problem)
     problem = CycleProblem(inner)
     raw = carried(problem, seed.z, seed.direction * seed.scale, seed.curvature * seed.scale)
     sizes = np.sqrt(problem.period) * np.tile(seed.scale[:-1], problem.period)

@@ -21,6 +21,8 @@ from contin.problems.orbits.bordered import Bordered, crossing
 from contin.problems.orbits.layout import Profile
 
 if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
     from contin.problems.orbits.problem import OrbitProblem
 
 SINGULAR = 1e-7  # a second null vector this exact (relative residual) makes a point a branch point
@@ -214,7 +216,7 @@ class OrbitLinear:
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
         return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
 
-    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> Any:
+    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> csc_matrix:
         from scipy import sparse
 
         nu, collocation = self.nu, self.nu - self.profile.n
@@ -246,7 +248,7 @@ class OrbitLinear:
         found = self.problem.system.gradients(states.reshape(-1, profile.n), p, direction.reshape(-1, size))
         return np.asarray(found).reshape(*direction.shape[:2], profile.n, size)
 
-    def variational(self, rho: complex) -> Any:
+    def variational(self, rho: complex) -> csc_matrix:
         """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
         profile = self.profile
         local = self._local(self.state_derivatives, -profile.h * profile.period, True)

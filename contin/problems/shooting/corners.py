@@ -6,7 +6,7 @@ On both sides the return map is smooth, with derivatives that differ; so the fam
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,7 +28,7 @@ BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
-def verify_corner(problem: Any, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
     """A fold at a corner between a and b, which are very close; None where they cross the same surfaces."""
     if not problem.system.n_switches:
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -70,13 +70,13 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
     return _with_normal_form(problem, point, frame.scale)
 
 
-def _repeats(problem: Any, sample: Sample) -> bool:
+def _repeats(problem: ShootingProblem, sample: Sample) -> bool:
     """True where the pair nearest to the unit circle is one real multiplier near 1 that symmetries repeat."""
     pair = nearest_pair(nontrivial(problem, sample.eigenvalues), True)
     return problem.fixed is not None and pair is not None and abs(pair - 1.0) < UNCLEAR and abs(pair.imag) < REAL
 
 
-def verify_compound(problem: Any, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
     """Everything that happens at one place: each kind of change is tried by itself."""
     found: list[Verified | str] = []
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)

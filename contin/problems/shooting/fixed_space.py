@@ -11,12 +11,15 @@ symmetry's breaking.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.problems.symmetry import symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
 
 KEPT: Final = 1e-7  # distance from its image, relative to the orbit's largest state, up to which a point is kept
 LINEAR: Final = 1e-12  # relative: a symmetry is a matrix to this
@@ -43,7 +46,7 @@ class FixedSpace:
         return np.asarray(p @ matrix @ p + q @ matrix @ q)
 
 
-def fixed_space(problem: Any, u: Array, p: Array) -> FixedSpace | None:
+def fixed_space(problem: ShootingProblem, u: Array, p: Array) -> FixedSpace | None:
     """Of the declared symmetries (and their products in pairs) that keep all states u (K, n); None where none does."""
     largest = float(np.abs(u).max())
     matrices = []
@@ -61,7 +64,7 @@ def fixed_space(problem: Any, u: Array, p: Array) -> FixedSpace | None:
     return FixedSpace(tuple(matrices), mean)
 
 
-def matrix_of(problem: Any, name: str, u: Array, p: Array) -> Array | None:
+def matrix_of(problem: ShootingProblem, name: str, u: Array, p: Array) -> Array | None:
     """A symmetry as a matrix, None where it is none: it shifts states or is not linear."""
     n = problem.n
     sizes = np.maximum(np.abs(u).max(axis=0), 1e-300)

@@ -140,7 +140,9 @@ def _broken(problem: Any, null: Array, positions: NDArray[np.intp], scale: Array
     return None if alone is None else [own, alone]
 
 
-def _symmetric_first(problem: Any, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array) -> list[Array]:
+def _symmetric_first(
+    problem: ShootingProblem, z: Array, plane: Array, positions: NDArray[np.intp], scale: Array
+) -> list[Array]:
     """An orthonormal basis of the plane: the direction with the largest parameter part, then the one without any."""
     rates = plane[:, -1]
     size = float(elementary.hypot(*rates))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from contin.records import Fields, Record
 from contin.simulate.condition import condition
 from contin.simulate.steady import STATISTICS, Criterion
 from contin.simulate.watch import watching
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
 
 OTHER: Final = "other"
 NO_START: Final = "no start"
@@ -70,7 +73,7 @@ class ScanSpec:
         Criterion(**{"window": 1.0, **self.settle})
 
     @cached_property
-    def watched(self) -> Any:
+    def watched(self) -> Model:
         """The model with the measures as observables."""
         return watching(self.model, self.measures)
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
@@ -28,6 +28,9 @@ from contin.symbolic.averaging.switching_lines import (
     switching_sets,
 )
 from contin.symbolic.calculus.sympy_bridge import from_sympy, sympy_symbol, to_sympy
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 Sympy = Any
 Presumption = tuple[Expression, str]  # a margin that is negative where it does not hold, and in words
@@ -272,7 +275,7 @@ def _crossings(
     return cuts
 
 
-def _angle(sympy: Any, line: Line, cos_delta: Sympy, sin_delta: Sympy) -> Sympy:
+def _angle(sympy: ModuleType, line: Line, cos_delta: Sympy, sin_delta: Sympy) -> Sympy:
     if line.b == 0:
         return sympy.Integer(0) if line.numbers[0] > 0 else sympy.pi
     if line.a == 0:

@@ -13,10 +13,11 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from contin.abi import Vector
 from contin.errors import InputError
 from contin.model.expression import (
     ONE,
@@ -55,6 +56,9 @@ from contin.symbolic.averaging.terms import additive_terms, without_kinks
 from contin.symbolic.averaging.tidy import tidy
 from contin.symbolic.averaging.trig_integrals import trig_integral
 from contin.symbolic.calculus.sympy_bridge import BridgeError, all_to_sympy, from_sympy, sympy_symbol, to_sympy
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 SHARES: Final = (1.0, 0.5, 0.25)  # of the way to the ends of the parameters' ranges
 AGREES: Final = 1e-9  # closed form and Gauss rule, relative to the largest value
@@ -264,7 +268,7 @@ def _first_half(arcs: tuple[Arc, ...]) -> tuple[Arc, ...]:
     return tuple(a for a in arcs if (0.5 * (a.start.number + a.stop.number)) % (2 * math.pi) < math.pi - 1e-9)
 
 
-def _radii(region: Region, reach: float) -> Any:
+def _radii(region: Region, reach: float) -> Vector:
     """Sample amplitudes inside a region; in the last one up to `reach`."""
     low, high = region.numbers
     if not math.isfinite(high):
@@ -311,7 +315,7 @@ def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expressio
     return results[0], results[1], sorted(needs)
 
 
-def _presumed(sympy: Any, value: Any, r: Any) -> set[str]:
+def _presumed(sympy: ModuleType, value: Any, r: Any) -> set[str]:
     """Parameters under roots, logarithms and arc tangents: there their sign was used."""
     names: set[str] = set()
     for node in sympy.preorder_traversal(value):

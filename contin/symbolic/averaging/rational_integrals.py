@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 Sympy = Any
 
 
-def odd_integral(function: Sympy, u: Sympy) -> Any:
+def odd_integral(function: Sympy, u: Sympy) -> Sympy:
     """Antiderivative of a rational function of u with real logarithms and arc tangents, 0 at u = 0, or None.
 
     Logarithms appear as log(q(u)/q(0)), so that they stay real and exact near u = 0.
@@ -28,7 +31,7 @@ def odd_integral(function: Sympy, u: Sympy) -> Any:
     return total
 
 
-def _simple(sympy: Any, part: Sympy, u: Sympy) -> Any:
+def _simple(sympy: ModuleType, part: Sympy, u: Sympy) -> Sympy:
     """One partial fraction."""
     if part.is_polynomial(u):
         antiderivative = sympy.integrate(part, u)
@@ -67,14 +70,14 @@ def _simple(sympy: Any, part: Sympy, u: Sympy) -> Any:
     return value
 
 
-def _base(sympy: Any, bottom: Sympy, u: Sympy) -> tuple[Sympy, int]:
+def _base(sympy: ModuleType, bottom: Sympy, u: Sympy) -> tuple[Sympy, int]:
     factors = [(f, e) for f, e in sympy.factor_list(bottom, u)[1] if f.has(u)]
     if len(factors) != 1:
         return bottom, 1
     return factors[0][0], int(factors[0][1])
 
 
-def quarter_integral(function: Sympy, s: Sympy) -> Any:
+def quarter_integral(function: Sympy, s: Sympy) -> Sympy:
     """Integral over phi = 0 ... pi/2 of a rational function of s = cos(phi)^2 (or sin^2); None if none is found.
 
     From the integral of 1/(1 + z s), pi/(2 sqrt(1 + z)), for real z > -1 and, in pairs, for complex z.
@@ -95,7 +98,7 @@ def quarter_integral(function: Sympy, s: Sympy) -> Any:
     return total
 
 
-def _pole(sympy: Any, part: Sympy, s: Sympy) -> Any:
+def _pole(sympy: ModuleType, part: Sympy, s: Sympy) -> Sympy:
     top, bottom = sympy.fraction(sympy.together(part))
     base, exponent = _base(sympy, bottom, s)
     scale = sympy.cancel(bottom / base**exponent)

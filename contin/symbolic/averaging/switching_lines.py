@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
@@ -13,6 +13,9 @@ from contin.model.expression import COMPARISONS, Expression, mask_of, postorder,
 from contin.model.printing import to_text
 from contin.symbolic.calculus.guards import is_guard
 from contin.symbolic.calculus.sympy_bridge import from_sympy, sympy_symbol, to_sympy
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 X: Final = "@x"
 Y: Final = "@y"
@@ -100,7 +103,7 @@ def _zero_set(
 
 
 def _factor_sets(
-    sympy: Any,
+    sympy: ModuleType,
     factor: Sympy,
     x: Sympy,
     y: Sympy,
@@ -132,7 +135,7 @@ def _factor_sets(
     return None
 
 
-def _real_roots(sympy: Any, formula: Sympy, unknown: Sympy, values: Mapping[str, float]) -> list[Sympy] | None:
+def _real_roots(sympy: ModuleType, formula: Sympy, unknown: Sympy, values: Mapping[str, float]) -> list[Sympy] | None:
     """The roots that are real for the default parameters; None where they have no closed form."""
     poly = sympy.Poly(formula, unknown)
     if poly.degree() > 4:
@@ -157,7 +160,7 @@ def number_of(formula: Sympy, values: Mapping[str, float]) -> float:
     return float(evaluate(from_sympy(formula), values))
 
 
-def _line(sympy: Any, a: Sympy, b: Sympy, c: Sympy, values: Mapping[str, float]) -> Line:
+def _line(sympy: ModuleType, a: Sympy, b: Sympy, c: Sympy, values: Mapping[str, float]) -> Line:
     if a != 0 and not a.free_symbols:  # x - c, whatever the sign it came with
         a, b, c = sympy.Integer(1), b / a, c / a
     elif a == 0 and not b.free_symbols:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 LIMIT: Final = 400  # operations; longer formulas are only expanded
 
@@ -50,5 +53,5 @@ def _roots_together(sympy: Any, value: Any) -> Any:
     return sympy.Add(*terms)
 
 
-def _weight(sympy: Any, value: Any) -> int:
+def _weight(sympy: ModuleType, value: Any) -> int:
     return int(sympy.count_ops(value)) + 2 * sum(1 for _ in value.atoms(sympy.Pow))

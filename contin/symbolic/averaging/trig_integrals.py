@@ -16,7 +16,7 @@ from contin.symbolic.averaging.rational_integrals import odd_integral, quarter_i
 Sympy = Any
 
 
-def trig_integral(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Any:
+def trig_integral(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Sympy:
     """(integral of f sin(phi), integral of f cos(phi)) over the arcs, or None without a closed form."""
     if formula.is_polynomial(x, y):
         return _polynomial(formula, x, y, r, omega, arcs)
@@ -25,7 +25,7 @@ def trig_integral(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, ar
     return None
 
 
-def _polynomial(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Any:
+def _polynomial(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Sympy:
     import sympy
 
     with_sin, with_cos = [], []

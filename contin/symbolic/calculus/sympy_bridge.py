@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from fractions import Fraction
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from contin.errors import ContinError
 from contin.model.expression import (
@@ -31,6 +31,9 @@ from contin.model.expression import (
     sub,
     symbol,
 )
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 Sympy = Any  # a sympy object
 
@@ -61,7 +64,7 @@ def sympy_symbol(name: str, positive: bool = False) -> Sympy:
     return sympy.Symbol(name, positive=True) if positive else sympy.Symbol(name, real=True)
 
 
-def _to(sympy: Any, node: Expression, args: list[Sympy], positive: Collection[str]) -> Sympy:
+def _to(sympy: ModuleType, node: Expression, args: list[Sympy], positive: Collection[str]) -> Sympy:
     op = node.op
     if op == "number":
         value = numeric_value(node)
