@@ -3,8 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from contin.records import Json
-
 if TYPE_CHECKING:
     from contin.api.boundary import boundary_problem
     from contin.api.branches import continuation, walk
