@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from contin import lazy
 from contin._version import __version__
+from contin.cli.drawing import load_matplotlib
 from contin.cli.printable import printable
 from contin.cli.report import print_report
 from contin.continuation.defects import described
@@ -167,6 +168,8 @@ def _write(plan: Plan, kind: str, document: Record) -> str:
         elif not document["branches"]:
             return f"{path.name} is not drawn: there is no branch"
         else:
+            if kind == "plot":
+                load_matplotlib()
             write_picture(document, path, x=plan.x, y=plan.y)
     elif kind == "save":
         sqlite.save(document, path, provenance(plan))
