@@ -29,6 +29,7 @@ from contin.continuation.problem import (
 )
 from contin.continuation.targets import Target
 from contin.continuation.vectors import dot
+from contin.special.table import special_type
 
 JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"
 TURNS: Final = "the parameter turns at a corner, where the function is not smooth; the branch goes on"
@@ -255,9 +256,14 @@ def _without_last(chunk: Chunk) -> Chunk:
     return chunk.cut(len(chunk) - 1, Stop.LIMIT, float(chunk.lengths[-1]) / 4)
 
 
+def _is_event(code: str) -> bool:
+    """True for types that the march sees by a change of its tests."""
+    return code != "UZ" and special_type(code).test is None
+
+
 def _behind(chunk: Chunk, piece: Piece, scale: Array) -> Behind | None:
     """The last event in the chunk's last step, seen from where the next one begins; user values are no events."""
-    events = [m for m in piece.found if m.before >= len(chunk) - 1 and m.point.type != "UZ"]
+    events = [m for m in piece.found if m.before >= len(chunk) - 1 and _is_event(m.point.type)]
     if not events:
         return None
     point, last = max(events, key=lambda m: (m.before, m.length)).point, chunk.sample(-1)

@@ -14,6 +14,7 @@ from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
 from contin.continuation.isolate import Found, isolate
 from contin.continuation.last_step import Course
+from contin.continuation.own_tests import own_tests
 from contin.continuation.piece import Piece
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar, is_unfolding
 from contin.continuation.settings import Settings
@@ -85,8 +86,9 @@ class Departure:
         if origin is None:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
+        wanted = (*targets, *own_tests(problem))
         course = Course(
-            problem, self.bounds, self.settings, targets, self.known, seed.symmetries, foundling=seed.parent is None
+            problem, self.bounds, self.settings, wanted, self.known, seed.symmetries, foundling=seed.parent is None
         )
         arm = Arm(course, origin, self.scale.copy(), _oriented(self.start, sense), march)
         return arm, [Piece.single(origin, self.scale)] if seed.born else []

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,23 @@ from contin.continuation.isolate import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
+
+
+class Sought(Protocol):
+    """A value that a function takes between rows of a branch, beside the events that the march sees."""
+
+    @property
+    def column(self) -> str:
+        """What it is called."""
+
+    @property
+    def value(self) -> float: ...
+
+    def values(self, problem: Problem, z: Array) -> Array:
+        """Of a function of rows z that takes the value there."""
+
+    def locate(self, stretch: Stretch, z_a: Array, z_b: Array) -> Found | None:
+        """The point between two points of the stretch."""
 
 
 @dataclass(frozen=True)
@@ -36,15 +53,7 @@ class Target:
         def value(sample: Sample) -> float:
             return float(self.values(problem, sample.z[None, :])[0] - self.value)
 
-        ends = []
-        for z in (z_a, z_b):
-            length = float(stretch.base.tangent @ ((z - stretch.base.z) / frame.scale))
-            sample = problem.probe(stretch.base, length, z, frame, stretch.settings)
-            ends.append(replace(sample or stretch.base, z=z))  # at a branch point Newton fails, but z is known
-        a, b = ends
-        if value(b) != 0.0:
-            a, b = stretch.zero(value, a, b, 1e-14)
-        near = b if abs(value(b)) <= abs(value(a)) else a
+        near, distance = zero_between(stretch, z_a, z_b, value)
         z = near.z
         if self.column == problem.parameters[0]:
             solved = problem.at_parameter(near.z, self.value, frame.scale)
@@ -53,12 +62,27 @@ class Target:
             else:
                 z = near.z.copy()
                 z[-1] = self.value
-        error = 0.0 if self.column == problem.parameters[0] else stretch.distance(a, b) * float(frame.scale[-1])
+        error = 0.0 if self.column == problem.parameters[0] else distance * float(frame.scale[-1])
         point = Verified("UZ", z, abs(value(replace(near, z=z))), error, near.eigenvalues, near.unstable)
         return Found(stretch.length_of(near), point, near)
 
 
-Wanted: TypeAlias = Target | Extremum
+Wanted: TypeAlias = Sought | Extremum
+
+
+def zero_between(
+    stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]
+) -> tuple[Sample, float]:
+    """The sample between two points of the stretch where a function of samples vanishes, and how well it is known."""
+    ends = []
+    for z in (z_a, z_b):
+        length = float(stretch.base.tangent @ ((z - stretch.base.z) / stretch.frame.scale))
+        sample = stretch.problem.probe(stretch.base, length, z, stretch.frame, stretch.settings)
+        ends.append(replace(sample or stretch.base, z=z))  # at a branch point Newton fails, but z is known
+    a, b = ends
+    if value(b) != 0.0:
+        a, b = stretch.zero(value, a, b, 1e-14)
+    return (b if abs(value(b)) <= abs(value(a)) else a), stretch.distance(a, b)
 
 
 def hits(
@@ -73,7 +97,7 @@ def hits(
         return
     extrema = [target for target in wanted if isinstance(target, Extremum)]
     yield from turns(extrema, problem, chunk, len(z) + 1, frame, settings)
-    targets = [target for target in wanted if isinstance(target, Target)]
+    targets = [target for target in wanted if not isinstance(target, Extremum)]
     rows = np.vstack([chunk.z[:1], z])
     order: list[tuple[int, float, Array]] = [(k, -np.inf, row) for k, row in enumerate(rows)]
     order += [(mark.before, mark.length, mark.point.z) for mark in marked]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
+
+from contin.abi import Array
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,8 @@ class SpecialType:
     branch, points, orbits, connections : where its test function stands among those of a sample: of a branch in one
     parameter; by type of curve of equilibria, and of cycles; on curves of connecting orbits.
     cosine : of the critical angle of a resonance.  flows, maps : which of both have it.
+    test, form : of a type that is found by a function of its own, of (problem, z): a number that changes sign there
+    (nan where it means nothing), and what is told of the point as its normal form.
     marker, symbol : matplotlib's and the viewer's sign.  colour, dashes : of its curves (an index into the palette, or
     a colour).  quiet : not named in pictures of two parameters.
     """
@@ -64,6 +69,8 @@ class SpecialType:
     colour: int | str | None = None
     dashes: tuple[float, ...] = ()
     quiet: bool = False
+    test: Callable[[Any, Array], float] | None = None
+    form: Callable[[Any, Array], Mapping[str, Any]] | None = None
 
     @property
     def plural(self) -> str:

@@ -39,6 +39,12 @@ def special_type(code: str) -> SpecialType:
     return table().get(code, UNKNOWN)
 
 
+@cache
+def with_own_test(kind: str, locus: str | None) -> tuple[SpecialType, ...]:
+    """The types that are found by a function of their own, on a kind of branch or a type of curve."""
+    return tuple(row for row in table().values() if row.test is not None and (kind in row.on or locus in row.on))
+
+
 def function(name: str) -> Any:
     """The function that a row names as 'module:function'."""
     module, _, attribute = name.partition(":")

@@ -94,3 +94,37 @@ def test_plugins_are_switched_off_by_the_environment_variable(environment):
     failed = environment.command("diagram", "ring", "p", "-1", "1", good=False, CONTIN_PLUGINS="0")
     assert failed.returncode == 2
     assert "no model is called 'ring'" in failed.stderr
+
+
+TAKENS = """
+import contin, json
+takens = contin.Model("takens", states={"x": 1, "y": 0}, parameters={"b1": -1.0, "b2": -0.5},
+                      equations={"x": "y", "y": "b1 + b2*y + x^2 + x*y"})
+saddles = contin.continuation(contin.equilibrium(takens), "b1", (-1, -0.01))
+[point] = saddles.points
+curve = contin.continuation(point.locus(), ("b1", "b2"), {"b1": (-1, 0.01), "b2": (-0.9, 0.5)})
+rows = {k: curve.columns[k].tolist() for k in ("b1", "b2", "kappa")}
+print(json.dumps({"type": point.type, "values": dict(point.values), "form": dict(point.normal_form),
+                  "points": [p.type for p in curve.points], "rows": rows, "curve": curve.locus}))
+from contin.plot.vocabulary import style_of
+print(style_of("NSA").words)
+"""
+
+
+def test_a_special_point_of_the_package_is_found_and_followed(environment):
+    """x' = y, y' = b1 + b2 y + x^2 + x y has saddles x = sqrt(-b1) with trace b2 + x: neutral at b1 = -b2^2."""
+    line, words = environment.run(TAKENS).stdout.splitlines()
+    found = json.loads(line)
+    assert (found["type"], words, found["curve"]) == ("NSA", "neutral saddle", "HB")
+    assert found["values"]["b1"] == pytest.approx(-0.25, abs=1e-9)
+    assert found["form"]["eigenvalue"] == pytest.approx(1.0, abs=1e-9)  # det f_u = -2 x
+    assert found["points"] == ["BT"]  # beyond which the points are Hopf points
+    for b1, b2, kappa in zip(*(found["rows"][k] for k in ("b1", "b2", "kappa")), strict=True):
+        assert b1 == pytest.approx(-(b2**2), abs=1e-8)
+        assert kappa == pytest.approx(2.0 * b2, abs=1e-6)
+
+
+def test_without_packages_there_is_no_such_point(environment):
+    code = "from contin.special.table import table; print('NSA' in table())"
+    assert environment.run(code).stdout.strip() == "True"
+    assert environment.run(code, CONTIN_PLUGINS="0").stdout.strip() == "False"
