@@ -12,6 +12,10 @@ from typing import Any, Final
 MODULES: Final = {
     "births": "contin.transitions.births",  # a special point is asked what starts there: only the top floor knows
     "simulated": "contin.cli.simulated",  # files of simulations: integrators, which few runs need
+    "printing": "contin.model.printing",  # an expression is printed by what is made of expressions
+    "yaml": "contin.model.yaml_loader",  # a model that is unpickled is read again, by what makes models
+    "simulation plan": "contin.runs.simulation_plan",  # the plan of a run has parts that are planned as runs are
+    "iterates": "contin.simulate.iterate",  # a map is simulated by other means, with the same result
     "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other
 }

@@ -86,7 +86,7 @@ class Departure:
         if origin is None:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
-        wanted = (*targets, *own_tests(problem))
+        wanted: tuple[Wanted, ...] = (*targets, *own_tests(problem))
         course = Course(
             problem, self.bounds, self.settings, wanted, self.known, seed.symmetries, foundling=seed.parent is None
         )

@@ -15,6 +15,8 @@ from fractions import Fraction
 from typing import Final, Union
 from weakref import WeakValueDictionary
 
+from contin import lazy
+
 Number = Union[Fraction, float]
 ExpressionLike = Union["Expression", int, float, Fraction]
 
@@ -60,9 +62,7 @@ class Expression:
         return self
 
     def __repr__(self) -> str:
-        from contin.model.printing import to_text
-
-        return f"Expression({to_text(self)!r})"
+        return f"Expression({lazy.module('printing').to_text(self)!r})"
 
     def __add__(self, other: ExpressionLike) -> Expression:
         return add(self, other)

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from contin import lazy
 from contin.errors import InputError, NotFiniteError
 from contin.model.advice import closest
 from contin.model.build import parts_from_mapping, start_from_mapping
@@ -115,9 +116,7 @@ class Model:
         return hash((self.name, self.kind, self.states, self.parameters, self.equations))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        from contin.model.yaml_loader import load_model_text
-
-        return load_model_text, (self.text(), self.name, False)
+        return lazy.module("yaml").load_model_text, (self.text(), self.name, False)
 
     # What it holds ----------------------------------------------------------------------------------------------------
 

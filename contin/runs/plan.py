@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
+from contin import lazy
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
 from contin.limits import as_double
 from contin.model.advice import closest
@@ -113,9 +114,8 @@ def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mappin
     problems.raise_if_any()
     plan = make_plan_for(model, entry, source, file, overrides)
     if entry.simulate or entry.sweep is not None:
-        from contin.runs.simulation_plan import with_simulations
-
-        plan = with_simulations(plan, _written_model(entry, source, file, problems), entry, source, file)
+        written = _written_model(entry, source, file, problems)
+        plan = lazy.module("simulation plan").with_simulations(plan, written, entry, source, file)
     return plan
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
@@ -103,11 +104,10 @@ def simulate(
     check_count("samples", samples, 2, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
     check_count("budget", budget)
     u, p = model.start_point(start, dict(parameters or {}))
-    from contin.simulate.iterate import iterated
-
     system = compile_system(model)
     if model.kind == "map":
-        return iterated(model, system, u, p, time, transient, box, until)
+        found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
+        return found
     times = np.linspace(transient, transient + time, samples)
     errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
     options = {"rtol": rtol, "atol": errors, "box": box}

@@ -8,18 +8,19 @@ the critical ones, and the normal form are computed from exact derivatives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
-from contin.problems import defining
 from contin.problems.codim2 import crossing, degenerate
+from contin.problems.codim2.fold_ends import at_fold
 from contin.problems.codim2.forms import described
-from contin.problems.codim2.functions import critical_indices, function_of, scaled_matrix
-from contin.problems.codim2.monitors import null_pair
+from contin.problems.codim2.functions import critical_indices, function_of
+from contin.problems.codim2.matrices import eigenvalues, null_pair, scaled_matrix
+from contin.problems.codim2.solving import ILL_CONDITIONED, RESIDUAL_LIMIT, Solution, solve
 from contin.problems.codim2.triple_zero import triple_zero
 from contin.special.table import signs_of_points, tests_of_points
 
@@ -31,31 +32,13 @@ UNLABELLED: Final[Mapping[str, Mapping[str, int]]] = {  # events that are no spe
     "NS": {"neutral": 7},
 }  # fmt: skip
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
-RESIDUAL_LIMIT = 1e-8
-ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
-SAFETY = 4.0  # times the largest of a few samples of an error
-POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
-DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
 JORDAN = 1e-3  # |<psi, v>| of unit null vectors at such points, below which they are nearly orthogonal
 DOUBLE = 1e-6  # w . v of unit null vectors below this: a Jordan block
 DEGENERACY = 2  # the test of DP, which needs a Lyapunov-Schmidt reduction and is computed after the march
-
-
-@dataclass(frozen=True, eq=False)
-class _Solution:
-    """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too.
-
-    drift : estimated errors of all unknowns, scaled, as a multiple of the curve's tangent; None where not known.
-    """
-
-    y: Array
-    residual: float
-    error: float
-    drift: Array | None = None
 
 
 def watch(locus: str, type_: str) -> int:
@@ -120,12 +103,12 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
     if type_ == "ZH" and problem.locus == "HB" and crossing.is_forced(problem, near.z, frame.scale):
         met = crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
-            return _point(problem, type_, _Solution(met.y, met.residual, met.error), frame)
+            return _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
     solved = solve(problem, function, near, frame.scale)
     if type_ == "CP":
         exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
         z = near.z if solved is None or not exact else solved.y * frame.scale
-        touching = degenerate.at_fold(problem, z, exact, frame)
+        touching = at_fold(problem, z, exact, frame)
         if touching is not None:
             return touching
     if solved is None:
@@ -137,7 +120,7 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
     return _point(problem, type_, solved, frame)
 
 
-def _point(problem: LocusProblem, type_: str, solved: _Solution, frame: Frame) -> Verified | str:
+def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) -> Verified | str:
     """The point with its eigenvalues and normal form; '' for a neutral saddle, a sentence where it is another type."""
     z = solved.y * frame.scale
     if is_neutral(problem, type_, z) or (type_ == "DP" and _is_double_zero(problem, z)):
@@ -164,75 +147,6 @@ def _is_double_zero(problem: LocusProblem, z: Array) -> bool:
     shift = np.eye(problem.n) if problem.system.kind == "map" else 0.0
     v, w = null_pair(scaled_matrix(problem, z) - shift, np.zeros(problem.n))
     return problem.n > 1 and abs(float(w @ v)) < DOUBLE
-
-
-def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array) -> _Solution | None:
-    """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
-
-    The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
-    within a few steps. The error of the first parameter is estimated as in `defining.newton`.
-    """
-    curve, rows, count = problem.curve, scale[:-1], len(near.z)
-    parameters = curve.parameters(near.z)
-    steps = DIFFERENCE * np.diag(scale)
-    gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
-    size = float(np.linalg.norm(gradient))
-    if not 0.0 < size < np.inf:
-        return None
-    gradient /= size
-
-    def residual(y: Array) -> tuple[Array, Array]:
-        f, jacobian = curve.linearise(y * scale, parameters)
-        return np.append(f / rows, function(y * scale) / size), jacobian * scale / rows[:, None]
-
-    y, before, lacking = near.z / scale, np.inf, 0.0
-    for _ in range(defining.NEWTON_BUDGET):
-        g, jacobian = residual(y)
-        matrix = np.vstack([jacobian, gradient])
-        if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
-            return None
-        try:
-            step = np.linalg.solve(matrix, -g)
-        except np.linalg.LinAlgError:  # not verified, in words
-            return None
-        length = float(np.linalg.norm(step))
-        if length >= 0.5 * before and length < defining.STALLED:
-            ratio = min(length / before, 0.9)
-            lacking = 2.0 * abs(float(step[-1])) * ratio / (1.0 - ratio) if length > 1e3 * defining.SETTLED else 0.0
-            break
-        if length > 1e3 or (length >= before and before < defining.STALLED):
-            return None
-        y = y + step
-        if length < defining.SETTLED:
-            break
-        before = length
-    else:
-        return None
-    g, jacobian = residual(y)
-    try:
-        inverse = np.linalg.inv(np.vstack([jacobian, gradient]))
-    except np.linalg.LinAlgError:  # not verified, in words
-        return None
-    generator = np.random.default_rng(12345)
-    estimates = []
-    for _ in range(defining.SAMPLES):
-        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
-        estimates.append(shift - inverse @ residual(y + shift)[0])
-    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
-    g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
-    along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
-    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
-    if abs(float(g[-1])) * size > POLE * beside:
-        return None
-    drift = (float(np.max(scatter)) + lacking) * along
-    return _Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
-
-
-def eigenvalues(problem: LocusProblem, z: Array) -> Any:
-    """Eigenvalues of f_u at z by falling real part."""
-    d = problem.curve.sizes
-    values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
-    return values[np.lexsort((-values.imag, -values.real))]
 
 
 def with_degeneracy(problem: LocusProblem, chunk: Chunk) -> Chunk:

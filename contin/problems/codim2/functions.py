@@ -17,7 +17,10 @@ from contin.kernels.lyapunov import lyapunov_terms
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf
 from contin.normalforms.maps import neimark_sacker
+from contin.problems.codim2 import degenerate
+from contin.problems.codim2.flips import flip_coefficient
 from contin.problems.codim2.forms import jet_at
+from contin.problems.codim2.matrices import critical_value, own_critical, scaled_matrix
 from contin.problems.codim2.untold import untold
 from contin.special.table import special_type
 
@@ -42,8 +45,6 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | s
     if type_ == "CP":
         return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
     if type_ == "DP":
-        from contin.problems.codim2 import degenerate
-
         return _border_function(problem, near.z, lambda z, right, left: degenerate.coefficient(problem, z, right, left))
     if type_ == "GPD":
         return lambda z: _flip_function(problem, z)
@@ -52,26 +53,13 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | s
     return _eigenvalue_function(problem, type_, near)
 
 
-def scaled_matrix(problem: LocusProblem, z: Array) -> Array:
-    """f_u in units of the states' sizes."""
-    d = problem.curve.sizes
-    return np.asarray(problem.curve.matrix(z) * d / d[:, None])
-
-
-def _shift(problem: LocusProblem) -> float:
-    """The critical eigenvalue of the curve: 0, or of maps 1 (LP, BP) and -1 (PD)."""
-    if problem.locus == "PD":
-        return -1.0
-    return 1.0 if problem.system.kind == "map" else 0.0
-
-
 def _border_function(problem: LocusProblem, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
     """value(z, v, psi) of null vectors from [A b.
 
     C^T 0], b and c the singular vectors at z0, with v along the curve's.
     """
     identity = np.eye(problem.n)
-    shift = _shift(problem)
+    shift = critical_value(problem)
     left, _, right = np.linalg.svd(scaled_matrix(problem, z0) - shift * identity)
     n = problem.n
     frame = np.zeros((n + 1, n + 1))
@@ -103,8 +91,6 @@ def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
 
 def _flip_function(problem: LocusProblem, z: Array) -> float:
     """c / (1 + |c|) with c the cubic coefficient of a period doubling: bounded, where c itself has poles."""
-    from contin.problems.codim2.monitors import flip_coefficient
-
     c = flip_coefficient(problem, z)
     return c / (1.0 + abs(c))
 
@@ -186,19 +172,6 @@ def _followed(problem: LocusProblem, z: Array, reference: complex) -> complex:
     return complex(values[int(np.argmin(np.abs(values - reference)))])
 
 
-def own_critical(problem: LocusProblem, z: Array, values: Array) -> list[int]:
-    """Indices of the eigenvalues that are critical along the curve."""
-    if problem.locus in ("LP", "BP", "PD"):
-        return [int(np.argmin(np.abs(values - _shift(problem))))]
-    kappa = problem.curve.scalar(z)
-    total, product = (0.0, kappa) if problem.locus == "HB" else (2.0 * kappa, 1.0)
-    size = max(float(np.abs(values).max()), 1e-300)
-    n = len(values)
-    pairs = [(i, j) for i in range(n) for j in range(i + 1, n)]
-    gaps = [size * abs(values[i] + values[j] - total) + abs(values[i] * values[j] - product) for i, j in pairs]
-    return list(pairs[int(np.argmin(gaps))])
-
-
 def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Array) -> list[int] | None:
     """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
     own = own_critical(problem, z, values)
@@ -206,7 +179,7 @@ def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Array)
     if type_ in ("CP", "GH", "DP", "GPD", "CH", "R3", "R4"):
         return own
     if type_ in ("BT", "R1", "R2") and problem.locus not in ("HB", "NS"):
-        return [*own, min(rest, key=lambda i: abs(values[i] - _shift(problem)))]
+        return [*own, min(rest, key=lambda i: abs(values[i] - critical_value(problem)))]
     if type_ in ("BT", "R1", "R2"):
         return own
     target = _real_target(problem, type_)

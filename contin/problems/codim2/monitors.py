@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.machine import elementary
-from contin.normalforms.maps import period_doubling
 from contin.problems.codim2 import degenerate
-from contin.problems.codim2.forms import jet_at
-from contin.problems.codim2.functions import lyapunov, own_critical, scaled_matrix
-from contin.problems.codim2.untold import untold
+from contin.problems.codim2.flips import flip_coefficient
+from contin.problems.codim2.functions import lyapunov
+from contin.problems.codim2.matrices import null_pair, own_critical, scaled_matrix
 from contin.problems.spectrum import count_and_tests
 
 if TYPE_CHECKING:
@@ -52,16 +51,6 @@ def tests_at(problem: LocusProblem, z: Array) -> tuple[Array, int, NDArray[np.co
     if problem.locus == "BP":
         return np.array([degenerate.test(problem, z), float(psi @ v), pairs, 1.0]), unstable, values
     return np.array([quadratic(problem, z, v, psi), float(psi @ v), pairs, 1.0]), unstable, values
-
-
-def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
-    """Unit null vectors of a singular matrix: v along `reference`, psi such that adj(matrix) = c v psi^T with c > 0."""
-    left, _, right = np.linalg.svd(matrix)
-    v, psi = right[-1], left[:, -1]
-    if float(v @ reference) < 0.0:
-        v = -v
-    bordered = np.block([[matrix, psi[:, None]], [v[None, :], np.zeros((1, 1))]])
-    return v, psi if np.linalg.slogdet(bordered)[0] < 0.0 else -psi
 
 
 def quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
@@ -110,12 +99,3 @@ def _map_tests(problem: LocusProblem, z: Array, matrix: Array, others: Any) -> A
     else:
         leading = degenerate.test(problem, z)
     return np.array([leading, float(psi @ v), pairs, real_test(others, -shift)])
-
-
-def flip_coefficient(problem: LocusProblem, z: Array) -> float:
-    """The cubic coefficient of a period doubling, whose zero is a GPD."""
-    try:
-        form = period_doubling(jet_at(problem, z))
-    except (ZeroDivisionError, np.linalg.LinAlgError) as error:
-        return untold(problem, "GPD", error)
-    return float(next(v for k, v in form.coefficients.items() if k == "c"))

@@ -13,7 +13,8 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.problems.codim2.functions import own_critical, scaled_matrix
+from contin.problems.codim2.matrices import eigenvalues, own_critical, scaled_matrix
+from contin.problems.codim2.solving import RESIDUAL_LIMIT, solve
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
@@ -28,17 +29,15 @@ def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified |
         return None
     if not _vanish(problem, near.z, 100.0 * VANISHING):
         return None
-    from contin.problems.codim2 import events
-
     found = []
     for function in (lambda z: _others(problem, z).prod().real, lambda z: _others(problem, z).sum().real):
-        solved = events.solve(problem, function, near, frame.scale)
-        if solved is None or not solved.residual <= events.RESIDUAL_LIMIT:
+        solved = solve(problem, function, near, frame.scale)
+        if solved is None or not solved.residual <= RESIDUAL_LIMIT:
             continue
         z = solved.y * frame.scale
         moved = np.linalg.norm(((z - near.z) / frame.scale)[problem.identifying])
         if moved <= APART and _vanish(problem, z, VANISHING):
-            values = events.eigenvalues(problem, z)
+            values = eigenvalues(problem, z)
             unstable = int(np.sum(values[np.argsort(np.abs(values))[3:]].real > 0.0))
             error = solved.error + float(np.abs(_others(problem, z)).max())
             found.append(Verified("TZ", z, solved.residual, error * float(frame.scale[-1]), values, unstable))

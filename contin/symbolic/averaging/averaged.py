@@ -10,6 +10,7 @@ from contin.errors import InputError
 from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
 from contin.symbolic.averaging.amplitudes import SlowSystem, refuse_names, slow_system
+from contin.symbolic.averaging.build_form import build_form
 from contin.symbolic.averaging.carry_over import (
     amplitudes_in,
     averaged_observables,
@@ -18,7 +19,7 @@ from contin.symbolic.averaging.carry_over import (
     averaged_symmetries,
     gauge_symmetries,
 )
-from contin.symbolic.averaging.forms import AveragedForm, build_form, check_form
+from contin.symbolic.averaging.forms import AveragedForm, check_form
 from contin.symbolic.averaging.oscillators import weak_oscillators
 from contin.symbolic.averaging.reach import limits_of
 from contin.symbolic.averaging.second_order import second_order_terms

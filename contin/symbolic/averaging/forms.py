@@ -37,15 +37,6 @@ class AveragedForm:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
 
 
-def build_form(system: SlowSystem, name: str) -> AveragedForm:
-    """The averaged system in the form 'polar', 'cartesian' or 'stokes'."""
-    from contin.symbolic.averaging.form_cartesian import cartesian_form
-    from contin.symbolic.averaging.form_polar import polar_form
-    from contin.symbolic.averaging.form_stokes import stokes_form
-
-    builders = {"polar": polar_form, "cartesian": cartesian_form, "stokes": stokes_form}
-    return builders[name](system)
-
 
 def check_form(name: object, count: int) -> str:
     """A form's name, checked against the number of oscillators."""

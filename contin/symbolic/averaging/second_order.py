@@ -30,8 +30,9 @@ from contin.machine import elementary
 from contin.model.expression import ONE, PI, ZERO, Expression, add, mul, number, power, substitute, symbol
 from contin.model.printing import to_text
 from contin.symbolic.averaging.amplitudes import AmplitudeEquation, SlowSystem
+from contin.symbolic.averaging.build_form import build_form
 from contin.symbolic.averaging.cells import Arc, regions
-from contin.symbolic.averaging.forms import AveragedForm, build_form
+from contin.symbolic.averaging.forms import AveragedForm
 from contin.symbolic.averaging.oscillators import WeakOscillators
 from contin.symbolic.averaging.resonant import Exponent, Powers, state_powers
 from contin.symbolic.averaging.switching_lines import PLANE, X, Y, state_comparisons

@@ -1,0 +1,97 @@
+"""Newton on the equations of a curve and one more: a point of codimension two, with its error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import Sample
+from contin.problems import defining
+
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
+
+RESIDUAL_LIMIT = 1e-8
+ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
+SAFETY = 4.0  # times the largest of a few samples of an error
+POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
+DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too.
+
+    drift : estimated errors of all unknowns, scaled, as a multiple of the curve's tangent; None where not known.
+    """
+
+    y: Array
+    residual: float
+    error: float
+    drift: Array | None = None
+
+
+def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array) -> Solution | None:
+    """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
+
+    The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
+    within a few steps. The error of the first parameter is estimated as in `defining.newton`.
+    """
+    curve, rows, count = problem.curve, scale[:-1], len(near.z)
+    parameters = curve.parameters(near.z)
+    steps = DIFFERENCE * np.diag(scale)
+    gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
+    size = float(np.linalg.norm(gradient))
+    if not 0.0 < size < np.inf:
+        return None
+    gradient /= size
+
+    def residual(y: Array) -> tuple[Array, Array]:
+        f, jacobian = curve.linearise(y * scale, parameters)
+        return np.append(f / rows, function(y * scale) / size), jacobian * scale / rows[:, None]
+
+    y, before, lacking = near.z / scale, np.inf, 0.0
+    for _ in range(defining.NEWTON_BUDGET):
+        g, jacobian = residual(y)
+        matrix = np.vstack([jacobian, gradient])
+        if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
+            return None
+        try:
+            step = np.linalg.solve(matrix, -g)
+        except np.linalg.LinAlgError:  # not verified, in words
+            return None
+        length = float(np.linalg.norm(step))
+        if length >= 0.5 * before and length < defining.STALLED:
+            ratio = min(length / before, 0.9)
+            lacking = 2.0 * abs(float(step[-1])) * ratio / (1.0 - ratio) if length > 1e3 * defining.SETTLED else 0.0
+            break
+        if length > 1e3 or (length >= before and before < defining.STALLED):
+            return None
+        y = y + step
+        if length < defining.SETTLED:
+            break
+        before = length
+    else:
+        return None
+    g, jacobian = residual(y)
+    try:
+        inverse = np.linalg.inv(np.vstack([jacobian, gradient]))
+    except np.linalg.LinAlgError:  # not verified, in words
+        return None
+    generator = np.random.default_rng(12345)
+    estimates = []
+    for _ in range(defining.SAMPLES):
+        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
+        estimates.append(shift - inverse @ residual(y + shift)[0])
+    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
+    g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
+    along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
+    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
+    if abs(float(g[-1])) * size > POLE * beside:
+        return None
+    drift = (float(np.max(scatter)) + lacking) * along
+    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
