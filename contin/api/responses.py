@@ -14,7 +14,7 @@ from contin.continuation.departure import Seed
 from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
 from contin.problems.deflation import make_box
-from contin.problems.orbits.responses import Response, response
+from contin.problems.responses import Response, response
 from contin.records import Record
 
 SCATTERED: Final = 12  # trajectories at each value of the parameter
@@ -23,7 +23,7 @@ SCATTERED: Final = 12  # trajectories at each value of the parameter
 def solution(model: Any, start: Any, parameters: Record | None) -> Any:
     """An equilibrium; of a forced flow the periodic response that its trajectory settles on.
 
-    Raises as `contin.equilibrium` and `contin.problems.orbits.responses.response` do.
+    Raises as `contin.equilibrium` and `contin.problems.responses.response` do.
     """
     if getattr(model, "interval", None) is not None:
         return boundary_guess(model, start, parameters)

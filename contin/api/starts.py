@@ -12,7 +12,6 @@ from contin.errors import InputError, NotFiniteError
 from contin.model.kinds import need_states, need_time
 from contin.problems.deflation import FoundEquilibrium, find, make_box
 from contin.problems.functions.problem import FunctionProblem
-from contin.problems.maps.iterate import iterate
 from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.start import PeriodicOrbit
@@ -23,6 +22,7 @@ from contin.problems.start import Equilibrium, converge
 from contin.records import Record
 from contin.simulate.natural import natural_metric
 from contin.symbolic.passes.corotating import frame_for
+from contin.systems.iterate import iterate
 
 if TYPE_CHECKING:
     from contin.model.model import Model

@@ -15,8 +15,8 @@ from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.maps.iterate import IteratedSystem
 from contin.simulate.natural import natural_metric
+from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System

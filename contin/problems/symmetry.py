@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from contin.abi import Array
-from contin.problems.maps.iterate import IteratedSystem
+from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
     from contin.problems.contracts import InOneParameter

@@ -21,7 +21,7 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.homoclinic.saddle_node import critical_direction
+from contin.problems.orbits.saddle_node import critical_direction
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
 

@@ -15,7 +15,7 @@ from contin.normalforms.maps import flip_predictor
 from contin.problems.describe import jet_at
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import HALF_PERIOD, lifted
-from contin.problems.maps.iterate import iterate
+from contin.systems.iterate import iterate
 from contin.transitions.equilibrium_BP_to_branches import crossing_branches, renewed_metric
 from contin.transitions.registry import Explored, born
 

@@ -12,9 +12,9 @@ from contin.continuation.departure import Seed
 from contin.diagram.identity import copies, wrapped
 from contin.errors import ContinError
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.maps.iterate import iterate
 from contin.problems.start import converge
 from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.systems.iterate import iterate
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from contin.problems.codim2.forms import branching_form
 from contin.problems.codim2.functions import function_of
 from contin.problems.codim2.matrices import eigenvalues, own_critical
 from contin.problems.codim2.solving import ILL_CONDITIONED, RESIDUAL_LIMIT, solve
-from contin.problems.loci.curves import curve_of
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
@@ -74,11 +73,9 @@ class _BranchPoints:
 
 
 def _branch_points(problem: LocusProblem, u: Array, p: Array) -> _BranchPoints:
-    own = problem.curve
-    curve = curve_of("BP", problem.system, p, own.first, own.second, own.sizes)
-    other: Any = replace(problem, curve=curve, memory={})
-    start = curve.place(u, p, 0.0)
-    curve.settle(start)
+    other = problem.of_type("BP", p)
+    start = other.curve.place(u, p, 0.0)
+    other.curve.settle(start)
     return _BranchPoints(other, start)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,7 @@ from contin.kernels import locus as kernel
 from contin.machine import elementary
 from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events, untold
+from contin.problems.loci.curves import curve_of
 from contin.problems.loci.march import march, probe
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.records import Fields
@@ -59,6 +60,12 @@ class LocusProblem(TwoParameterProblem):
     @property
     def growing(self) -> NDArray[np.bool_]:
         return np.asarray(self.curve.growing)
+
+    def of_type(self, type_: str, p: Array) -> LocusProblem:
+        """The curve of another type in the same two parameters, the others being those of p."""
+        own = self.curve
+        curve = curve_of(type_, self.system, p, own.first, own.second, own.sizes)
+        return replace(self, curve=curve, memory={})
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 

@@ -26,9 +26,9 @@ from contin.machine import elementary
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseMarch
-from contin.problems.maps.iterate import IteratedSystem
 from contin.problems.polish import at_parameter
 from contin.special.table import test_on_branch
+from contin.systems.iterate import IteratedSystem
 
 HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves become the same cycle of half the period
 SINGULAR = 1e-9

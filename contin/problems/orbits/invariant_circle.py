@@ -20,8 +20,8 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.orbits.dwelling import dwelling, slowest_points
-from contin.problems.orbits.homoclinic.saddle_node import critical_direction, quadratic
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.saddle_node import critical_direction, quadratic
 from contin.problems.orbits.saddles import equilibria_of, extent_of, rounded
 
 if TYPE_CHECKING:

@@ -28,8 +28,9 @@ from contin.normalforms.homological import CentreManifold
 from contin.normalforms.linear import null_pair
 from contin.normalforms.maps import circle_manifold, flip_manifold
 from contin.normalforms.result import sense
+from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.orbits.normal_form import UNKNOWN
-from contin.problems.shooting.return_map import NoDerivatives, ReturnMap
+from contin.problems.shooting.return_map import ReturnMap
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem

@@ -19,6 +19,7 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
+from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.shooting.layout import Nodes
 from contin.simulate.flight import fly
 
@@ -32,10 +33,6 @@ TOGETHER: Final = 1e-7  # of the period: crossings this close are one
 LONGEST: Final = 2.0  # of the period: a trajectory beside the orbit that has not returned by then
 RETURNS: Final = 8  # Newton steps for the time of return
 SAMPLES: Final = 256  # of a variation over a period
-
-
-class NoDerivatives(ValueError):
-    """The return map has no second derivatives here, or a trajectory beside the orbit does not return."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import pytest
 import contin
 from contin.diagram.phase.cycles import is_one, is_shorter
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.maps.iterate import iterate
+from contin.systems.iterate import iterate
 from tests.problems.follow import model
 
 BOX = {"a": (0.2, 1.0), "b": (0.0, 0.4)}

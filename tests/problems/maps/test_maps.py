@@ -7,7 +7,7 @@ import pytest
 import contin
 from contin import api
 from contin.errors import InputError
-from contin.problems.maps.iterate import iterate
+from contin.systems.iterate import iterate
 
 WIDE = (2.5, 4.0)
 

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
-from contin.problems.orbits.homoclinic.saddle_node import borders, fold_scalar
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.orbits.saddle_node import borders, fold_scalar
 from contin.problems.orbits.two_parameters import CurveOfOrbits
 
 STEP = 1e-6  # of the differences of the projections, relative

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.problems.orbits.homoclinic.saddle_node import centrality
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
+from contin.problems.orbits.saddle_node import centrality
 from contin.problems.orbits.saddles import extent_of
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_connections

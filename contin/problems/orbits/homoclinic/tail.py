@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.machine import elementary
-from contin.problems.orbits.homoclinic.saddle_node import quadratic
+from contin.problems.orbits.saddle_node import quadratic
 
 if TYPE_CHECKING:
     from contin.problems.orbits.homoclinic.curve import ConnectionCurve

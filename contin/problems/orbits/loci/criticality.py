@@ -15,7 +15,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Sample, Stop
-from contin.problems.shooting.return_map import NoDerivatives
+from contin.problems.no_derivatives import NoDerivatives
 from contin.records import Fields
 
 if TYPE_CHECKING:
