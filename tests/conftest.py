@@ -35,7 +35,7 @@ FAST = """
     problems/test_start.py problems/orbits/test_defining.py problems/orbits/test_ends.py problems/orbits/test_meshes.py
     problems/orbits/test_planar.py
     diagram/test_diagram.py diagram/phase/test_plane.py store/test_sqlite.py
-    cli/test_bad_input.py
+    cli/test_bad_input.py special
 """.split()
 SLOW = """
     kernels/test_library.py model/test_kept.py symbolic/test_reach.py symbolic/test_second_order.py
