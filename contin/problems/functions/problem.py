@@ -71,6 +71,7 @@ class FunctionProblem:
     """
 
     forcing = None
+    interval = None
     starts = ()
     functions: Mapping[str, str] = {}  # of a model's formulas: none here
 
