@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.vectors import norm
 from contin.kernels.collocation import evaluate, new_points, residual
 from contin.kernels.collocation_system import clear_right, expand, new_factors, reduce_right
 from contin.kernels.condensation import condense
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.filling import fill
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 if TYPE_CHECKING:

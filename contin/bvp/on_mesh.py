@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.kernels.collocation import LANES, evaluate, new_points, residual
 from contin.kernels.collocation_basis import basis
+from contin.linalg.factor import Factoriser
+from contin.linalg.linear import DirectLinear
 from contin.problems.orbits.layout import Profile
-from contin.problems.sparse.factor import Factoriser
-from contin.problems.sparse.linear import DirectLinear
 from contin.problems.sparse.problem import LargeLinearisation
 
 if TYPE_CHECKING:

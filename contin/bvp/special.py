@@ -14,8 +14,8 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.continuation.vectors import norm
 from contin.errors import InputError, NotFiniteError
+from contin.linalg.vectors import norm
 from contin.problems.orbits.layout import make_scale
 from contin.problems.sparse import forms
 from contin.problems.sparse.reduced import Reduced

@@ -28,7 +28,7 @@ from contin.continuation.problem import (
     is_touching,
 )
 from contin.continuation.targets import Target
-from contin.continuation.vectors import dot
+from contin.linalg.vectors import dot
 from contin.special.table import special_type
 
 JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on"

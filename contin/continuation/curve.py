@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.continuation.problem import Frame, Problem, Sample
 from contin.continuation.settings import Settings
-from contin.continuation.vectors import dot, norm
+from contin.linalg.vectors import dot, norm
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,8 @@ from contin.continuation.looking_again import is_linear, points_between, roundin
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
 from contin.continuation.sameness import same_point
-from contin.continuation.vectors import dot
 from contin.errors import InputError, NotFiniteError
+from contin.linalg.vectors import dot
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts

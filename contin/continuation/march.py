@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.problem import Chunk, Frame, Sample, Stop, is_planar
 from contin.continuation.settings import Settings
-from contin.continuation.vectors import dot, norm
+from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 
 NEWTON_LIMIT = 7

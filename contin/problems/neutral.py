@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
-from contin.problems.spectrum import count_and_tests, spectrum
 
 Values = NDArray[np.complex128]
 

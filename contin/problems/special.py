@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.balancing import balancing_scales
@@ -18,7 +19,6 @@ from contin.problems.defining import Solved
 from contin.problems.multiple import reduced_branches
 from contin.problems.neutral import errors_of, is_suspect
 from contin.problems.scaled import ScaledSystem
-from contin.problems.spectrum import noises, spectrum
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem

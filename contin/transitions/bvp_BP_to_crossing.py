@@ -12,8 +12,8 @@ from contin.bvp.problem import BoundaryProblem
 from contin.bvp.special import embedded, reduction
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.orbits.layout import make_scale
 from contin.transitions.registry import Explored, born

@@ -9,8 +9,8 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.sparse.problem import LargeProblem
 from contin.problems.sparse.special import reduction

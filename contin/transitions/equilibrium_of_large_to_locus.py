@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.vectors import norm
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.sparse.loci.curve import LargeCurve
 from contin.problems.sparse.loci.problem import LargeLocus

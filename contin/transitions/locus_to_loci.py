@@ -10,8 +10,8 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.linalg import newton
 from contin.machine import elementary
-from contin.problems import newton_fixed
 from contin.problems.loci.problem import LocusProblem
 from contin.special.table import curves_of_points
 from contin.transitions.curve_through import seed_of
@@ -82,7 +82,7 @@ def _beside_branch_points(seed: Seed, point: SpecialPoint, kind: str) -> Seed:
     for step in BESIDE:
         guess = seed.z.copy()
         guess[: curve.n] += step * curve.sizes * v
-        z = newton_fixed.solve(curve.linearise, index, guess, float(guess[index]), scale)
+        z = newton.with_one_fixed(curve.linearise, index, guess, float(guess[index]), scale)
         if z is not None:
             direction = (z - seed.z) / scale
             arms = (1,) if kind == "pitchfork" else (-1, 1)  # the other half of the folds is its mirror image

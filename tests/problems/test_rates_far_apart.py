@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from contin.problems.spectrum import noises, spectrum
+from contin.linalg.spectrum import noises, spectrum
 from tests.problems.follow import assert_labels, follow
 
 RATES = [1e3, 1e6, 1e9, 1e12, 1e15]

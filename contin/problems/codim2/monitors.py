@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
+from contin.linalg.spectrum import count_and_tests
 from contin.machine import elementary
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.flips import flip_coefficient
 from contin.problems.codim2.functions import lyapunov
 from contin.problems.codim2.matrices import null_pair, own_critical, scaled_matrix
-from contin.problems.spectrum import count_and_tests
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem

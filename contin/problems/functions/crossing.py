@@ -15,7 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Corner, Frame, Sample
 from contin.continuation.settings import Settings
-from contin.continuation.vectors import dot, norm
+from contin.linalg.vectors import dot, norm
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem

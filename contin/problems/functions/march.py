@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
+from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.machine import elementary
-from contin.problems.spectrum import count_and_tests, spectrum
 
 if TYPE_CHECKING:
     from contin.problems.contracts import Dense

@@ -14,7 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.march import Linearisation
-from contin.continuation.vectors import norm
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 
 NEAR, FAR = 0.006, 0.03  # distances in the metric, beyond the reach of differences across a corner

@@ -15,8 +15,8 @@ from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel
+from contin.linalg import newton
 from contin.machine import elementary
-from contin.problems import newton_fixed
 from contin.problems.codim2 import degenerate, events, untold
 from contin.problems.loci.curves import curve_of
 from contin.problems.loci.march import march, probe
@@ -148,7 +148,7 @@ class LocusProblem(TwoParameterProblem):
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         parameters = self.curve.parameters(guess)
-        return newton_fixed.solve(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
+        return newton.with_one_fixed(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         def apart() -> bool:

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from contin.abi import Array, Vector
 from contin.continuation.march import Correctable
-from contin.problems.sparse.linear import Linear
+from contin.linalg.linear import Linear
 
 
 class SparseEquations(Protocol):

@@ -12,9 +12,9 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.errors import NotFiniteError
+from contin.linalg.linear import Linear
 from contin.normalforms.linear import normalise
 from contin.normalforms.result import parts, sense
-from contin.problems.sparse.linear import Linear
 from contin.records import Fields
 
 if TYPE_CHECKING:

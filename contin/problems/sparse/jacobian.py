@@ -11,12 +11,12 @@ import numpy as np
 from contin.abi import Array, Vector
 from contin.errors import InputError, UserFunctionError
 from contin.kernels.colouring import colour_columns
+from contin.linalg.factor import Factoriser
+from contin.linalg.linear import DirectLinear, KrylovLinear, Linear
 from contin.problems.functions.derivatives import COMPLEX_STEP, STEPS, stencil
 from contin.problems.functions.guarded import called, vector
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.trials import try_sparsity
-from contin.problems.sparse.factor import Factoriser
-from contin.problems.sparse.linear import DirectLinear, KrylovLinear, Linear
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

@@ -17,14 +17,14 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.continuation.vectors import norm
+from contin.linalg.eigen import Region, Spectrum, followed, leading
+from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
 from contin.problems.sparse import special
-from contin.problems.sparse.eigen import Region, Spectrum, followed, leading
 from contin.problems.sparse.jacobian import JacobianSource
-from contin.problems.sparse.linear import KrylovBordered, KrylovLinear, Linear, Solution
 from contin.problems.symmetry import reversing_symmetries
 
 POLISH_BUDGET = 12

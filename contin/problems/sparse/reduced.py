@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.vectors import norm
 from contin.errors import NotFiniteError
-from contin.problems.sparse.linear import Solution
+from contin.linalg.linear import Solution
+from contin.linalg.vectors import norm
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.continuation.vectors import norm
 from contin.errors import InputError
+from contin.linalg.linear import Linear
+from contin.linalg.vectors import norm
 from contin.problems.sparse import forms
-from contin.problems.sparse.linear import Linear
 from contin.problems.sparse.reduced import Reduced
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop, Verified
 from contin.continuation.settings import Settings
+from contin.lowering.system import CompiledSystem
 from contin.model.expression import symbols_in
 from contin.model.printing import to_text
 from contin.problems.surfaces.jumps import Jump, jumps_of
@@ -125,7 +126,7 @@ def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renew
 def _jump_of_parameter(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renewal | None:
     """The end of a branch before a value of the parameter at which the equations jump, wherever the states are."""
     system, n = problem.system, problem.n
-    if not system.n_switches or problem.sliding is not None:
+    if not isinstance(system, CompiledSystem) or not system.n_switches or problem.sliding is not None:
         return None
     states = frozenset(system.state_names)
     sense = float(np.sign(origin.tangent[-1]))

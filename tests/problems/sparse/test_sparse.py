@@ -8,11 +8,11 @@ from scipy.optimize import brentq
 import contin
 from contin import api
 from contin.errors import InputError, NoSolutionError
-from contin.problems.sparse.bordered import bordered
-from contin.problems.sparse.eigen import Region, leading
-from contin.problems.sparse.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
-from contin.problems.sparse.krylov import gmres
-from contin.problems.sparse.linear import DirectLinear, KrylovLinear
+from contin.linalg.bordered import bordered
+from contin.linalg.eigen import Region, leading
+from contin.linalg.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
+from contin.linalg.krylov import gmres
+from contin.linalg.linear import DirectLinear, KrylovLinear
 
 GENERATOR = np.random.default_rng(0)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.vectors import norm
+from contin.linalg.vectors import norm
 from contin.problems.orbits.loci.work import Work
 
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.continuation.vectors import norm
 from contin.errors import NotFiniteError
+from contin.linalg.eigen import Spectrum, leading
+from contin.linalg.linear import Linear, Solution
+from contin.linalg.vectors import norm
 from contin.machine import elementary
-from contin.problems.sparse.eigen import Spectrum, leading
-from contin.problems.sparse.linear import Linear, Solution
 from contin.problems.sparse.loci.singular import Folds, Hopf, Singularity
 from contin.problems.sparse.problem import LargeProblem, Workspace
 

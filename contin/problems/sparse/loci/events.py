@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.problem import Frame, Sample, Verified
-from contin.continuation.vectors import norm
 from contin.errors import NotFiniteError
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.sparse import forms as simple
 from contin.problems.sparse.loci import forms

@@ -13,7 +13,7 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.continuation.vectors import norm
+from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.codim2.events import explain as explain_events
 from contin.problems.codim2.events import watch

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from contin.abi import Array, Vector
+from contin.linalg.linear import Linear, Solution
 from contin.machine import elementary
-from contin.problems.sparse.linear import Linear, Solution
 
 NEAR_ZERO = 1e-6  # relative size of kappa below which its slopes are taken beside zero
 Second = Callable[[Vector, Array], Vector]  # (v, direction (n + 2,)) -> D^2F[v, direction]

@@ -52,7 +52,7 @@ class Bordered:
 
 
 def dot(a: Vector, b: Vector) -> Any:
-    """sum a_i b_i, real or complex, without BLAS (see `contin.continuation.vectors`)."""
+    """sum a_i b_i, real or complex, without BLAS (see `contin.linalg.vectors`)."""
     return np.einsum("i,i->", a, b)
 
 

@@ -11,7 +11,7 @@ from contin.abi import Array
 BUDGET = 12
 
 
-def solve(
+def with_one_fixed(
     linearise: Callable[[Array], tuple[Array, Array]], index: int, guess: Array, value: float, scale: Array
 ) -> Array | None:
     """F(z) = 0 (N - 1 equations, rows scaled like the unknowns) with z[index] = value; None where Newton fails."""

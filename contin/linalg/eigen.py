@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.vectors import norm
-from contin.problems.sparse.linear import Linear
+from contin.linalg.linear import Linear
+from contin.linalg.vectors import norm
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

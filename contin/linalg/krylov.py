@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from contin.abi import Vector
-from contin.continuation.vectors import norm
+from contin.linalg.vectors import norm
 
 Operator = Callable[[Vector], Vector]
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from contin.abi import Vector
-from contin.problems.sparse.bordered import Approximate, ApproximateBordered, bordered
-from contin.problems.sparse.factor import Factor, Factoriser
-from contin.problems.sparse.krylov import COARSE, TOLERANCE, gmres
+from contin.linalg.bordered import Approximate, ApproximateBordered, bordered
+from contin.linalg.factor import Factor, Factoriser
+from contin.linalg.krylov import COARSE, TOLERANCE, gmres
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
