@@ -120,16 +120,19 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     row = inverse[position]
     epsilon = float(np.finfo(float).eps)
     estimates, noise = [], epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
-    noises = np.zeros(len(g))
+    noises, odd = np.zeros(len(g)), np.zeros(len(g))
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
         value, _ = system(x + shift, slopes=False)
         estimates.append(shift[position] - float(row @ value))
         noises = np.maximum(noises, np.abs(value - g - matrix @ shift))
         farther = ROUNDED / PERTURBATION * shift  # so near, terms with cancelling parts may not change at all
-        noises = np.maximum(noises, np.abs(system(x + farther, slopes=False)[0] - g - matrix @ farther))
+        ahead, behind = (system(x + sign * farther, slopes=False)[0] for sign in (1.0, -1.0))
+        noises = np.maximum(noises, np.abs(ahead - g - matrix @ farther))
+        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - matrix @ farther))  # without what is curved
     noise = max(noise, float(np.max(noises)))
-    error = 2.0 * float(np.max(np.abs(estimates))) + lacking
+    rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
+    error = 2.0 * max(float(np.max(np.abs(estimates))), rounded) + lacking
     beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
     beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
     _, singular, right = np.linalg.svd(matrix, full_matrices=False)
