@@ -17,6 +17,7 @@ from contin.continuation.isolate import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 
 STEP = 1e-3  # of the differences (scaled arclength)
 ACCURACY = 1e-12  # of the place (scaled arclength)
@@ -62,9 +63,9 @@ class Extremum:
         form = {
             "of": self.column,
             "kind": "maximum" if rising else "minimum",
-            "curvature": bend if turning else bend / rate**2,
+            "curvature": bend if turning else bend / elementary.square(rate),
         }
-        error = width * abs(rate) + 0.5 * width**2 * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
+        error = width * abs(rate) + 0.5 * elementary.square(width) * float(scale[-1]) + EPSILON * abs(float(near.z[-1]))
         residual = abs(slope(near)) / max(size, float(np.abs(bend)), 1e-300)
         point = Verified("EX", near.z, residual, error, near.eigenvalues, near.unstable, form)
         return Found(stretch.length_of(near), point, near)

@@ -238,8 +238,10 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
 
     event.length : its arclength from the chunk's first row, along the rows.
     """
+    if is_planar(course.problem):  # whose points may be of types that no test of theirs has (DP on a curve of folds)
+        return set()
     test = course.problem.watch(event.point.type)
-    if test is None or is_planar(course.problem):
+    if test is None:
         return set()
     s = np.cumsum(np.append(0.0, chunk.lengths[1:]))
     last = len(chunk) - 1 if forward else len(chunk) - 2  # the event lies before the first row, or after this one
