@@ -9,8 +9,10 @@ one before they are counted and tested.
 
 from __future__ import annotations
 
+from cmath import isfinite
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any, Final
 
 import numpy as np
@@ -22,6 +24,7 @@ from contin.problems.functions.march import DenseLinearisation, dense_linearisat
 
 Values = NDArray[np.complex128]
 
+FEW: Final = 8  # eigenvalues
 SUSPECT: Final = 1e-6  # of their sizes: two eigenvalues this nearly opposite may be a pair
 KNOWN: Final = 1e-14  # ... and this nearly, they are one in the compiled tests as well
 ROUNDING: Final = 8.0 * float(np.finfo(float).eps)  # error of an entry beside the row's and column's size
@@ -45,7 +48,14 @@ def misfits(values: Values, is_map: bool) -> Array:
 
 def is_suspect(values: Values, is_map: bool) -> bool:
     """True where two eigenvalues are so nearly a pair that only their errors tell whether they are one."""
-    return len(values) > 1 and bool(np.all(np.isfinite(values)) and np.any(misfits(values, is_map) < SUSPECT))
+    if len(values) > FEW:
+        return bool(np.all(np.isfinite(values)) and np.any(misfits(values, is_map) < SUSPECT))
+    listed = values.tolist()  # asked at every point that is looked at: numbers take less time than arrays
+    if not all(map(isfinite, listed)):
+        return False
+    if is_map:
+        return any(abs(a * b - 1.0) < SUSPECT * (1.0 + abs(a * b)) for a, b in combinations(listed, 2))
+    return any(abs(a + b) < SUSPECT * max(abs(a) + abs(b), 1e-300) for a, b in combinations(listed, 2))
 
 
 def errors_of(problem: Any, z: Array, values: Values, scale: Array) -> Array:

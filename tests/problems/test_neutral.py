@@ -85,3 +85,19 @@ def test_branch_point_of_a_double_eigenvalue_has_no_coefficients_of_rounding():
     assert point.values["k"] == pytest.approx(0.125, abs=1e-12)
     assert dict(point.normal_form) == {}
     assert any("normal form" in note for note in branch.notes)
+
+
+@pytest.mark.parametrize("is_map", [False, True])
+def test_pairs_are_suspected_alike_among_few_and_among_many(is_map):
+    """Others that are no pairs do not change the answer."""
+    chance = np.random.default_rng(3)
+    seen = set()
+    for trial in range(300):
+        values = chance.uniform(0.5, 2.0, 4) + 1j * chance.standard_normal(4)
+        if trial % 2:
+            gap = 10.0 ** chance.uniform(-9, -4)
+            values[1] = (1.0 / values[0] if is_map else -values[0]) * (1.0 + gap)
+        among_many = np.concatenate([values, 100.0 * 3.0 ** np.arange(6)])
+        seen.add(neutral.is_suspect(values, is_map))
+        assert neutral.is_suspect(values, is_map) == neutral.is_suspect(among_many, is_map)
+    assert seen == {False, True}
