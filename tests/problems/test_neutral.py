@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contin
+from contin.problems import neutral
 
 
 def oscillators(count: int, condition: float, kind: str, seed: int) -> tuple[contin.Model, np.ndarray, np.ndarray]:
