@@ -22,7 +22,10 @@ from contin.problems.branching.outset import Outset
 from contin.problems.defining import singular_basis
 from contin.problems.scaled import ScaledSystem
 
-DISTANCES: Final = tuple(0.05 * float(elementary.pow(2.0, 0.5 * k)) for k in range(11))  # s, scaled: up to 1.6
+NEAREST: Final = 0.05  # s, scaled
+FARTHEST: Final = 1.7
+RATIO: Final = float(np.sqrt(2.0))  # of one s to the one before ...
+CLOSER: Final = 1.05  # ... and the smallest one, where there is no solution farther away
 SAMPLES: Final = 128  # of t on the circle: four times the half-branches of a ring of 16 cells
 CLEAR: Final = 1e10  # times its rounding errors: |g| from which Newton's method places its zeros to some 1e-11
 VISIBLE: Final = 1e7  # ... or this, where the equations have no solution at larger distances
@@ -40,20 +43,25 @@ def branches_of_continuum(local: ScaledSystem, y: Array, bend: float) -> list[Ou
     """
     circle = _Circle.at(local, y)
     angles = 2.0 * np.pi * (np.arange(SAMPLES) + 0.3137) / SAMPLES
-    offsets = [circle.guess(t, DISTANCES[0], bend) for t in angles]
-    before = DISTANCES[0]
+    offsets = [circle.guess(t, NEAREST, bend) for t in angles]
+    before = s = NEAREST
+    ratio = RATIO
     outsets: list[Outset] = []
-    for s in DISTANCES:
+    while s <= FARTHEST:
         solved = [circle.solve(t, s, _moved(v, s / before)) for t, v in zip(angles, offsets, strict=True)]
-        if any(point is None for point in solved):
-            return outsets
         points = [point for point in solved if point is not None]
+        if len(points) < len(solved):  # a little less far, if anything
+            if s == before or ratio < CLOSER:
+                return outsets
+            ratio = float(np.sqrt(ratio))
+            s = before * ratio
+            continue
         clear = max(abs(p.g) for p in points) / circle.noise(angles, points, s)
         if clear > VISIBLE:
             outsets = _outsets(circle, circle.zeros(angles, points, s))
         if clear > CLEAR:
             return outsets
-        offsets, before = [p.offset for p in points], s
+        offsets, before, s = [p.offset for p in points], s, s * ratio
     return outsets
 
 
