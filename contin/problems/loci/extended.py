@@ -46,6 +46,7 @@ class _Gauge:
     """The border (HB, NS) or the direction across the curve (BP) in use: kept as long as it serves."""
 
     values: Array | None = None
+    rows: tuple[float, float] = (1.0, 1.0)  # factors of the rows `symbolic.passes.loci.ROWS`
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,8 @@ class ExtendedCurve:
         values = np.ones(self.extended.m)
         kept = np.delete(self.base, self.second)
         values[: len(kept)] = kept
-        values[len(kept) : len(kept) + self.n] = self.sizes
+        first = len(kept) + len(loci.ROWS)
+        values[first : first + self.n] = self.sizes
         return values
 
     # -- reading z ----------------------------------------------------------------------------------------------------
@@ -127,6 +129,8 @@ class ExtendedCurve:
     def parameters(self, z: Array) -> Array:
         """Parameters of the extended system for work near z, whose own vector belongs to them."""
         values = self._template.copy()
+        rows = len(self.base) - 1
+        values[rows : rows + len(loci.ROWS)] = self._gauge.rows
         gauge = self._border(z)
         if gauge is not None:
             values[len(values) - len(gauge) :] = gauge
@@ -222,6 +226,11 @@ class ExtendedCurve:
         """
         d = self.sizes
         ends = np.array([widths[1], widths[0]])
+        if self._gauge.rows == (1.0, 1.0) and self.type != "BP":
+            rate = float(np.linalg.norm(self.matrix(z) * d / d[:, None]))
+            kappa = self._frequency_squared(z) if self.type == "HB" else 1.0
+            if 0.0 < rate < np.inf:
+                self._gauge.rows = rate * widths[1], rate * kappa
         if self.type in ("LP", "PD"):
             return np.concatenate([d, VECTOR * d, ends])
         if self.type == "BP":

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 KAPPA: Final = "kappa."
 UNFOLDING: Final = "unfolding."
+LENGTH_ROW, BORDER_ROW = "row.length", "row.border"
+ROWS = (LENGTH_ROW, BORDER_ROW)  # parameters: factors that bring rows without units of time to the size of the others
 
 
 def fold_system(model: Model, free: str) -> Model:
@@ -45,7 +47,7 @@ def _eigenvalue_system(model: Model, free: str, value: Expression, what: str) ->
     v = parts.vector("v")
     image = parts.along(v)
     eigen = [sub(a, mul(value, b)) for a, b in zip(image, v, strict=True)]
-    equations = [*parts.residual, *eigen, sub(parts.squared(v), ONE)]
+    equations = [*parts.residual, *eigen, mul(symbol(LENGTH_ROW), sub(parts.squared(v), ONE))]
     return parts.model(f"{what} of", ["v"], [], free, equations, [])
 
 
@@ -67,7 +69,8 @@ def hopf_system(model: Model, free: str) -> Model:
     else:
         eigen = [add(c, mul(kappa, a)) for a, c in zip(v, twice, strict=True)]
     normal = add(*(div(mul(a, b), mul(s, s)) for a, b, s in zip(border, v, parts.sizes, strict=True)))
-    equations = [*parts.residual, *once, *eigen, normal, sub(parts.squared(v), ONE)]
+    length = mul(symbol(LENGTH_ROW), sub(parts.squared(v), ONE))
+    equations = [*parts.residual, *once, *eigen, mul(symbol(BORDER_ROW), normal), length]
     what = "Neimark-Sacker points of" if model.kind == "map" else "Hopf points of"
     return parts.model(what, ["v", "w"], [KAPPA], free, equations, ["border"])
 
@@ -123,6 +126,7 @@ class _Parts:
         extra = [f"{prefix}.{name}" for prefix in vectors for name in self.names]
         states = [*source.states, *(State(name, ZERO) for name in (*extra, *scalars, free))]
         added = [f"{prefix}.{name}" for prefix in ("size", *borders) for name in self.names]
+        added = [*ROWS, *added]
         parameters = [p for p in source.parameters if p.name != free]
         parameters += [Parameter(name, ONE) for name in (*added, *further)]
         return Model.from_parts(
