@@ -429,7 +429,7 @@ def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:
     """True where points of this type are zeros of this test."""
     try:
         return stretch.problem.watch(type_) == test
-    except KeyError:
+    except KeyError:  # a type that no test of this problem sees
         return False
 
 
