@@ -255,9 +255,28 @@ class Foretelling(Protocol):
 
 
 class Problem(Protocol):
-    """What a problem offers to the engine.
+    """What a problem offers to the engine; `contin.problems.equilibrium` is the model answer.
 
-    `Any` users should read `contin.problems.equilibrium` as the model answer.
+    Rules for implementers:
+
+    1.  z = (state unknowns, varying parameter) has N components, F(z) = 0 has N - 1; both vary along a branch only
+        where the problem is `Adaptive`.
+    2.  Tangents are unit vectors in scaled unknowns z / scale; `Sample.tangent` keeps its sense along an arm.
+    3.  Row 0 of a chunk repeats `origin`. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was
+        seen; on all other stops every row is accepted.
+    4.  `march` accepts at most `limit` rows, takes no step below `settings.min_step`, and lasts about 50 ms at most.
+    5.  Tests have one meaning and one order along a branch: `watch` gives the index of a type's test. A test that has
+        no value is NaN; its sign changes nothing.
+    6.  `explain` names types only where one of each explains every change between two samples; else it gives None,
+        and the engine looks closer.
+    7.  `verify` solves the defining system to full precision. What it returns holds to its `error`; what is no such
+        point is a reason in words, and "" where there is nothing to say.
+    8.  Numerical trouble is never raised by `march`, `probe`, `verify` or `at_parameter`: it is a stop, None, or a
+        reason.
+    9.  A problem is a frozen value: pickles and copies serve as well as it does. What it remembers makes answers
+        cheaper, not different.
+    10. What is born at a point is not the problem's: `contin.transitions` has a table for it. Optional parts are the
+        protocols above (`Adaptive`, `Planar`, `Floored`, ...), asked for with `is_adaptive` and so on.
     """
 
     @property

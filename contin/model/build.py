@@ -35,13 +35,14 @@ from contin.model.shape import check_version, plain, validate
 from contin.model.source import CallSource, Path, Problems, Source
 from contin.model.symmetry import check_symmetries
 from contin.model.values import parameter_values
+from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.model.model import Model
 
 
 def parts_from_mapping(
-    mapping: Mapping[str, Any], source: Source, *, version_required: bool = False, check: bool = True
+    mapping: Record, source: Source, *, version_required: bool = False, check: bool = True
 ) -> dict[str, Any]:
     """Fields of a `Model`; `check` compares the symmetries with the equations."""
     problems = Problems(source)
@@ -72,7 +73,7 @@ def without_collection(wanted: bool) -> Iterator[None]:
             gc.enable()
 
 
-def start_from_mapping(model: Model, mapping: Mapping[str, Any]) -> Start:
+def start_from_mapping(model: Model, mapping: Record) -> Start:
     """A start written as a mapping of states, and `parameters`, to values."""
     problems = Problems(CallSource(f"start of model {model.name}"))
     data = plain(mapping)
@@ -111,7 +112,7 @@ class _StartReader:
         self.constants: Scope = formulas.scope_of(parameters, hidden)
         self.scope = self.constants if time is None else formulas.scope_of([*parameters, time], hidden)
 
-    def read(self, name: str, data: Mapping[str, Any], path: Path) -> Start:
+    def read(self, name: str, data: Record, path: Path) -> Start:
         values = dict(data)
         overrides = values.pop("parameters", None) or {}
         states = self.known(values, self.states, "state", path, self.scope)
@@ -119,7 +120,7 @@ class _StartReader:
         return Start(name, states, parameters)
 
     def known(
-        self, data: Mapping[str, Any], names: list[str], what: str, path: Path, scope: Scope
+        self, data: Record, names: list[str], what: str, path: Path, scope: Scope
     ) -> dict[str, Expression]:
         found = {}
         allowed = set(names)
@@ -245,7 +246,7 @@ class _Builder:
     def symmetry(self, name: str) -> Symmetry:
         return Symmetry(name, self.images(self.entry.symmetries[name], ("symmetries", name)))
 
-    def images(self, written: Mapping[str, Any], section: Path) -> dict[str, Expression]:
+    def images(self, written: Record, section: Path) -> dict[str, Expression]:
         """A formula for each of some states."""
         images: dict[str, Expression] = {}
         for key, value in written.items():
@@ -332,7 +333,7 @@ class _Builder:
                     self.one_of(str(name), self.parameters, "parameter", (*path, "parameter"))
         return Expectation(item.label, tuple(at), item.tolerance, tuple(runs), tuple(item.transform or ()))
 
-    def check_numbers(self, parts: Mapping[str, Any]) -> None:
+    def check_numbers(self, parts: Record) -> None:
         """What can be said only in numbers: values are finite, ranges ordered, periods positive."""
         try:
             values = parameter_values(parts["parameters"], [])
