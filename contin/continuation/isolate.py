@@ -376,8 +376,8 @@ def _pair(
         errors = points[0].error + points[1].error
         alike = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
         one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
-        seen = any(_is_seen_by(stretch, points[0].type, test) for test in range(len(stretch.base.tests)))
-        alike |= one and is_planar(stretch.problem) and seen  # else one point of another type, passed on both sides
+        if one and is_planar(stretch.problem):  # one of another type is passed on both sides, as a DP by a test of CP
+            alike |= any(_is_seen_by(stretch, points[0].type, test) for test in range(len(stretch.base.tests)))
     elif len(points) == 1 and not points[0].touches:  # the second zero was not told from the first
         alike = len(items) > 1
     if not alike:
@@ -429,7 +429,7 @@ def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:
     """True where points of this type are zeros of this test."""
     try:
         return stretch.problem.watch(type_) == test
-    except KeyError:  # a type that no test of this problem sees
+    except (KeyError, ValueError):  # no point of a curve like this one
         return False
 
 

@@ -33,6 +33,7 @@ UNLABELLED: Final[Mapping[str, Mapping[str, int]]] = {  # events that are no spe
 }  # fmt: skip
 NEAR_BT = 1e-3  # kappa (scaled) to which the positive side of a BT is searched for a zero of l1
 ACCURATE = 1e-11  # an estimated error above this is more than that of a regular defining system
+WITH_POLES = ("GH", "CH", "GPD")  # coefficients, which have poles where a further eigenvalue is critical
 JUMP = 0.2  # relative change of a test's modulus from which it may have passed through zero
 FORCED = 1e-8  # an unfolding parameter below this (relative to f_u) is zero
 JUMPING = 1e-6  # scaled distance of two points between which a test jumps, or passes through zero more steeply than any
@@ -106,7 +107,7 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
         met = crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
             return _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
-    solved = solve(problem, function, near, frame.scale)
+    solved = solve(problem, function, near, frame.scale, with_poles=type_ in WITH_POLES)
     if type_ == "CP":
         exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
         z = near.z if solved is None or not exact else solved.y * frame.scale

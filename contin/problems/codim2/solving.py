@@ -35,11 +35,15 @@ class Solution:
     drift: Array | None = None
 
 
-def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array) -> Solution | None:
+def solve(
+    problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array, with_poles: bool = False
+) -> Solution | None:
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
     within a few steps. The error of the first parameter is estimated as in `defining.newton`.
+
+    with_poles : None where the function has no zero there, but changes its sign at a pole.
     """
     curve, rows, count = problem.curve, scale[:-1], len(near.z)
     parameters = curve.parameters(near.z)
@@ -91,7 +95,7 @@ def solve(problem: LocusProblem, function: Callable[[Array], float], near: Sampl
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
     beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
-    if abs(float(g[-1])) * size > POLE * beside:
+    if with_poles and abs(float(g[-1])) * size > POLE * beside:
         return None
     drift = (float(np.max(scatter)) + lacking) * along
     return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)

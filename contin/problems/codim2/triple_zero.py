@@ -45,11 +45,17 @@ def triple_zero(problem: LocusProblem, near: Sample, frame: Frame) -> Verified |
 
 
 def _others(problem: LocusProblem, z: Array) -> Vector:
-    """The two smallest eigenvalues without the curve's own, relative to the size of f_u (which is not zero there)."""
+    """The two smallest eigenvalues without the curve's own, relative to the rates.
+
+    For n = 3, where all eigenvalues vanish, these are the size of f_u, which does not.
+    """
     matrix = scaled_matrix(problem, z)
     values = np.linalg.eigvals(matrix).astype(complex)
     others = np.delete(values, own_critical(problem, z, values))
-    return others[np.argsort(np.abs(others))[:2]] / max(float(np.linalg.norm(matrix)), 1e-300)
+    size = float(np.linalg.norm(matrix))
+    if len(values) > 3:  # in skew coordinates the norm is no measure of rates
+        size = min(size, float(np.abs(values).max()))
+    return others[np.argsort(np.abs(others))[:2]] / max(size, 1e-300)
 
 
 def _vanish(problem: LocusProblem, z: Array, limit: float) -> bool:
