@@ -216,7 +216,11 @@ class CycleProblem:
     def at_first(self, point: SpecialPoint) -> SpecialPoint:
         """The point as a fixed point of the iterate."""
         scale = self._inner_frame(Frame(point.scale)).scale if point.scale.size else point.scale
-        return replace(point, z=self.first(point.z), tangent=self.first(point.tangent), scale=scale)
+        vectors = dict(point.vectors)
+        if "beside" in vectors:  # a place on the branch, which is a cycle
+            vectors["beside"] = self.first(vectors["beside"])
+        first, tangent = self.first(point.z), self.first(point.tangent)
+        return replace(point, z=first, tangent=tangent, scale=scale, vectors=vectors)
 
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
