@@ -25,9 +25,13 @@ import numpy as np
 
 from contin.normalforms.jet import Complex, Jet, Real, lift
 from contin.normalforms.linear import EigenPair, solve
+from contin.normalforms.result import TRUST
 
 Index = tuple[int, ...]
 RESONANCE = 1e-6  # relative distance at which lambda.v counts as equal to lambda_j
+# A form may vanish in its direction because terms of the formulas cancel: beside it, with other signs, they do not.
+SIGNS = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0])
+ROUNDED = 16.0 * float(np.finfo(float).eps) / TRUST  # of what the terms are, in units of `TRUST`
 
 
 class CentreManifold:
@@ -117,9 +121,11 @@ class CentreManifold:
             weight = 1.0
             for part in set(parts):
                 weight /= factorial(parts.count(part))
-            term = np.asarray(weight * self.jet.form(*(self._direction(part) for part in parts)), complex)
+            directions = [self._direction(part) for part in parts]
+            term = np.asarray(weight * self.jet.form(*directions), complex)
             total += term
-            sizes = sizes + np.abs(term)
+            aside = weight * self.jet.form(*(d * SIGNS[np.arange(len(d)) % len(SIGNS)] for d in directions))
+            sizes = sizes + np.abs(term) + ROUNDED * np.abs(aside)
         if sum(v) == 1:  # the first coefficient of a parameter: A h + F_p = sum g q
             term = self.jet.form(lift(np.zeros(self.jet.n), self.jet.parameters, v.index(1) - self.m)).astype(complex)
             return total + term, np.abs(term)
