@@ -8,21 +8,23 @@ if TYPE_CHECKING:
     from contin.api.branches import continuation, walk
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
-    from contin.api.responses import solution
-    from contin.api.starts import connecting_orbit, equilibrium, find_equilibria, periodic_orbit
+    from contin.api.orbit_starts import connecting_orbit, periodic_orbit
+    from contin.api.searches import find_equilibria
+    from contin.api.solutions import solution
+    from contin.api.starts import equilibrium
 
 _HOMES = {
     "boundary_problem": "boundary",
     "compiled": "machine_code",
-    "connecting_orbit": "starts",
+    "connecting_orbit": "orbit_starts",
     "continuation": "branches",
     "diagram": "diagrams",
     "equilibrium": "starts",
-    "find_equilibria": "starts",
-    "periodic_orbit": "starts",
+    "find_equilibria": "searches",
+    "periodic_orbit": "orbit_starts",
     "phase": "diagrams",
     "prepare": "machine_code",
-    "solution": "responses",
+    "solution": "solutions",
     "walk": "branches",
 }
 

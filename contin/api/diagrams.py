@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.api.responses import responses_in, solution
+from contin.api.responses import responses_in
+from contin.api.searches import find_equilibria
 from contin.api.seeds import Range, as_seed, bounds_of, targets_of
-from contin.api.starts import equilibrium, find_equilibria
+from contin.api.solutions import solution
+from contin.api.starts import equilibrium
 from contin.continuation.departure import Seed
 from contin.continuation.journal import Journal
 from contin.continuation.settings import Settings

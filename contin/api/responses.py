@@ -1,4 +1,4 @@
-"""What diagrams start from: equilibria, or the periodic responses of a forced flow, which has none."""
+"""The periodic responses of a forced flow, from which its diagrams start: it has no equilibria."""
 
 from __future__ import annotations
 
@@ -8,29 +8,14 @@ from typing import Any, Final
 import numpy as np
 
 from contin.api.machine_code import compiled
-from contin.api.starts import equilibrium, reach_of
-from contin.bvp.start import boundary_guess
+from contin.api.searches import reach_of
 from contin.continuation.departure import Seed
 from contin.diagram.orbits import known_orbit
 from contin.errors import ContinError
 from contin.problems.deflation import make_box
 from contin.problems.responses import Response, response
-from contin.records import Record
 
 SCATTERED: Final = 12  # trajectories at each value of the parameter
-
-
-def solution(model: Any, start: Any, parameters: Record | None) -> Any:
-    """An equilibrium; of a forced flow the periodic response that its trajectory settles on.
-
-    Raises as `contin.equilibrium` and `contin.problems.responses.response` do.
-    """
-    if getattr(model, "interval", None) is not None:
-        return boundary_guess(model, start, parameters)
-    if getattr(model, "forcing", None) is None:
-        return equilibrium(model, start, parameters)
-    u, p = model.start_point(start, dict(parameters or {}))
-    return response(compiled(model), u, p, np.asarray(model.periods(), dtype=float))
 
 
 def responses_in(model: Any, parameter: str, values: list[float], box: Any, parameters: Any) -> list[Seed]:

@@ -4,28 +4,60 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
+from contin.abi import Array
 from contin.api.starts import equilibrium
-from contin.bvp.problem import BoundaryProblem
-from contin.bvp.start import BoundaryGuess
 from contin.continuation.branch import LocusStart
 from contin.continuation.departure import Seed
 from contin.continuation.extrema import Extremum
 from contin.continuation.targets import Target
 from contin.errors import InputError
 from contin.model.model import Model
-from contin.problems.deflation import FoundEquilibrium
 from contin.problems.functions.problem import FunctionProblem
-from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
-from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.start import PeriodicOrbit
-from contin.problems.shooting.problem import ShootingProblem
-from contin.problems.shooting.start import ShotOrbit
-from contin.problems.sparse.start import LargeEquilibrium
-from contin.problems.start import Equilibrium
 
 Range: TypeAlias = tuple[float, float] | Sequence[float] | Mapping[str, Sequence[float]]
+
+
+@runtime_checkable
+class Start(Protocol):
+    """A solution, or a guess of one, at fixed parameters: an equilibrium, an orbit, functions on an interval."""
+
+    @property
+    def system(self) -> Any:
+        """Whose `parameter_names` may vary."""
+
+    def seed(self, parameter: str) -> Seed:
+        """Where a continuation with this parameter free starts."""
+
+
+@runtime_checkable
+class FoundStart(Protocol):
+    """What a search found."""
+
+    @property
+    def equilibrium(self) -> Start:
+        """The solution."""
+
+
+@runtime_checkable
+class StartOfCurve(Protocol):
+    """What starts a curve in two parameters: an orbit that connects two saddles."""
+
+    @property
+    def saddles(self) -> Array:
+        """(2, n)"""
+
+    def locus(self, parameters: tuple[str, str]) -> Any:
+        """The curve's seed."""
+
+
+@runtime_checkable
+class NamesColumns(Protocol):
+    """A problem whose columns are others than its states and observables."""
+
+    def column_names(self) -> Sequence[str]:
+        """All names that `columns` gives."""
 
 
 def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> tuple[Seed, tuple[float, float]]:
@@ -36,7 +68,7 @@ def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> t
         return seed, bounds_of(seed.problem, names[0], range)
     if isinstance(start, LocusStart):
         start = start.point.locus(names)
-    elif isinstance(start, ConnectingOrbit):
+    elif isinstance(start, StartOfCurve):
         start = start.locus((names[0], names[1]))
     seed = start[0] if isinstance(start, list) and start else start
     if not isinstance(seed, Seed) or tuple(seed.problem.parameters) != names:
@@ -55,7 +87,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
         return as_seed(start[0], parameter)
     if isinstance(start, FunctionProblem | Model):
         start = equilibrium(start)
-    if isinstance(start, FoundEquilibrium):
+    if isinstance(start, FoundStart):
         start = start.equilibrium
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:
@@ -63,7 +95,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
                 f"this start varies {start.problem.parameters[0]}; switch with parameter={parameter!r} instead"
             )
         return start
-    if isinstance(start, Equilibrium | LargeEquilibrium | PeriodicOrbit | ShotOrbit | BoundaryGuess):
+    if isinstance(start, Start):
         known = list(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
@@ -104,6 +136,6 @@ def extrema_of(problem: Any, columns: Sequence[str]) -> list[Extremum]:
 
 
 def _column_names(problem: Any) -> set[str]:
-    if isinstance(problem, OrbitProblem | ShootingProblem | BoundaryProblem):
+    if isinstance(problem, NamesColumns):
         return set(problem.column_names())
     return {*problem.parameters, *problem.system.state_names, *problem.system.observable_names}

@@ -1,0 +1,86 @@
+"""Periodic and connecting orbits at fixed parameters, where branches may start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.api.machine_code import compiled
+from contin.api.requirements import need_parameters
+from contin.api.starts import equilibrium
+from contin.errors import InputError
+from contin.model.kinds import need_time
+from contin.model.model import Model
+from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
+from contin.problems.orbits.samples import orbit_from_samples
+from contin.problems.orbits.start import PeriodicOrbit
+from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
+from contin.problems.start import Equilibrium
+from contin.records import Record
+
+
+def periodic_orbit(
+    model: Any,
+    start: Any = None,
+    parameters: Record | None = None,
+    *,
+    period: float | None = None,
+    times: Any = None,
+    transient: float = 0.0,
+    intervals: int | None = None,
+    points: int = 4,
+    method: str | None = None,
+) -> PeriodicOrbit | ShotOrbit:
+    """A periodic orbit at fixed parameters: the start of a continuation.
+
+    method : 'collocation' or 'shooting'; by default collocation, shooting where the flow is piecewise smooth.
+
+    start : a named start or mapping of states, from which the trajectory is integrated until it returns (after
+    `transient`);
+        or an array (K, n) of states over one period, the last row the first again, at `times` (K,) or, with `period`,
+        at equal times.
+    intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
+        shooting: intervals is the number of segments.
+
+    Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
+    """
+    need_parameters(model)
+    need_time(model, "periodic orbits")
+    if isinstance(start, np.ndarray):
+        if period is None and times is None:
+            raise InputError(
+                "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
+            )
+        t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
+        if t.shape != (len(start),):
+            raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
+        _, p = model.start_point(None, dict(parameters or {}))
+        periods = np.asarray(model.periods(), dtype=float)
+        if shooting_chosen(compiled(model), method):
+            return orbit_from_return(compiled(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
+        return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
+    u, p = model.start_point(start, dict(parameters or {}))
+    periods = np.asarray(model.periods(), dtype=float)
+    return settled_orbit(
+        compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
+    )
+
+
+def connecting_orbit(
+    model: Model,
+    first: str | Record,
+    last: str | Record | None = None,
+    parameters: Record | None = None,
+) -> ConnectingOrbit:
+    """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
+
+    first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
+    return to the first one (homoclinic). At the parameters a trajectory that leaves the first saddle must pass near the
+    second one. `continuation(..., (p, q), ranges)` then solves for the orbit at the present value of q.
+    """
+    need_time(model, "connecting orbits")
+    saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
+    if any(not isinstance(saddle, Equilibrium) for saddle in saddles) or saddles[0].system.kind == "map":
+        raise InputError("connecting orbits need a flow given by formulas")
+    return ConnectingOrbit(saddles[0].system, saddles[0].p, np.array([saddle.u for saddle in saddles]))

@@ -1,0 +1,25 @@
+"""What a run starts from where nothing else is said: an equilibrium, or what a model has in its place."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contin.api.machine_code import compiled
+from contin.api.starts import equilibrium
+from contin.lazy import module
+from contin.records import Record
+
+
+def solution(model: Any, start: Any, parameters: Record | None) -> Any:
+    """An equilibrium; of a forced flow the periodic response that its trajectory settles on.
+
+    Raises as `contin.equilibrium` and `contin.problems.responses.response` do.
+    """
+    if getattr(model, "interval", None) is not None:
+        return module("boundary").boundary_guess(model, start, parameters)
+    if getattr(model, "forcing", None) is None:
+        return equilibrium(model, start, parameters)
+    u, p = model.start_point(start, dict(parameters or {}))
+    return module("responses").response(compiled(model), u, p, np.asarray(model.periods(), dtype=float))
