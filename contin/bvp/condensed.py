@@ -56,12 +56,15 @@ class Condensed:
 
     @property
     def log_determinant(self) -> float:
-        """In place of log |det M|, which swings by many powers of ten: -2 log |M^-1 e|.
+        """In place of log |det M|, which swings by many powers of ten: -log |M^-1 r|, r a fixed jump of the conditions.
 
         The test for branch points becomes the determinant's sign times about the smallest singular value of M.
         """
-        length = norm(self.solve(np.append(np.zeros(self.scale.size - 1), 1.0)))
-        return -2.0 * elementary.log(length) if 0.0 < length < np.inf else 0.0
+        rows = self.intervals * self.m * self.n
+        right = np.zeros(self.scale.size)
+        right[rows : rows + self.n] = elementary.cos(1.0 + np.arange(self.n))
+        length = norm(self.solve(right))
+        return -elementary.log(length) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, (size,), in scaled unknowns."""

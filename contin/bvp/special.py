@@ -7,7 +7,7 @@ of the branch. The stated error holds what the same point moves to on a mesh of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from contin.problems.orbits.layout import make_scale
 from contin.problems.sparse import forms
 from contin.problems.sparse.reduced import Reduced
 from contin.problems.sparse.special import secant
+from contin.records import Fields
 
 if TYPE_CHECKING:
     from contin.bvp.problem import BoundaryProblem
@@ -32,6 +33,7 @@ STALLED = 1e-8  # a correction that no longer falls, because of rounding
 REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix without it is singular
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
+WITHIN = 3.0  # errors of a coefficient within which it is zero
 NOTHING = np.zeros(0, complex)
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
@@ -56,6 +58,8 @@ def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> 
     other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
     if other is None:
         return f"{type_} not verified: it is not there on a mesh of twice as many intervals"
+    if type_ == "BP":
+        form = _decided(mesh, x, form, scatter + abs(other - float(x[-1])))
     error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
     return Verified(type_, mesh.full(x), residual, error, NOTHING, 0, form, vectors)
 
@@ -66,7 +70,7 @@ def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame
     return [verify(problem, types[0], a, frame)] if types else []
 
 
-Found = tuple[Array, float, float, dict[str, Any], dict[str, Any]]  # x, residual, error, normal form, vectors
+Found = tuple[Array, float, float, Fields, Fields]  # x, residual, error, normal form, vectors
 
 
 def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
@@ -129,6 +133,21 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | str:
     if not np.isfinite(scatter):
         return "BP not verified: its place is not determined to any accuracy"
     return x, residual, scatter, forms.branch_point(mesh, x, null_vector(mesh, x)), {"kernel": 1}
+
+
+def _decided(mesh: OnMesh, x: Array, form: Fields, error: float) -> Fields:
+    """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
+
+    Without a stability to take over there is no other word for its criticality.
+    """
+    moved = x.copy()
+    moved[-1] += max(error, ROUNDING)
+    other = forms.branch_point(mesh, moved, null_vector(mesh, x))
+    errors = {name: abs(float(form[name]) - float(other[name])) for name in ("b11", "b20", "b30")}
+    found = {name: value for name, value in form.items() if name != "criticality"} | {"errors": errors}
+    if form["kind"] == "pitchfork" and abs(float(form["b30"])) <= WITHIN * errors["b30"]:
+        found["criticality"] = "degenerate"
+    return found
 
 
 def _on_finer_mesh(

@@ -68,4 +68,8 @@ class AlgebraicProblem(EquilibriumProblem):
 
 
 def _still(found: Verified | str) -> Verified | str:
-    return found if isinstance(found, str) else replace(found, eigenvalues=NONE, unstable=0)
+    """Without eigenvalues, and without the word for whose stability the new branch takes over."""
+    if isinstance(found, str):
+        return found
+    form = {k: v for k, v in found.normal_form.items() if k != "criticality" or v == "degenerate"}
+    return replace(found, eigenvalues=NONE, unstable=0, normal_form=form)

@@ -158,3 +158,16 @@ def test_verbs_of_flows_say_that_there_is_no_time(kind):
     for verb in verbs if kind == "algebraic" else [*verbs, lambda: contin.equilibrium(model)]:
         with pytest.raises(InputError, match="follow its solutions with"):
             verb()
+
+
+def test_eulers_elastica_buckles_where_it_should():
+    """theta'' = -P sin(theta), theta' = 0 at the ends: P = (n pi)^2; at P = 0 any constant will do."""
+    parts = {
+        "kind": "bvp", "states": {"theta": 0, "m": 0}, "parameters": {"P": {"value": 1, "range": [0, 50]}},
+        "equations": {"theta": "m", "m": "-P*sin(theta)"}, "conditions": ["m(start) = 0", "m(end) = 0"],
+    }  # fmt: skip
+    line = follow(parts, "P", (0, 50))
+    assert not line.notes
+    for n, point in enumerate(line.points):
+        assert abs(point.values["P"] - (n * np.pi) ** 2) <= point.error
+    assert [p.normal_form.get("criticality") for p in line.points] == ["degenerate", None, None]
