@@ -89,6 +89,20 @@ class Condensed:
         return x / self.scale
 
 
+def residual_at(problem: BoundaryProblem, z: Array) -> Array | None:
+    """The residual alone, as `Condensed` has it; factors that were made before stay good. None where not finite."""
+    profile = problem.profile(z)
+    n, m, count = profile.n, profile.m, profile.intervals
+    p = problem.full_parameters(z)
+    points = problem.workspace(count, p).points
+    if not evaluate(problem.equations, points, z, False):
+        return None
+    local, border = np.empty((m * n, count)), np.zeros(2)
+    residual(problem.equations, points, z, local, np.empty(n), border)
+    value, _ = problem.conditions(profile, p)
+    return np.concatenate([-local.T.reshape(-1), value, [-border[0]], np.zeros(count)])
+
+
 def linearise(problem: BoundaryProblem, z: Array, tangent: Array, scale: Array) -> Condensed | None:
     """None where the equations are not finite; its `sign` is 0 where M is singular."""
     profile = problem.profile(z)

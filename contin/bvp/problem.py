@@ -150,9 +150,9 @@ class BoundaryProblem:
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         width = parameter_width(self.two.model, self.parameters[0], float(z[-1]), bounds)
         profile = self.profile(z)
-        return make_scale(profile.h, self.points, self._sizes(z, profile, width), 1.0, width)
+        return make_scale(profile.h, self.points, self.natural_sizes(z, profile, width), 1.0, width)
 
-    def _sizes(self, z: Array, profile: Profile, width: float) -> Array:
+    def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
         """Declared sizes; else those of the solution, or how far the parameter's range moves it to first order."""
         size = np.abs(profile.u).max(axis=0)
         fixed = np.zeros_like(z)
@@ -249,7 +249,8 @@ class BoundaryProblem:
         near = bool(np.all(apart <= max(SAME, float(np.sqrt(slack / scale[-1]))) * np.maximum(sizes, 1e-300)))
         return abs(float(a.z[-1] - b.z[-1])) <= slack and near
 
-    def describe_failure(self, z: Array) -> str:
+    def trouble(self, z: Array) -> str:
+        """Where the equations have no value on the solution, and why; empty where they have one everywhere."""
         profile = self.profile(z)
         p = self.full_parameters(z)
         for s, u in zip(profile.times, profile.u, strict=True):
@@ -257,6 +258,13 @@ class BoundaryProblem:
             text = self.two.system.explain(u, p)
             if text:
                 return str(text)
+        return ""
+
+    def describe_failure(self, z: Array) -> str:
+        trouble = self.trouble(z)
+        if trouble:
+            return trouble
+        profile = self.profile(z)
         error, _ = estimate(profile, np.maximum(np.abs(profile.u).max(axis=0), 1e-300))
         if error > 100.0 * self.tolerance:
             return (

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.bvp.condensed import residual_at
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.errors import InputError, NotFiniteError
@@ -209,8 +210,8 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
         damping = min(1.0, 4.0 * damping)
         while True:
             trial = _moved(z, scale, damping * step, value)
-            there = problem.linearisation(trial, fixed, scale)
-            again = np.inf if there is None else norm(_simplified(problem, z, fixed, scale, there.residual))
+            left = residual_at(problem, trial)
+            again = np.inf if left is None else norm(here.solve(np.append(-left, 0.0)))
             if again <= (1.0 - 0.25 * damping) * size or again < STALLED:
                 break
             damping *= 0.5
@@ -218,13 +219,6 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
                 return None
         z, before = trial, size if damping == 1.0 else np.inf
     return None
-
-
-def _simplified(problem: BoundaryProblem, z: Array, fixed: Array, scale: Array, residual: Array) -> Array:
-    """The correction that the matrix at z gives for a residual elsewhere."""
-    here = problem.linearisation(z, fixed, scale)
-    assert here is not None
-    return here.solve(np.append(-residual, 0.0))
 
 
 def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:

@@ -85,14 +85,14 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
     profile = guess
     for _ in range(ROUNDS):
         z = profile.vector()
-        sizes = problem._sizes(z, profile, abs(profile.parameter) or 1.0)
+        sizes = problem.natural_sizes(z, profile, abs(profile.parameter) or 1.0)
         scale = make_scale(profile.h, problem.points, sizes, 1.0, 1.0)
         found = problem.at_parameter(z, profile.parameter, scale)
         if found is None:
             raise NoSolutionError(
                 f"no solution of {problem.two.model.name} found from the start at {problem.parameters[0]} = "
                 f"{profile.parameter:.10g}: Newton's method does not converge. Start from formulas in "
-                f"{_time(problem)} closer to the solution, or at another parameter value. {_trouble(problem, z)}"
+                f"{_time(problem)} closer to the solution, or at another parameter value. {problem.trouble(z)}"
             )
         profile = problem.profile(found)
         sizes = np.maximum(np.abs(profile.u).max(axis=0), 1e-9 * sizes)
@@ -105,17 +105,10 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
 
 
 def _unit(problem: BoundaryProblem, profile: Profile) -> Array:
-    sizes = problem._sizes(profile.vector(), profile, 1.0)
+    sizes = problem.natural_sizes(profile.vector(), profile, 1.0)
     return make_scale(profile.h, problem.points, sizes, 1.0, 1.0)
 
 
 def _time(problem: BoundaryProblem) -> str:
     interval = problem.two.model.interval
     return "t" if interval is None else interval.name
-
-
-def _trouble(problem: BoundaryProblem, z: Array) -> str:
-    text = problem.describe_failure(z)
-    return text if "not finite" in text else ""
-
-

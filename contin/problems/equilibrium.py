@@ -24,6 +24,7 @@ from contin.problems.branching.at_start import unfolded
 from contin.problems.describe import with_normal_form
 from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_corner
 from contin.problems.functions.march import DenseMarch
+from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
 from contin.problems.neutral import NeutralMarch, is_neutral
 from contin.problems.neutral import remarks as neutral_remarks
@@ -184,6 +185,9 @@ class EquilibriumProblem:
 
     def linear_part(self, z: Array) -> Array:
         """The matrix whose eigenvalues decide stability: f_u."""
+        if isinstance(self.system, FunctionSystem):  # differences by the parameters would cost the user's time
+            with np.errstate(all="ignore"):
+                return self.system.state_jacobian(np.array(z[:-1]), self.full_parameters(z))
         _, matrix = self.linearise(z)
         return matrix[:, : self.n] + (np.eye(self.n) if self.is_map else 0.0)
 
