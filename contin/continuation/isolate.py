@@ -18,7 +18,7 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
-from contin.continuation.looking_again import is_linear, points_between, rounding, told_apart
+from contin.continuation.looking_again import is_linear, points_between, rounding, solved, told_apart
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
 from contin.continuation.sameness import same_point
@@ -112,6 +112,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         width = stretch.distance(point, far)
         if width < 4.0 * close:
             continue
+        far = solved(stretch, far, point)
         near = stretch.between(point, far, close / width)
         nearer = stretch.between(point, far, 0.25 * close / width)
         if near is None:
@@ -136,6 +137,7 @@ def next_to_event(
         return
     if event.normal_form.get("kind") == "nonsmooth":  # what is divided out is a zero of a smooth function
         return
+    near, far = solved(stretch, near, far), solved(stretch, far, near)
     test = problem.watch(event.type)
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
     yield from _rest(stretch, near, far, centre, crossing, 0)
