@@ -17,6 +17,7 @@ MODULES: Final = {
     "simulation plan": "contin.runs.simulation_plan",  # the plan of a run has parts that are planned as runs are
     "iterates": "contin.simulate.iterate",  # a map is simulated by other means, with the same result
     "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means
+    "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "boundary": "contin.bvp.start",  # a run of a boundary-value problem starts from a guess of functions
     "responses": "contin.problems.responses",  # ... of a forced flow from what a trajectory settles on
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other

@@ -13,10 +13,12 @@ from contin.cli.printable import printable
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker
 from contin.errors import InputError
+from contin.model.registry import find
 from contin.model.yaml_loader import model_from_document
 from contin.model.yaml_reader import read_file
 from contin.runs.bundled import find_run, is_scan
 from contin.runs.expect import verify_expectations
+from contin.runs.foreign import is_foreign
 from contin.runs.load import read_run
 from contin.runs.outputs import files_read
 from contin.runs.plan import make_plan
@@ -36,6 +38,8 @@ def check_file(file: Path, execute: bool) -> int:
     if is_result(file):
         print(f"{file}: good. {verify(file)}; every part is as it was written")
         return 0
+    if is_foreign(file):
+        return check_foreign(file)
     file, place = find_run(file)
     with reading(file) as tell:
         document = read_file(file)
@@ -93,6 +97,13 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
         + described(plan.simulations, plan.sweep)
     )
     print(f"{file}: good. Model {plan.model.name}, {len(plan.model.states)} states; runs: {what}")
+    return 0
+
+
+def check_foreign(file: Path) -> int:
+    """Check a model in the format of another program."""
+    model = find(file)
+    print(f"{file}: good. Model {model.name}: {len(model.states)} states, {len(model.parameters)} parameters")
     return 0
 
 

@@ -16,6 +16,7 @@ WORK: Final = {
     "check_file": "contin.cli.check",
     "list_models": "contin.cli.models",
     "plot_file": "contin.cli.plot",
+    "import_model": "contin.cli.import_model",
     "export_file": "contin.cli.export",
     "write_templates": "contin.cli.new",
     "derive_model": "contin.cli.derive",

@@ -282,11 +282,22 @@ def plot(
 
 @app.command()
 def export(
-    file: Annotated[Path, typer.Argument(help="Results: .contin, .json or .scan.")],
-    out: Annotated[Path, typer.Argument(help="File to write: .json, .csv or .nc.")],
+    file: Annotated[Path, typer.Argument(help="Results (.contin, .json, .scan) or a model file.")],
+    out: Annotated[Path, typer.Argument(help="Results: .json, .csv or .nc. A model: the ending of another program.")],
 ) -> None:
-    """Write saved results in another format."""
+    """Write saved results, or a model, in another format."""
     raise typer.Exit(work("export_file")(file, out))
+
+
+@app.command("import")
+def import_(
+    file: Annotated[Path, typer.Argument(help="A model in the format of another program.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Model file to write (default: standard output).")
+    ] = None,
+) -> None:
+    """Write a model of another program as a model file (YAML)."""
+    raise typer.Exit(work("import_model")(file, out))
 
 
 @app.command()

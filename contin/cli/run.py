@@ -22,6 +22,7 @@ from contin.records import Fields, Record
 from contin.runs.bundled import find_run, is_scan
 from contin.runs.engine import ContinEngine
 from contin.runs.execute import execute
+from contin.runs.foreign import foreign_run, is_foreign
 from contin.runs.load import load_run_file, read_run
 from contin.runs.outputs import files_read, make_folder
 from contin.runs.plan import make_plan
@@ -47,10 +48,13 @@ def run_file(
 ) -> int:
     """Carry out a run file, or a bundled one by its name; the exit code."""
     file, place = find_run(file)
+    overrides = parse_sets(sets)
+    if is_foreign(file):
+        entry, source = foreign_run(file)
+        return carry_out(make_plan(entry, source, place, overrides), json, orbits, quiet, began, resume)
     if is_scan(file):
         code: int = lazy.module("scan").scan_file(file, json, sets, None, None, resume, None, quiet, place)
         return code
-    overrides = parse_sets(sets)
     entry, source = load_run_file(file)
     plan = make_plan(entry, source, place, overrides)
     return carry_out(plan, json, orbits, quiet, began, resume, files_read(entry, file))

@@ -22,6 +22,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final
 
+from contin import lazy
 from contin.errors import InputError, ModelNotFoundError
 from contin.model.advice import closest
 from contin.model.any_model import AnyModel
@@ -130,7 +131,8 @@ def load(model: str | os.PathLike[str] | Record) -> Json:
 
 
 def find(name: str | os.PathLike[str], base_folder: str | os.PathLike[str] = ".") -> Any:
-    """The model called `name`: a path (relative to `base_folder`) if it ends in .yaml, .yml or .json or names a file,
+    """The model called `name`: a path (relative to `base_folder`) if it ends in .yaml, .yml, .json
+    or the ending of a foreign format (.ode, .sbml, ...) or names a file,
     otherwise the name of a bundled or plugin model, whose family may be left out where that is unambiguous.
 
     Raises
@@ -142,11 +144,12 @@ def find(name: str | os.PathLike[str], base_folder: str | os.PathLike[str] = "."
     """
     text = os.fspath(name)
     path = Path(base_folder) / Path(text).expanduser()
-    written_as_path = not isinstance(name, str) or text.lower().endswith((".yaml", ".yml", ".json"))
+    foreign = bool(path.suffix) and lazy.module("exchange").is_foreign(path)
+    written_as_path = not isinstance(name, str) or foreign or text.lower().endswith((".yaml", ".yml", ".json"))
     if written_as_path or text.startswith(("./", "../", "~", "/")) or "\\" in text:
         if not path.exists():
             raise ModelNotFoundError(f"no model file {path}{_nearby(path)}")
-        return load_model(path)
+        return lazy.module("exchange").load(path) if foreign else load_model(path)
     offers = _offers(text)
     if len(offers) == 1:
         return offers[0].load()
@@ -212,6 +215,6 @@ def _not_found(text: str) -> str:
 def _nearby(path: Path) -> str:
     if not path.parent.is_dir():
         return f": there is no folder {path.parent}"
-    files = [p.name for p in path.parent.iterdir() if p.suffix in (".yaml", ".yml", ".json")]
+    files = [p.name for p in path.parent.iterdir() if p.suffix in (".yaml", ".yml", ".json", path.suffix)]
     advice = closest(path.name, files)
     return f": {advice}" if advice else ""
