@@ -113,32 +113,33 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     g, matrix = system(x)
     if not np.all(np.isfinite(matrix)):
         return None
+    beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
+    beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
+    sizes = np.maximum(np.abs(matrix), beside).max(axis=1)
+    left, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    flat = singular <= FLAT * max(float(singular[0]), float(sizes.max()))
+    inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular))  # flat directions: see `_reach`
+    row = (right.T[position] * inverses) @ left.T
     generator = np.random.default_rng(12345)
-    inverse = np.linalg.pinv(matrix, rcond=1e-15) if matrix.shape[0] != matrix.shape[1] else _inverse(matrix)
-    if inverse is None:
-        return None
-    row = inverse[position]
     epsilon = float(np.finfo(float).eps)
     estimates, noise = [], epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
-    noises, odd = np.zeros(len(g)), np.zeros(len(g))
+    near, curved, odd = np.zeros((3, len(g)))  # rounding errors: of short steps, of longer ones with what is curved
+    steep = right[~flat]
     for _ in range(SAMPLES):
         shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
         value, _ = system(x + shift, slopes=False)
-        estimates.append(shift[position] - float(row @ value))
-        noises = np.maximum(noises, np.abs(value - g - matrix @ shift))
+        estimates.append(float((steep.T @ (steep @ shift))[position]) - float(row @ value))
+        near = np.maximum(near, np.abs(value - g - matrix @ shift))
         farther = ROUNDED / PERTURBATION * shift  # so near, terms with cancelling parts may not change at all
         ahead, behind = (system(x + sign * farther, slopes=False)[0] for sign in (1.0, -1.0))
-        noises = np.maximum(noises, np.abs(ahead - g - matrix @ farther))
-        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - matrix @ farther))  # without what is curved
-    noise = max(noise, float(np.max(noises)))
+        curved = np.maximum(curved, np.abs(ahead - g - matrix @ farther))
+        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - matrix @ farther))  # ... and without
+    noise = max(noise, float(np.max(near)), float(np.max(curved)))
     rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
     error = 2.0 * max(float(np.max(np.abs(estimates))), rounded) + lacking
-    beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
-    beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
-    _, singular, right = np.linalg.svd(matrix, full_matrices=False)
-    sizes = np.maximum(np.abs(matrix), beside).max(axis=1)
-    limits = np.maximum(CLEAR * np.maximum(noises, epsilon * sizes), np.abs(g))  # whatever x is: it might be 1 as well
-    for direction in right[singular <= FLAT * singular[0]]:
+    rounded_x = epsilon * float(np.max(np.abs(x))) * sizes  # what the unknowns' own rounding makes of it
+    limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x]), np.abs(g))
+    for direction in right[flat]:
         along = abs(float(direction[position]))
         if along > 0.0:
             error += along * _reach(system, x, position, g, direction, limits)
@@ -178,13 +179,6 @@ def _least_squares(matrix: Array, right: Array) -> Array | None:
         if matrix.shape[0] == matrix.shape[1]:
             return np.asarray(np.linalg.solve(matrix, right))
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-15)[0])
-    except np.linalg.LinAlgError:  # Newton ends: not verified, in words
-        return None
-
-
-def _inverse(matrix: Array) -> Array | None:
-    try:
-        return np.asarray(np.linalg.inv(matrix))
     except np.linalg.LinAlgError:  # Newton ends: not verified, in words
         return None
 

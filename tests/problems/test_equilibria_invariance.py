@@ -51,14 +51,13 @@ def assert_same(found, wanted, rtol=1e-8):
 
 
 def assert_near(branch, expected):
-    """The labels of a closed form, to their own error estimates (no worse than 1e-8, where they are not degenerate)."""
+    """The labels of a closed form, to their own error estimates (and no worse than 1e-8)."""
     found = sorted((p.type, p.values["p"], p.error) for p in branch.points)
-    degenerate = {p.error for p in branch.points if p.normal_form.get("kind") == "degenerate"}
     wanted = sorted(expected)
     assert [t for t, *_ in found] == [t for t, _ in wanted], branch.notes
     for (_, value, error), (_, exact) in zip(found, wanted, strict=True):
         assert abs(value - exact) <= error + 1e-14
-        assert error < 1e-8 or error in degenerate
+        assert error < 1e-8
 
 
 @pytest.fixture(scope="module")
