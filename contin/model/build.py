@@ -28,6 +28,7 @@ from contin.model.parts import (
     Start,
     State,
     Symmetry,
+    Total,
 )
 from contin.model.rotation import check_rotation
 from contin.model.scope import Scope
@@ -88,7 +89,7 @@ def start_from_mapping(model: Model, mapping: Record) -> Start:
     formulas.definitions = dict(model.definitions)
     formulas.conditions = {n for n, e in model.definitions.items() if is_condition(e)}
     time = None if model.interval is None else model.interval.name
-    reader = _StartReader(formulas, list(model.state_names), list(model.parameter_names), problems, time)
+    reader = _StartReader(formulas, list(model.starting_names), list(model.parameter_names), problems, time)
     start = reader.read("", data, ())
     problems.raise_if_any()
     return start
@@ -187,6 +188,7 @@ class _Builder:
             ),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
             **self.boundary(numbers),
+            **self.conserved(),
         }
         for section in ("starts", "symmetries"):
             for name in getattr(entry, section):
@@ -291,6 +293,25 @@ class _Builder:
         if self.entry.kind == "map":
             self.problems.add(("forcing",), "a map has no time; use kind: flow", key=True)
         return Forcing(self.formulas.read(item.period, ("forcing", "period"), self.constants))
+
+    def conserved(self) -> dict[str, Any]:
+        """Whether conserved totals are to be looked for, or those that were."""
+        written = self.entry.conserved
+        if isinstance(written, bool):
+            return {"conserved": written}
+        totals = []
+        for key, item in written.items():
+            path: Path = ("conserved", key)
+            self.one_of(key, self.parameters, "parameter", path)
+            value = self.formulas.read(item.value, (*path, "value"), self.constants)
+            state = State(canonical_name(item.state), value, item.unit, item.description)
+            law = {
+                canonical_name(n): self.formulas.read(c, (*path, "law", n), self.constants) for n, c in item.law.items()
+            }
+            for name in law:
+                self.one_of(name, [*self.states, state.name], "state", (*path, "law", name))
+            totals.append(Total(canonical_name(key), law, state, item.note or ""))
+        return {"totals": tuple(totals)}
 
     def boundary(self, numbers: FunctionalReader) -> dict[str, Any]:
         """The interval and the conditions of a boundary-value problem."""

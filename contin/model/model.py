@@ -30,9 +30,11 @@ from contin.model.parts import (
     Start,
     State,
     Symmetry,
+    Total,
 )
 from contin.model.scope import Function
 from contin.model.source import CallSource
+from contin.model.totals import with_totals
 from contin.model.values import Override, parameter_values
 from contin.model.writer import model_latex, model_text, summary
 from contin.records import Json, Record
@@ -76,6 +78,8 @@ class Model:
     conditions: tuple[Condition, ...] = ()
     functionals: Mapping[str, Functional] = field(default_factory=dict)
     expect: tuple[Expectation, ...] = ()
+    conserved: bool = True  # branches are followed at fixed conserved totals (`contin.symbolic.passes.conserved`)
+    totals: tuple[Total, ...] = ()  # the pass has done so
 
     def __init__(self, name: str, **entries: object) -> None:
         parts = parts_from_mapping({"name": name, **entries}, CallSource(f"Model({name!r})"))
@@ -129,6 +133,11 @@ class Model:
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters in the order of the vector p."""
         return tuple(p.name for p in self.parameters)
+
+    @property
+    def starting_names(self) -> tuple[str, ...]:
+        """States that a start may give: those of the vector u, and those that conserved totals eliminated."""
+        return (*self.state_names, *(t.state.name for t in self.totals))
 
     @property
     def equation_map(self) -> dict[str, Expression]:
@@ -187,7 +196,7 @@ class Model:
         `start` is the name of a declared start, or a mapping of states (and `parameters`) to numbers or formulas in the
         parameters; states it does not mention have their default. Parameter values: model < start < `parameters`.
         """
-        found = self._start(start)
+        found = with_totals(self._start(start), self.states, self.totals)
         values = parameter_values(self.parameters, [found.parameters, parameters or {}], self.functions)
         formulas = {s.name: found.states.get(s.name, s.value) for s in self.states}
         if self.interval is not None:  # functions of the independent variable, at its first value

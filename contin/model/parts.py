@@ -80,6 +80,19 @@ class Oscillator:
 
 
 @dataclass(frozen=True)
+class Total:
+    """A conserved total of a reduced model: the parameter `name` = sum of coefficient * state over `law`.
+
+    `state` was eliminated: it is an observable. `note` says how the law is known, where it is not exact.
+    """
+
+    name: str
+    law: Mapping[str, Expression]
+    state: State
+    note: str = ""
+
+
+@dataclass(frozen=True)
 class Averaging:
     """What the averaging pass needs to know: the small parameter and the oscillators."""
 

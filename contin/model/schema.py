@@ -166,6 +166,17 @@ class LimitEntry(_Entry):
     beyond: Text
 
 
+class TotalEntry(_Entry):
+    """A conserved total of a model that was reduced by it: the eliminated state with its default value, and the law."""
+
+    state: Name
+    value: Formula
+    law: dict[str, Formula]
+    unit: Text | None = None
+    description: Text | None = None
+    note: Text | None = None
+
+
 Run = Fields
 Points = Annotated[
     Annotated[dict[str, Formula], Tag("(one)")] | Annotated[list[dict[str, Formula]], Tag("(several)")],
@@ -216,3 +227,4 @@ class ModelEntry(_Entry):
     forcing: ForcingEntry | None = None
     limits: list[LimitEntry] = []
     expect: list[ExpectEntry] = []
+    conserved: bool | dict[str, TotalEntry] = True

@@ -11,6 +11,7 @@ from contin.model.expression import Expression
 from contin.model.latex import latex_name, to_latex
 from contin.model.printing import to_text
 from contin.model.schema import FORMAT_VERSION
+from contin.model.totals import total_lines
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -112,6 +113,7 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
         yield "limits:"
         for limit in model.limits:
             yield f"  - {_mapping({'margin': _flow(formula(limit.margin)), 'beyond': _text(limit.beyond)})}"
+    yield from _totals(model, formula)
     if model.expect:
         yield "expect:"
         for item in model.expect:
@@ -123,6 +125,21 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
             if item.transform:
                 values["transform"] = _data(list(item.transform))
             yield f"  - {_mapping(values)}"
+
+
+def _totals(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+    """What is known of conserved totals."""
+    if not model.conserved:
+        yield "conserved: false"
+    elif model.totals:
+        yield "conserved:"
+    for t in model.totals:
+        law = _mapping({name: formula(c) for name, c in t.law.items()})
+        more = {"state": _key(t.state.name), "value": formula(t.state.value), "law": law}
+        for key, text in (("unit", t.state.unit), ("description", t.state.description), ("note", t.note or None)):
+            if text is not None:
+                more[key] = _text(text)
+        yield f"  {_key(t.name)}: {_mapping(more)}"
 
 
 def _entry(value: str, more: dict[str, str], unit: str | None, description: str | None) -> str:
@@ -202,6 +219,7 @@ def summary(model: Model) -> str:
         lines.append(f"  angles: {', '.join(angles)}")
     if model.forcing is not None:
         lines.append(f"  forced with period {to_text(model.forcing.period)} in t")
+    lines += [f"  conserved: {line}" for line in total_lines(model.totals)]
     for title, found in (
         ("observables", list(model.observables)),
         ("symmetries", [s.name for s in model.symmetries]),
