@@ -18,6 +18,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import InputError
 from contin.records import Fields, Record
+from contin.symbolic.passes.conserved import conserved_notes
 
 
 def continuation(
@@ -52,7 +53,7 @@ def continuation(
         raise InputError(f"direction must be 'up', 'down' or 'both'; got {direction!r}")
     if not seed.born:
         seed = replace(seed, arms=senses[direction])
-    return trace(
+    branch = trace(
         seed,
         bounds,
         name=name,
@@ -61,6 +62,8 @@ def continuation(
         watch=watch,
         journal=journal,
     )
+    totals = conserved_notes(getattr(getattr(seed.problem, "system", None), "model", None))
+    return replace(branch, notes=(*totals, *branch.notes)) if totals else branch
 
 
 def walk(

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from contin.api.fixed_totals import for_branches
 from contin.api.responses import responses_in
 from contin.api.searches import find_equilibria
 from contin.api.seeds import Range, as_seed, bounds_of, targets_of
@@ -22,6 +24,7 @@ from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteErr
 from contin.model.kinds import need_time
 from contin.problems.start import Equilibrium
 from contin.records import Record
+from contin.symbolic.passes.conserved import conserved_notes
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -54,6 +57,7 @@ def diagram(
     orbits : follow families of periodic orbits from Hopf points too.
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
     """
+    model = for_branches(model)
     named, everywhere = _named_starts(model, start)
     seeds: list[tuple[str, Seed]] = []
     notes: list[str] = []
@@ -77,7 +81,7 @@ def diagram(
     targets = targets_of(problem, values)
     explorer = Explorer(parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal)
     result = explorer.explore(seeds, reserve)
-    result.notes[:0] = notes
+    result.notes[:0] = [*conserved_notes(model), *notes]
     return result
 
 
@@ -106,6 +110,7 @@ def phase(
     Raises NoSolutionError where no start leads to an equilibrium.
     """
     need_time(model, "phase diagrams")
+    model = for_branches(model)
     if getattr(model, "forcing", None) is not None:
         raise InputError(
             "phase diagrams start from equilibria, which a forced flow has none of: write the forcing as two states "
@@ -124,7 +129,8 @@ def phase(
     if any(not isinstance(e, Equilibrium) for e in found):
         raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
-    return compute(found, pair, box, settings, watch, orbits, journal)
+    result = compute(found, pair, box, settings, watch, orbits, journal)
+    return replace(result, notes=(*conserved_notes(model), *result.notes))
 
 
 def _named_starts(model: Model, start: object) -> tuple[list[tuple[str, Any]], bool]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, ref
 
+from contin.api.fixed_totals import for_branches
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
 from contin.problems.functions.problem import FunctionProblem
@@ -35,5 +36,6 @@ def _made_for(model: Any) -> Any:
 
 def prepare(model: Model) -> None:
     """Make what every run of a model needs: its machine code, of large sparse ones their formulas by shapes."""
+    model = for_branches(model)
     if getattr(model, "interval", None) is None and not is_large(model):
         compiled(model)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contin.api.fixed_totals import for_branches, named_start, named_table
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.starts import equilibrium
@@ -45,8 +46,14 @@ def periodic_orbit(
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
-    need_parameters(model)
     need_time(model, "periodic orbits")
+    reduced = for_branches(model)
+    if isinstance(start, np.ndarray):
+        start, parameters = named_table(model, reduced, start, parameters)
+    else:
+        start = named_start(model, start)
+    model = reduced
+    need_parameters(model)
     if isinstance(start, np.ndarray):
         if period is None and times is None:
             raise InputError(

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from contin.api.fixed_totals import for_branches
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.model.kinds import need_states
@@ -33,9 +34,10 @@ def find_equilibria(
     Solutions are told apart modulo angle periods; those that a declared symmetry makes of another one have `image_of`.
     There is no guarantee that all are found: more `starts` or a smaller box find more.
     """
-    need_parameters(model)
     refuse_forced(model)
     need_states(model, "equilibria")
+    model = for_branches(model)
+    need_parameters(model)
     system = compiled(model)
     _, p = model.start_point(None, dict(parameters or {}))
     periods = np.asarray(model.periods(dict(parameters or {})), dtype=float)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from contin.abi import Array
+from contin.api.fixed_totals import varying
 from contin.api.starts import equilibrium
 from contin.continuation.branch import LocusStart
 from contin.continuation.departure import Seed
@@ -96,7 +97,7 @@ def as_seed(start: Any, parameter: str) -> Seed:
             )
         return start
     if isinstance(start, Start):
-        known = list(start.system.parameter_names)
+        known = varying(start.system.parameter_names)
         if parameter not in known:
             raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
         return start.seed(parameter)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contin.api.fixed_totals import for_branches, named_start
 from contin.api.machine_code import compiled
 from contin.api.starts import equilibrium
 from contin.lazy import module
@@ -21,5 +22,6 @@ def solution(model: Any, start: Any, parameters: Record | None) -> Any:
         return module("boundary").boundary_guess(model, start, parameters)
     if getattr(model, "forcing", None) is None:
         return equilibrium(model, start, parameters)
+    start, model = named_start(model, start), for_branches(model)
     u, p = model.start_point(start, dict(parameters or {}))
     return module("responses").response(compiled(model), u, p, np.asarray(model.periods(), dtype=float))

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contin.api.fixed_totals import for_branches, named_start
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
@@ -28,6 +29,9 @@ def equilibrium(
 ) -> Any:
     """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
 
+    Where linear conserved quantities exist, the solution is that with the start's totals: they are parameters, named
+    total_A, and one state of each is eliminated (`contin.symbolic.passes.conserved`).
+
     period : of a cycle of a map: f(...f(f(u, p), p)..., p) = u.
 
     In a model that declares a rotation, a start that it moves leads to a rotating wave (relative equilibrium);
@@ -35,9 +39,10 @@ def equilibrium(
 
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
-    need_parameters(model)
     refuse_forced(model)
     need_states(model, "equilibria")
+    start, model = named_start(model, start), for_branches(model)
+    need_parameters(model)
     u, p = model.start_point(start, dict(parameters or {}))
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":

@@ -14,6 +14,7 @@ from contin.records import Record
 from contin.runs.engine import Engine
 from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
 from contin.runs.skipping import skipping
+from contin.symbolic.passes.conserved import conserved_notes
 
 Progress = Callable[[str], None]
 """Called with what is being computed, in words."""
@@ -84,7 +85,8 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
     nothing_else = not state.branches and state.phase is None and not plan.simulations and plan.sweep is None
     if state.refused and nothing_else and len(state.refused) == len(state.notes):
         raise state.refused[0]
-    return RunResult(state.branches, state.notes, state.complete, seconds, state.phase, state.stopped)
+    notes = [*conserved_notes(plan.model), *state.notes]
+    return RunResult(state.branches, notes, state.complete, seconds, state.phase, state.stopped)
 
 
 def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:

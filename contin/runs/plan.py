@@ -25,6 +25,7 @@ from contin.runs.references import check_references
 from contin.runs.samples import Samples, read_samples
 from contin.runs.schema import ContinuationEntry, DiagramEntry, PhaseEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
+from contin.symbolic.passes.conserved import starting_names, with_named_totals, without_conserved
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -124,6 +125,10 @@ def make_plan_for(
 ) -> Plan:
     """Check the entries of a run file against a model at hand; `InputError` as `make_plan`."""
     problems = Problems(source)
+    if entry.diagram is not None or entry.phase is not None or entry.continuations:
+        model = without_conserved(model)
+    else:
+        model = with_named_totals(model, [*entry.parameters, *(overrides or ())])
     outputs = output_paths(_written_files(entry), file, problems)
     planner = _Planner(model, problems, {**entry.parameters, **(overrides or {})})
     planner.check_parameters(entry.parameters, overrides or {})
@@ -368,8 +373,8 @@ class _Planner:
             return written
         states = dict(written.model_extra or {})
         for name in states:
-            if name not in self.model.state_names:
-                known = list(self.model.state_names)
+            if name not in starting_names(self.model):
+                known = list(starting_names(self.model))
                 advice = closest(name, known) or f"there are {', '.join(known)}"
                 self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
             else:

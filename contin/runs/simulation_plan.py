@@ -17,6 +17,7 @@ from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
 from contin.runs.plan import Plan, StartPoint, _Planner
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
+from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -61,7 +62,7 @@ def with_simulations(plan: Plan, written: Json, entry: RunEntry, source: Source,
     simulations: list[SimulationPlan] = []
     for position, item in enumerate(entry.simulate):
         path: Path = ("simulate", position)
-        model = plan.model if item.transformed else written
+        model = plan.model if item.transformed else with_named_totals(written, [*plan.parameters, *item.parameters])
         name = item.name or f"simulation{position + 1}"
         if any(name == earlier.name for earlier in simulations):
             problems.add((*path, "name"), f"{name!r} is already the name of an earlier simulation; choose another")
@@ -70,7 +71,8 @@ def with_simulations(plan: Plan, written: Json, entry: RunEntry, source: Source,
         simulations.append(replace(simulation, outputs=files))
     sweep = None
     if entry.sweep is not None:
-        model = plan.model if entry.sweep.transformed else written
+        named = [entry.sweep.parameter, *plan.parameters, *entry.sweep.parameters]
+        model = plan.model if entry.sweep.transformed else with_named_totals(written, named)
         sweep = _sweep(entry.sweep, model, plan.parameters, problems)
         if sweep is not None:
             sweep = replace(sweep, outputs=_files({"csv": entry.sweep.csv}, file, problems, taken, ("sweep",)))

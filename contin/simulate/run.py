@@ -19,6 +19,7 @@ from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
 from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 from contin.simulate.until import fly_until, with_clock
+from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -94,6 +95,7 @@ def simulate(
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
     need_time(model, "trajectories")
+    model = with_named_totals(model, parameters or ())
     if method not in METHODS:
         raise InputError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
     for name, value in (("time", time), ("rtol", rtol), ("box", box)):

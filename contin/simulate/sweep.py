@@ -16,6 +16,7 @@ from contin.records import Fields, Record
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
+from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -78,6 +79,7 @@ def sweep(
     Raises InputError. A run that escapes or slides is recorded, and the next starts from the sweep's start.
     """
     low, high = (float(v) for v in range)
+    model = with_named_totals(model, [parameter, *(parameters or ())])
     if parameter not in model.parameter_names:
         raise InputError(f"no parameter {parameter!r}; the model has {', '.join(model.parameter_names) or 'none'}")
     if not (np.isfinite(low) and np.isfinite(high) and low < high):

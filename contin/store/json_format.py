@@ -62,7 +62,8 @@ def result_document(
     """
     branches = list(branches)
     written = [branch_document(branch, orbit) for branch in branches]
-    every_note = [*notes, *(f"{branch.name}: {note}" for branch in branches for note in branch.notes)]
+    of_branches = (f"{branch.name}: {note}" for branch in branches for note in branch.notes if note not in notes)
+    every_note = [*notes, *of_branches]
     return {
         "contin": FORMAT_VERSION,
         "model": plain(model),
@@ -123,6 +124,9 @@ def describe_model(model: Model, overrides: Record | None = None) -> Fields:
         "states": list(model.state_names),
         "parameters": model.default_parameters(overrides),
     }
+    totals = getattr(model, "totals", ())
+    if totals:
+        described["conserved"] = {t.name: {"states": list(t.law), "eliminated": t.state.name} for t in totals}
     if model.title:
         described["title"] = model.title
     units = {p.name: p.unit for p in model.parameters if p.unit} | {s.name: s.unit for s in model.states if s.unit}

@@ -41,11 +41,13 @@ def test_where_newton_is_led_astray_the_message_names_the_nearest_equilibrium(fo
         contin.equilibrium(system)
 
 
-@pytest.mark.parametrize("verb", [contin.equilibrium, contin.periodic_orbit, contin.find_equilibria])
-def test_a_model_without_parameters_has_no_branches(verb):
+def test_a_model_without_parameters_has_solutions_and_no_branches():
     model = contin.Model("fixed", states={"x": 1.0, "y": 0.0}, equations={"x": "y", "y": "(1 - x^2)*y - x"})
-    with pytest.raises(InputError, match="model 'fixed' has no parameters, and so no branches of solutions: declare"):
-        verb(model)
+    assert contin.equilibrium(model).u == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert [f.unstable for f in contin.find_equilibria(model)] == [2]
+    assert contin.periodic_orbit(model).period == pytest.approx(6.66328686, rel=1e-8)  # van der Pol, mu = 1
+    with pytest.raises(InputError, match="no parameter 'k'; the model has none"):
+        contin.continuation(contin.equilibrium(model), "k", (0.0, 1.0))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -8,13 +8,14 @@ start, so that no large number is subtracted from another one to give the small 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from contin.errors import ContinError
+from contin.model.any_model import AnyModel
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, sub, substitute, symbol
 from contin.model.kept import kept_with
@@ -37,12 +38,25 @@ def without_conserved(model: Any) -> Any:
 def reduce_conserved(model: Model) -> Model:
     """The pass itself. The reduced model keeps the names of states and parameters; observables give the others."""
     laws = [law for law in conserved_laws(model) if not _turns(model, law)]
-    return _reduced(model, laws) if laws else model
+    return _reduced(model, laws) if 0 < len(laws) < len(model.states) else model
 
 
 def conserved_notes(model: Any) -> list[str]:
     """What a report says of the totals of a reduced model."""
     return total_lines(getattr(model, "totals", ()))
+
+
+def with_named_totals(model: Any, names: Iterable[str]) -> Any:
+    """The model at fixed totals where one of these names is such a total; else the model as it is."""
+    if not isinstance(model, Model) or all(name in model.parameter_names for name in names):
+        return model
+    reduced = without_conserved(model)
+    return reduced if any(t.name in names for t in reduced.totals) else model
+
+
+def starting_names(model: AnyModel) -> tuple[str, ...]:
+    """States that a start may give, those that totals have eliminated too."""
+    return model.starting_names if isinstance(model, Model) else tuple(model.state_names)
 
 
 def _turns(model: Model, law: Law) -> bool:
@@ -94,7 +108,8 @@ def _start(start: Start, laws: Sequence[Law], names: Sequence[str], defaults: Ma
     """A named start with the totals that belong to it."""
     values = {**defaults, **start.states}
     parameters = {n: total_of(law, values) for n, law in zip(names, laws, strict=True)}
-    return Start(start.name, {n: v for n, v in start.states.items() if n not in gone}, parameters | start.parameters)
+    left = {n: v for n, v in start.states.items() if n not in gone}
+    return Start(start.name, left, {**parameters, **start.parameters})
 
 
 def _symmetry(s: Symmetry, eliminated: Sequence[str], mapping: Mapping[Expression, Expression]) -> Symmetry:

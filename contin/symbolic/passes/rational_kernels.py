@@ -63,12 +63,12 @@ def plain_basis(basis: Sequence[Row]) -> list[Row]:
     ranked = sorted(candidates, key=lambda row: (any(a < 0 for a in row), sum(a != 0 for a in row), _position(row)))
     chosen: list[Row] = []
     reduced: list[tuple[int, Row]] = []
-    for row in ranked:
-        rest = _remainder(list(row), reduced)
+    for candidate in ranked:
+        rest = _remainder(list(candidate), reduced)
         if any(rest):
             lead = next(i for i, a in enumerate(rest) if a)
             reduced.append((lead, [a / rest[lead] for a in rest]))
-            chosen.append(list(row))
+            chosen.append(list(candidate))
         if len(chosen) == len(basis):
             break
     return sorted(chosen, key=_position)
