@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 READERS: Final = {
     ".xml": "contin.exchange.xml_text:read",
+    ".ode": "contin.exchange.xpp.read:read",
 }
 WRITERS: Final[Mapping[str, str]] = {}
 IMPORTERS: Final = "contin.importers"

@@ -1,0 +1,189 @@
+"""What an .ode file declares, before formulas are read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from contin.exchange.xpp.constants import leading_number
+from contin.exchange.xpp.lines import INTEGRAL
+from contin.exchange.xpp.options import Options, read_options
+from contin.exchange.xpp.statements import Statement, values
+
+_SET: Final = re.compile(r"(\S+)\s*\{(.*?)\}?\s*", re.DOTALL)
+_FUNCTION: Final = re.compile(r"\(([^()]*)\)\s*=(.*)", re.DOTALL)
+
+# statements whose feature contin has no equal for
+MISSING: Final = {
+    "algebraic": "algebraic equations (0= and solve)",
+    "solve": "algebraic equations (0= and solve)",
+    "volterra": "Volterra integral equations",
+    "markov": "Markov variables",
+    "table": "tables",
+    "special": "networks by table (special)",
+    "global": "events that reset states (global)",
+    "export": "right-hand sides in a library of their own (export)",
+    "chemistry": "solution chemistry (pHtools)",
+}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula and the line it stands on; functions have arguments."""
+
+    line: int
+    name: str
+    text: str
+    arguments: tuple[str, ...] = ()
+
+
+@dataclass
+class Declared:
+    """Statements by what they declare, in the order of the file."""
+
+    states: list[Formula] = field(default_factory=list)
+    fixed: list[Formula] = field(default_factory=list)
+    derived: list[Formula] = field(default_factory=list)
+    functions: list[Formula] = field(default_factory=list)
+    observed: list[Formula] = field(default_factory=list)
+    parameters: dict[str, float] = field(default_factory=dict)  # as they are spelled
+    numbers: dict[str, float] = field(default_factory=dict)
+    initial: list[tuple[str, float]] = field(default_factory=list)
+    noise: dict[str, int] = field(default_factory=dict)  # line of each Wiener variable
+    boundary: list[int] = field(default_factory=list)
+    sets: dict[str, list[tuple[str, float]]] = field(default_factory=dict)
+    options: Options = field(default_factory=Options)
+    is_map: bool = False
+    notes: list[str] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)  # what stands in the way, a sentence each
+    lines: dict[str, int] = field(default_factory=dict)  # where each name was declared first
+
+
+def declared(statements: list[Statement], notes: list[str]) -> Declared:
+    """Everything that the statements declare."""
+    found = Declared(notes=notes)
+    for item in statements:
+        if item.kind != "set" and INTEGRAL.search(item.text):
+            found.missing.append(f"line {item.line}: {MISSING['volterra']} have no equal here")
+        elif item.kind in MISSING:
+            found.missing.append(f"line {item.line}: {MISSING[item.kind]} have no equal here")
+        elif item.kind in _READ:
+            _READ[item.kind](found, item)
+        elif item.text:
+            found.missing.append(f"line {item.line}: {item.name!r} is no declaration of XPP's")
+    for kind, formulas in (("equation", found.states), ("quantity", [*found.fixed, *found.derived])):
+        seen: dict[str, int] = {}
+        for formula in formulas:
+            if formula.name.lower() in seen:
+                first = seen[formula.name.lower()]
+                found.missing.append(f"line {formula.line}: a second {kind} for {formula.name}, as on line {first}")
+            seen.setdefault(formula.name.lower(), formula.line)
+    return found
+
+
+def _equation(found: Declared, item: Statement) -> None:
+    found.states.append(Formula(item.line, item.name, item.text))
+    found.is_map = found.is_map or item.kind == "map"
+
+
+def _function(found: Declared, item: Statement) -> None:
+    form = _FUNCTION.fullmatch(item.text)
+    if form is None:
+        return
+    arguments = tuple(arg.strip() for arg in form[1].split(","))
+    found.functions.append(Formula(item.line, item.name, form[2].strip(), arguments))
+
+
+def _numbers(kind: str) -> Callable[[Declared, Statement], None]:
+    def read(found: Declared, item: Statement) -> None:
+        table = found.parameters if kind == "parameter" else found.numbers
+        for name, text in values(item.text):
+            if any(name.lower() == other.lower() for other in (*found.parameters, *found.numbers)):
+                found.missing.append(f"line {item.line}: {name} is declared a second time")
+                continue
+            table[name] = _value(found, item.line, name, text)
+
+    return read
+
+
+def _value(found: Declared, line: int, name: str, text: str) -> float:
+    value, whole = leading_number(text)
+    if not whole:
+        found.notes.append(
+            f"line {line}: XPP reads {name} = {text} as {value:g}, the number it begins with, and so does this import"
+        )
+    return value
+
+
+def _initial(found: Declared, item: Statement) -> None:
+    """init x=1, y=2."""
+    found.initial += [(name, _value(found, item.line, name, text)) for name, text in values(item.text)]
+
+
+def _initial_one(found: Declared, item: Statement) -> None:
+    """x(0)=1."""
+    found.initial.append((item.name, _value(found, item.line, f"{item.name}(0)", item.text)))
+
+
+def _aux(found: Declared, item: Statement) -> None:
+    name, equals, text = item.text.partition("=")
+    if equals:
+        found.observed.append(Formula(item.line, name.strip(), text.strip()))
+
+
+def _set(found: Declared, item: Statement) -> None:
+    form = _SET.fullmatch(item.text)
+    if form is None:
+        return
+    chosen = [(name, leading_number(text)) for name, text in values(form[2])]
+    found.sets[form[1]] = [(name, value) for name, (value, whole) in chosen if whole]
+
+
+def _noise(found: Declared, item: Statement) -> None:
+    for name, _ in values(item.text):
+        found.noise[name] = item.line
+
+
+def _boundary(found: Declared, item: Statement) -> None:
+    found.boundary.append(item.line)
+
+
+def _options(found: Declared, item: Statement) -> None:
+    read_options(item.text, found.options)
+
+
+def _file(found: Declared, item: Statement) -> None:
+    found.notes.append(f"line {item.line}: the options in the file {item.text} are not read")
+
+
+def _formula(kind: str) -> Callable[[Declared, Statement], None]:
+    def read(found: Declared, item: Statement) -> None:
+        (found.fixed if kind == "fixed" else found.derived).append(Formula(item.line, item.name, item.text))
+
+    return read
+
+
+def _nothing(found: Declared, item: Statement) -> None:
+    """What says only how XPP shows or saves."""
+
+
+_READ: Final[dict[str, Callable[[Declared, Statement], None]]] = {
+    "equation": _equation,
+    "map": _equation,
+    "function": _function,
+    "fixed": _formula("fixed"),
+    "derived": _formula("derived"),
+    "initial": _initial,
+    "initial value": _initial_one,
+    "aux": _aux,
+    "parameter": _numbers("parameter"),
+    "number": _numbers("number"),
+    "set": _set,
+    "wiener": _noise,
+    "boundary": _boundary,
+    "options": _options,
+    "options file": _file,
+    "only": _nothing,
+}
