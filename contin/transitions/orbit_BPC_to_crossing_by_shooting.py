@@ -28,8 +28,9 @@ def crossing_by_shooting(problem: Any, point: SpecialPoint, parameter: str) -> l
     other = crossing(problem, point.z, own, point.scale, -1)
     alike = other is None or image_of(problem, found.orbit, other.orbit) is not None
     arms = (1,) if alike else (-1, 1)
+    beside = {1: found.orbit} if other is None or alike else {1: found.orbit, -1: other.orbit}
     seed = Seed(
         found.problem, point.z, found.direction, found.curvature if alike else None, point.scale, arms,
-        Parent(point.branch, point.label), measured=(unstable_count(point), point.eigenvalues),
+        Parent(point.branch, point.label), beside=beside, measured=(unstable_count(point), point.eigenvalues),
     )  # fmt: skip
     return [seed]

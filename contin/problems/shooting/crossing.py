@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
 SHARP = 1.0  # change of direction within that distance above which it is too far
+SAME_OFFSET = 0.3  # relative: two extrapolations that agree so well are of a family that begins elsewhere
 OFF = 0.05  # sine of the angle to the family's own tangent below which the orbit found is one of that family
 
 
@@ -73,6 +74,30 @@ def _orbit_across(
     size = float(np.linalg.norm(found.y))
     off = float(np.linalg.norm(found.y - (found.y @ own) * own))
     return found.y if off > OFF * size and abs(length) > OFF * size else None
+
+
+def begins(problem: ShootingProblem, z: Array, scale: Array) -> tuple[float, ...]:
+    """Parameters at which the two halves of the family that crosses at z begin; () where they do so at z itself.
+
+    Where three or more cells cross a surface together, the derivative of the return map depends on their order: it is
+    one matrix for one cell ahead of two, another for two ahead of one, and the multiplier at z belongs to their mean.
+    Of orbits at distances d, d/2 and d/4 the first two, and the last two, extrapolated to 0, give the same offset from
+    z where there is one, and one a fourth of the other where the family is merely curved.
+    """
+    plane = family_tangents(problem, z, scale)
+    if len(plane) < 2:
+        return ()
+    own, found = np.asarray(plane[0]), []
+    across = _normal_part(plane, own)
+    left = problem.free().restricted(z + DISTANCES[0] * np.where(across == 0.0, 0.0, across * scale))
+    for sense in (-1.0, 1.0):
+        halves = [_orbit_across(left, z, own, across, scale, sense * DISTANCES[0] * part) for part in (1.0, 0.5, 0.25)]
+        far, near, next_ = ((h if h is not None else np.full(len(z), np.nan)) for h in halves)
+        offset, nearer = 2.0 * near - far, 2.0 * next_ - near
+        if not np.linalg.norm(nearer - offset) < SAME_OFFSET * np.linalg.norm(nearer):
+            return ()
+        found.append(float(z[-1] + scale[-1] * nearer[-1]))
+    return tuple(sorted(found))
 
 
 def _normal_part(plane: Any, own: Array) -> Array:

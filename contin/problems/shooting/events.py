@@ -12,7 +12,7 @@ from contin.continuation.problem import Frame, Sample, Verified
 from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
-from contin.problems.shooting.crossing import side_of_branch
+from contin.problems.shooting.crossing import begins, side_of_branch
 from contin.problems.shooting.locate import locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
@@ -100,4 +100,9 @@ def _with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) -
     form = side_of_branch(problem, point.z, scale)
     if not form:
         return replace(point, remark="BPC: its kind is not known: no crossing family was found beside it")
-    return replace(point, normal_form=form)
+    halves = begins(problem, point.z, scale) if form.get("kind") == "nonsmooth" and point.vectors["kernel"] > 1 else ()
+    if not halves:
+        return replace(point, normal_form=form)
+    name, places = problem.parameters[0], " and ".join(f"{value:.10g}" for value in halves)
+    why = "BPC is a mean: the multipliers depend on the order in which a surface is crossed"
+    return replace(point, normal_form=form, remark=f"{why}; families begin at {name} = {places}")
