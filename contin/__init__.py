@@ -21,6 +21,7 @@ _EXPORTS = {
     "diagram": "contin.api",
     "equilibrium": "contin.api",
     "find_equilibria": "contin.api",
+    "find_start": "contin.api",
     "load": "contin.model.registry",
     "periodic_orbit": "contin.api",
     "connecting_orbit": "contin.api",

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contin.api.auto_start import find_start
     from contin.api.boundary import boundary_problem
     from contin.api.branches import continuation, walk
     from contin.api.diagrams import diagram, phase
@@ -21,6 +22,7 @@ _HOMES = {
     "diagram": "diagrams",
     "equilibrium": "starts",
     "find_equilibria": "searches",
+    "find_start": "auto_start",
     "periodic_orbit": "orbit_starts",
     "phase": "diagrams",
     "prepare": "machine_code",
@@ -36,6 +38,7 @@ __all__ = [
     "diagram",
     "equilibrium",
     "find_equilibria",
+    "find_start",
     "periodic_orbit",
     "phase",
     "prepare",

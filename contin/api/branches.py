@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contin.api.seeds import Range, as_seed, bounds_of, extrema_of, placed, targets_of
+from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, extrema_of, placed, targets_of
 from contin.continuation.branch import Branch, End
 from contin.continuation.departure import depart
 from contin.continuation.journal import Journal
@@ -63,7 +63,8 @@ def continuation(
         journal=journal,
     )
     totals = conserved_notes(getattr(getattr(seed.problem, "system", None), "model", None))
-    return replace(branch, notes=(*totals, *branch.notes)) if totals else branch
+    words = [f"start: {start.words}"] if isinstance(start, FoundByItself) else []
+    return replace(branch, notes=(*words, *totals, *branch.notes)) if totals or words else branch
 
 
 def walk(

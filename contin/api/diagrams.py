@@ -11,7 +11,7 @@ import numpy as np
 from contin.api.fixed_totals import for_branches
 from contin.api.responses import responses_in
 from contin.api.searches import find_equilibria
-from contin.api.seeds import Range, as_seed, bounds_of, targets_of
+from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, targets_of
 from contin.api.solutions import solution
 from contin.api.starts import equilibrium
 from contin.continuation.departure import Seed
@@ -64,7 +64,10 @@ def diagram(
     failure: ContinError | None = None
     for name, one in named:
         try:
-            seeds.append((name, as_seed(solution(model, one, parameters), parameter)))
+            found = solution(model, one, parameters)
+            seeds.append((name, as_seed(found, parameter)))
+            if isinstance(found, FoundByItself):
+                notes.append(f"start {name!r}: {found.words}")
         except (NoSolutionError, NotFiniteError) as error:
             notes.append(f"start {name!r}: {error}")
             failure = error

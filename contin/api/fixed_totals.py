@@ -16,6 +16,8 @@ from contin.symbolic.passes.conserved import without_conserved
 
 NO_PARAMETER: Final = "no_parameter"  # stands where a model has none: nothing depends on it
 
+AUTO: Final = "auto"
+
 
 def for_branches(model: Any) -> Any:
     """The model whose solutions are isolated as far as linear conserved quantities are concerned.
@@ -26,6 +28,11 @@ def for_branches(model: Any) -> Any:
     if isinstance(found, Model) and not found.parameters and found.interval is None:
         return kept_with(found, NO_PARAMETER, lambda: found.replace(parameters=(Parameter(NO_PARAMETER, ZERO),)))
     return found
+
+
+def is_auto(model: Any, start: object) -> bool:
+    """True where a start is to be found (`start: auto`), unless the model has a start of this name."""
+    return isinstance(start, str) and start == AUTO and all(s.name != AUTO for s in getattr(model, "starts", ()))
 
 
 def varying(names: Sequence[str]) -> list[str]:

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from contin.api.fixed_totals import for_branches, named_start, named_table
+from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.starts import equilibrium
-from contin.errors import InputError
+from contin.errors import InputError, NoSolutionError
+from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.model.model import Model
 from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
@@ -47,6 +48,8 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     need_time(model, "periodic orbits")
+    if isinstance(start, str) and is_auto(model, start):
+        return _auto_orbit(model, parameters)
     reduced = for_branches(model)
     if isinstance(start, np.ndarray):
         start, parameters = named_table(model, reduced, start, parameters)
@@ -72,6 +75,13 @@ def periodic_orbit(
     return settled_orbit(
         compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
     )
+
+
+def _auto_orbit(model: Any, parameters: Record | None) -> PeriodicOrbit | ShotOrbit:
+    found = module("auto start").find_start(model, parameters, deflate=False)
+    if not isinstance(found.solution, PeriodicOrbit | ShotOrbit):
+        raise NoSolutionError(f"no periodic orbit from the given state: {found.words}, at {found.solution}")
+    return found.solution
 
 
 def connecting_orbit(

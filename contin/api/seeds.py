@@ -42,6 +42,14 @@ class FoundStart(Protocol):
 
 
 @runtime_checkable
+class FoundByItself(Protocol):
+    """A start that says how it was found."""
+
+    @property
+    def words(self) -> str: ...
+
+
+@runtime_checkable
 class StartOfCurve(Protocol):
     """What starts a curve in two parameters: an orbit that connects two saddles."""
 

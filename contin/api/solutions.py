@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from contin.api.fixed_totals import for_branches, named_start
+from contin.api.fixed_totals import for_branches, is_auto, named_start
 from contin.api.machine_code import compiled
 from contin.api.starts import equilibrium
 from contin.lazy import module
@@ -18,6 +18,8 @@ def solution(model: Any, start: Any, parameters: Record | None) -> Any:
 
     Raises as `contin.equilibrium` and `contin.problems.responses.response` do.
     """
+    if is_auto(model, start):
+        return module("auto start").find_start(model, parameters)
     if getattr(model, "interval", None) is not None:
         return module("boundary").boundary_guess(model, start, parameters)
     if getattr(model, "forcing", None) is None:

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from contin.api.fixed_totals import for_branches, named_start
+from contin.api.fixed_totals import for_branches, is_auto, named_start
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters, refuse_forced
 from contin.errors import InputError, NotFiniteError
+from contin.lazy import module
 from contin.model.kinds import need_states
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import sparse_function
@@ -29,6 +30,8 @@ def equilibrium(
 ) -> Any:
     """Solve f(u, p) = 0 (a map: f(u, p) = u) by Newton from a named start, a mapping of states, or the states' values.
 
+    start : 'auto' finds one however far the states' values are from it: see `contin.find_start`, which says how.
+
     Where linear conserved quantities exist, the solution is that with the start's totals: they are parameters, named
     total_A, and one state of each is eliminated (`contin.symbolic.passes.conserved`).
 
@@ -40,6 +43,8 @@ def equilibrium(
     Raises NoSolutionError (with the residual history and the nearest point) and NotFiniteError (naming the equation).
     """
     refuse_forced(model)
+    if is_auto(model, start) and period == 1:
+        return module("auto start").find_start(model, parameters, cycles=False).solution
     need_states(model, "equilibria")
     start, model = named_start(model, start), for_branches(model)
     need_parameters(model)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 BUDGET = 60
+FAR = 1e-6  # part of its size at the start below which a state is solved for once more, in its own size
+AGAIN = 20  # times at most: from 1e120
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
 REAL = 1e-3  # relative difference of a state from the one that Newton's method finds from zero
@@ -109,7 +111,7 @@ def _states(system: System, u: Array) -> str:
     return f"{listed}, ..." if len(u) > SHOWN else listed
 
 
-def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
+def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int = AGAIN) -> Equilibrium:
     problem = EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods)
     n = problem.n
 
@@ -121,14 +123,21 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilib
     if not np.all(np.isfinite(f)):
         raise NotFiniteError(system.explain(u, problem.base) or "the equations are not finite at the start")
     history = [float(np.max(np.abs(f)))]
-    # a state that is zero with rounding errors beside others tells nothing
-    natural, largest = natural_metric(system, u, problem.base).states, float(np.abs(u).max(initial=0.0))
-    scale = np.maximum(np.abs(u), np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
+    scale = _scale_at(system, u, problem.base)
     best_u, best = u, history[0]
     before = np.inf
 
     def solution(state: Array) -> Equilibrium:
-        return Equilibrium(system, _without_rounding(evaluate, state, scale), problem.base, angle_periods)
+        cleared = _without_rounding(evaluate, state, scale)
+        if again and np.any(_scale_at(system, cleared, problem.base) < FAR * scale):
+            try:  # the start's sizes say nothing of accuracy
+                return _newton(system, cleared, p, angle_periods, again - 1)
+            except NoSolutionError:
+                f_there, a_there = evaluate(cleared)
+                last = _newton_step(a_there, f_there, scale)
+                if last is None or not _is_rounding(lambda v: evaluate(v)[0], cleared, f_there, last, scale):
+                    raise
+        return Equilibrium(system, cleared, problem.base, angle_periods)
 
     for _ in range(BUDGET):
         if history[-1] == 0.0:
@@ -162,6 +171,12 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array) -> Equilib
         if history[-1] < best:
             best_u, best = u, history[-1]
     raise NoSolutionError(_failure(system, history, best_u, best))
+
+
+def _scale_at(system: System, u: Array, p: Array) -> Array:
+    """Sizes of the states at u; one that is zero with rounding errors beside others tells nothing."""
+    natural, largest = natural_metric(system, u, p).states, float(np.abs(u).max(initial=0.0))
+    return np.maximum(np.abs(u), np.maximum(1e-3 * largest, 1e-15 * natural)) if largest > 0.0 else natural
 
 
 def _powell(problem: EquilibriumProblem, u: Array) -> Array | None:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 Number = float | int | str | Any  # a number, or a formula in the parameters
 StartPoint = str | Record | None
 
+AUTO = "auto"  # the start that is found
 EVERYWHERE = "all"  # the start of a diagram that stands for all equilibria in its box
 
 
@@ -365,7 +366,7 @@ class _Planner:
         """A start as the model takes it, its names checked."""
         if isinstance(written, str):
             names = [start.name for start in self.model.starts]
-            if written not in names:
+            if written not in (*names, AUTO):
                 advice = closest(written, names) or (
                     f"there are {', '.join(names)}" if names else "it declares no starts"
                 )
@@ -448,6 +449,7 @@ class _Planner:
         """The start must lie in the range."""
         if self.problems:
             return
+        start = None if start == AUTO and not self.has_start(AUTO) else start
         try:
             _, p = self.model.start_point(start, self.overrides)
         except (InputError, NotFiniteError) as error:

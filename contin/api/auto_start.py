@@ -1,0 +1,210 @@
+"""`start: auto`: a solution from which branches may start, however far the given state is from one.
+
+In this order: the given state where it is at rest; where its trajectory comes to rest, or to a cycle; Newton from where
+the trajectory is in the end, and from its mean; deflated Newton from starts all over the box. Which of these found the
+solution is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.api.fixed_totals import for_branches, named_start
+from contin.api.machine_code import compiled
+from contin.api.requirements import need_parameters
+from contin.api.searches import find_equilibria
+from contin.continuation.departure import Seed
+from contin.errors import ContinError, NoSolutionError, NotFiniteError
+from contin.lazy import module
+from contin.model.kinds import need_time
+from contin.problems.functions.problem import FunctionProblem
+from contin.problems.orbits.samples import orbit_from_samples
+from contin.problems.orbits.start import PeriodicOrbit
+from contin.problems.shooting.start import ShotOrbit, settled_orbit
+from contin.problems.start import Equilibrium, converge
+from contin.records import Record
+from contin.simulate.natural import natural_metric
+from contin.simulate.relax import Relaxed, relax, stiff_loop
+from contin.systems.iterate import iterate
+
+AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest
+BUDGET: Final = 200_000  # steps between two looks at whether a trajectory closes
+LONGEST: Final = 2e4  # time scales
+ITERATES: Final = 4_096
+LONGEST_CYCLE: Final = 32  # of a map
+REPEATS: Final = 1e-6  # relative difference of an iterate and itself a cycle later
+Solution = Equilibrium | PeriodicOrbit | ShotOrbit
+_FAILURES: Final = (NoSolutionError, NotFiniteError, np.linalg.LinAlgError)
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStart:
+    """A solution, and how it was found: given, rest, cycle, newton or deflation, and in words."""
+
+    solution: Any
+    how: str
+    words: str
+
+    @property
+    def system(self) -> Any:
+        return self.solution.system
+
+    def seed(self, parameter: str) -> Seed:
+        """Where a continuation with this parameter free starts."""
+        seed: Seed = self.solution.seed(parameter)
+        return seed
+
+    def __str__(self) -> str:
+        return f"{self.solution} ({self.words})"
+
+
+def find_start(
+    model: Any, parameters: Record | None = None, start: Any = None, *, cycles: bool = True, deflate: bool = True
+) -> FoundStart:
+    """A solution near which the model lives, found as the head of this file says.
+
+    start : the given state, a named start or a mapping.  cycles : periodic orbits are welcome, not only equilibria.
+    deflate : search the box where all else fails.
+
+    Raises NoSolutionError, which names what was tried.
+    """
+    need_time(model, "equilibria or cycles")
+    start, model = named_start(model, start), for_branches(model)
+    need_parameters(model)
+    u, p = model.start_point(start, dict(parameters or {}))
+    system, periods = compiled(model), np.asarray(model.periods(), dtype=float)
+    if getattr(model, "forcing", None) is not None:
+        found = module("responses").response(system, u, p, periods)
+        return FoundStart(found, "cycle", "the response that the trajectory of the given state settles on")
+    tried: list[str] = []
+    ways = _of_map(system, u, p, periods, tried) if system.kind == "map" else _of_flow(
+        system, u, p, periods, cycles, tried
+    )  # fmt: skip
+    for one in ways:
+        return one
+    if deflate and not (isinstance(model, FunctionProblem) and model.method != "dense"):
+        found = _by_deflation(model, parameters, tried)
+        if found is not None:
+            return found
+    raise NoSolutionError(f"no equilibrium {'or cycle ' if cycles else ''}found: {'; '.join(tried)}.")
+
+
+def _of_flow(
+    system: Any, u: Array, p: Array, periods: Array, cycles: bool, tried: list[str]
+) -> Iterator[FoundStart]:
+    here = _solved(system, u, p, periods, AT_REST)
+    if here is not None:
+        yield FoundStart(here, "given", "the given state is at rest")
+    end = relax(system, u, p)
+    if end.outcome == "rest":
+        rest = _solved(system, end.u, p, periods, None)
+        if rest is not None:
+            kind = "" if end.stable else ", an unstable one"
+            yield FoundStart(rest, "rest", f"simulated to rest{kind}, within t = {end.time:.3g}")
+    tried.append(_words(end))
+    if end.outcome == "moving" and cycles:
+        try:
+            orbit = settled_orbit(system, end.u, p, periods, longest=LONGEST, budget=BUDGET)
+            yield FoundStart(orbit, "cycle", "simulated to a cycle")
+        except _FAILURES as error:
+            stiff = _stiff_cycle(system, end.u, p, periods) if isinstance(error, NotFiniteError) else None
+            if stiff is not None:
+                yield FoundStart(stiff, "cycle", "simulated to a cycle, by a method for stiff flows")
+            tried.append(f"no cycle from there ({_short(error)})")
+    for guess, what in ((end.u, "the end of the trajectory"), (end.mean, "its mean"), (u, "the given state")):
+        found = None if guess is None or not np.all(np.isfinite(guess)) else _solved(system, guess, p, periods, None)
+        if found is not None:
+            yield FoundStart(found, "newton", f"Newton's method from {what}; {'; '.join(tried)}")
+    tried.append("Newton's method from there, its mean and the given state does not converge")
+
+
+def _stiff_cycle(system: Any, u: Array, p: Array, periods: Array) -> PeriodicOrbit | None:
+    """The orbit next to one turn of a trajectory that the explicit method cannot follow."""
+    if system.n_switches or periods.any():
+        return None
+    turn = stiff_loop(system, u, p)
+    if turn is None:
+        return None
+    with suppress(*_FAILURES):  # that is the answer: none
+        return orbit_from_samples(system, *turn, p, periods)
+    return None
+
+
+def _of_map(system: Any, u: Array, p: Array, periods: Array, tried: list[str]) -> Iterator[FoundStart]:
+    here = _solved(system, u, p, periods, AT_REST)
+    if here is not None:
+        yield FoundStart(here, "given", "the given state is a fixed point")
+    states = [u]
+    for _ in range(ITERATES):
+        states.append(system.value(states[-1], p))
+        if not np.all(np.isfinite(states[-1])):
+            tried.append("iterates of the given state leave the numbers")
+            break
+    else:
+        size = np.maximum(np.abs(np.array(states)).max(axis=0), np.finfo(float).tiny)
+        for length in range(1, LONGEST_CYCLE + 1):
+            if float(np.max(np.abs(states[-1] - states[-1 - length]) / size)) < REPEATS:
+                with suppress(*_FAILURES):  # the next way is tried
+                    cycle = converge(system if length == 1 else iterate(system, length), states[-1], p, periods)
+                    words = "iterated to a fixed point" if length == 1 else f"iterated to a cycle of period {length}"
+                    yield FoundStart(cycle, "rest" if length == 1 else "cycle", words)
+        tried.append(f"iterates of the given state repeat after none of 1 to {LONGEST_CYCLE} steps")
+    for guess in (states[-1], u):
+        found = None if not np.all(np.isfinite(guess)) else _solved(system, guess, p, periods, None)
+        if found is not None:
+            yield FoundStart(found, "newton", f"Newton's method from the trajectory; {'; '.join(tried)}")
+    tried.append("Newton's method from there does not converge")
+
+
+def _solved(system: Any, u: Array, p: Array, periods: Array, near: float | None) -> Equilibrium | None:
+    """The equilibrium that Newton finds from u; `near`: only one as close as this."""
+    full = np.append(p, 0.0) if system.is_forced else p
+    if near is not None:
+        f, matrix = system.jacobian(u, full)
+        square = matrix[:, : system.n]
+        f, square = (f - u, square - np.eye(system.n)) if system.kind == "map" else (f, square)
+        size = np.maximum(np.abs(u), natural_metric(system, u, p).states)
+        try:
+            far = float(np.max(np.abs(np.linalg.solve(square, f)) / size))
+        except np.linalg.LinAlgError:
+            return None
+        if not far <= near:
+            return None
+    with suppress(*_FAILURES):  # that is the answer: none
+        return converge(system, u, p, periods)
+    return None
+
+
+def _by_deflation(model: Any, parameters: Record | None, tried: list[str]) -> FoundStart | None:
+    try:
+        found = [f for f in find_equilibria(model, None, parameters) if f.isolated]
+    except ContinError as error:
+        tried.append(f"the search of the box failed ({_short(error)})")
+        return None
+    if not found:
+        tried.append("deflated Newton from starts all over the box finds none")
+        return None
+    best = next((f for f in found if f.stable), found[0])
+    words = f"deflated Newton from starts in the box, the {'stable' if best.stable else 'first'} one of {len(found)}"
+    return FoundStart(best.equilibrium, "deflation", f"{words}; {'; '.join(tried)}")
+
+
+def _words(end: Relaxed) -> str:
+    return {
+        "rest": "the trajectory comes to rest where Newton's method does not converge",
+        "moving": f"the trajectory does not come to rest within t = {end.time:.3g}",
+        "escaped": f"the trajectory escapes by t = {end.time:.3g}",
+        "failed": f"the trajectory cannot be followed beyond t = {end.time:.3g}",
+    }[end.outcome]
+
+
+def _short(error: BaseException) -> str:
+    text = str(error).split(". ")[0]
+    return text if len(text) <= 160 else text[:157] + "..."
+

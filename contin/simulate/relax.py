@@ -1,0 +1,145 @@
+"""Where a flow comes to rest, by a linearly implicit method: stiffness costs nothing, slow approaches few steps.
+
+The Rosenbrock pair of order 2(3) of Shampine and Reichelt (The MATLAB ODE suite, SIAM J. Sci. Comput. 18, 1997), which
+is L-stable: near a stable equilibrium its steps grow without bound. It is not accurate enough for cycles: a trajectory
+that goes on and on uses up its steps, and what is left is a state on or near what attracts it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.simulate.natural import natural_metric
+
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
+
+STEPS: Final = 1_500
+LOOP_STEPS: Final = 6_000  # of a stiff cycle
+LOOP_TOLERANCE: Final = 1e-6
+NEAR: Final = 3e-2  # part of its extent as close as which a cycle returns
+TOLERANCE: Final = 1e-4  # relative error of a step
+STILL: Final = 1e-6  # relative change in a step below which nothing moves
+CALM: Final = 10  # ... in so many steps in a row, each up to five times as long as the one before
+PUSH: Final = 1e-3  # relative, off an equilibrium that is not stable
+PUSHES: Final = 2
+ESCAPED: Final = 1e9  # natural sizes
+_D: Final = 1.0 / (2.0 + np.sqrt(2.0))
+_E: Final = 6.0 + np.sqrt(2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """The state after `time`: outcome `rest`, `moving` (its steps are used up), `escaped` or `failed` (not finite)."""
+
+    u: Array
+    time: float
+    outcome: str
+    stable: bool = False
+    mean: Array | None = None  # over time, of what still moves
+
+
+def relax(system: System, u: Array, p: Array, steps: int = STEPS) -> Relaxed:
+    """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice."""
+    u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
+    time, used = 0.0, 0
+    for attempt in range(PUSHES + 1):
+        found, taken = _run(system, u, p, steps - used)
+        time, used = time + found.time, used + taken
+        if found.outcome != "rest":
+            return Relaxed(found.u, time, found.outcome, mean=found.mean)
+        _, matrix = system.jacobian(found.u, p)
+        values, vectors = np.linalg.eig(matrix[:, : system.n])
+        lead = int(np.argmax(values.real))
+        stable = bool(values[lead].real <= STILL * float(np.abs(values).max()))
+        if stable or attempt == PUSHES:
+            return Relaxed(found.u, time, "rest", stable)
+        size = np.maximum(np.abs(found.u), natural_metric(system, found.u, p).states)
+        direction = vectors[:, lead].real
+        u = found.u + PUSH * direction / float(np.max(np.abs(direction) / size))
+    raise AssertionError("the last attempt returns")
+
+
+def stiff_loop(system: System, u: Array, p: Array, steps: int = LOOP_STEPS) -> tuple[Array, Array] | None:
+    """Times (K,) and states (K, n) of one turn on a cycle that a stiff flow is on, closed up to the method's error."""
+    path: list[tuple[float, Array]] = []
+    end, _ = _run(system, np.array(u, dtype=float), np.asarray(p, dtype=float), steps, LOOP_TOLERANCE, path)
+    if end.outcome != "moving" or len(path) < CALM:
+        return None
+    t, states = np.array([time for time, _ in path]), np.array([state for _, state in path])
+    late = states[len(states) // 3 :]
+    extent = np.ptp(late, axis=0)
+    extent = np.where(extent > 0.0, extent, 1.0)
+    for j in np.argsort(-np.ptp(late, axis=0) / np.maximum(np.abs(late).max(axis=0), np.finfo(float).tiny)):
+        level = states[:, j] - 0.5 * (late[:, j].min() + late[:, j].max())
+        up = np.flatnonzero((level[:-1] < 0.0) & (level[1:] >= 0.0))
+        for k in range(1, len(up) // 2 + 1):
+            first, last = (_crossing(t, states, level, i) for i in (up[-1 - k], up[-1]))
+            if float(np.max(np.abs(last[1] - first[1]) / extent)) < NEAR:
+                inside = slice(up[-1 - k] + 1, up[-1] + 1)
+                times = np.concatenate([[first[0]], t[inside], [last[0]]])
+                return times - times[0], np.vstack([first[1], states[inside], last[1]])
+    return None
+
+
+def _crossing(t: Array, states: Array, level: Array, i: int) -> tuple[float, Array]:
+    part = level[i] / (level[i] - level[i + 1])
+    return float(t[i] + part * (t[i + 1] - t[i])), states[i] + part * (states[i + 1] - states[i])
+
+
+def _run(
+    system: System, u: Array, p: Array, steps: int, tolerance: float = TOLERANCE,
+    path: list[tuple[float, Array]] | None = None,
+) -> tuple[Relaxed, int]:  # fmt: skip
+    n = int(system.n)
+    metric = natural_metric(system, u, p)
+    limit = ESCAPED * np.maximum(metric.states, np.abs(u))
+    size = np.maximum(np.abs(u), metric.states)
+    h, time, calm = 1e-3 * metric.time, 0.0, 0
+    weighted, weight = np.zeros(n), 0.0
+    for taken in range(steps):
+        f, matrix = system.jacobian(u, p)
+        trial = _step(system, u, p, h, f, matrix[:, :n])
+        error = np.inf if trial is None else float(np.max(np.abs(trial[1]) / np.maximum(size, np.abs(trial[0]))))
+        if not error <= tolerance:  # NaN is caught too
+            h *= 0.1 if not np.isfinite(error) else max(0.2, 0.8 * (tolerance / error) ** (1.0 / 3.0))
+            if h <= 1e-14 * max(time, metric.time):
+                return Relaxed(u, time, "failed"), taken
+            continue
+        assert trial is not None
+        change = float(np.max(np.abs(trial[0] - u) / size))
+        if 2 * taken > steps:  # what lies before is transient
+            weighted, weight = weighted + h * trial[0], weight + h
+        u, time = trial[0], time + h
+        if path is not None:
+            path.append((time, u))
+        size = np.maximum(size, np.abs(u))
+        if np.any(np.abs(u) > limit):
+            return Relaxed(u, time, "escaped"), taken
+        calm = calm + 1 if change < STILL else 0
+        if calm >= CALM:
+            return Relaxed(u, time, "rest"), taken
+        h *= min(5.0, 0.8 * (tolerance / max(error, 1e-300)) ** (1.0 / 3.0))
+    return Relaxed(u, time, "moving", mean=weighted / weight if weight > 0.0 else None), steps
+
+
+def _step(system: System, u: Array, p: Array, h: float, f: Array, matrix: Array) -> tuple[Array, Array] | None:
+    """(state, estimated error) after a step; None where the linear systems or the equations fail."""
+    inner = np.eye(len(u)) - h * _D * matrix
+    if not (np.all(np.isfinite(inner)) and np.all(np.isfinite(f))):
+        return None
+    try:
+        inverse = np.linalg.inv(inner)
+    except np.linalg.LinAlgError:
+        return None
+    k1 = inverse @ f
+    f1 = system.value(u + 0.5 * h * k1, p)
+    k2 = inverse @ (f1 - k1) + k1
+    after = u + h * k2
+    f2 = system.value(after, p)
+    k3 = inverse @ (f2 - _E * (k2 - f1) - 2.0 * (k1 - f))
+    return (after, h / 6.0 * (k1 - 2.0 * k2 + k3)) if np.all(np.isfinite(after)) else None
