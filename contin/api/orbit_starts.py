@@ -20,6 +20,7 @@ from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.problems.start import Equilibrium
 from contin.records import Record
+from contin.simulate.consistent import consistent_start
 
 
 def periodic_orbit(
@@ -71,6 +72,7 @@ def periodic_orbit(
             return orbit_from_return(compiled(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
         return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
+    u = consistent_start(compiled(model), u, p)
     periods = np.asarray(model.periods(), dtype=float)
     return settled_orbit(
         compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points

@@ -25,6 +25,7 @@ from contin.runs.plan import make_plan
 from contin.runs.scan_plan import plan_scan
 from contin.runs.simulation_plan import described
 from contin.store.verify import is_result, verify
+from contin.symbolic.passes.index_one import index_one
 
 if TYPE_CHECKING:
     from contin.model.yaml_reader import Document
@@ -86,6 +87,7 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
         return 0
     entry = read_run(document.data, document.source)
     plan = make_plan(entry, document.source, place)
+    index_one(plan.model)
     for files in (plan.outputs, *plan.simulated_files()):
         writable(None, files, files_read(entry, file))
     runs = [run.name for run in plan.runs]
@@ -110,6 +112,7 @@ def check_foreign(file: Path) -> int:
 def check_model(file: Path, document: Document, execute: bool) -> int:
     """Check a model file, and with `execute` that its expected points are found."""
     model = model_from_document(document)
+    index_one(model)
     counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
     print(f"{file}: good. Model {model.name}: {counts}")
     if not execute:

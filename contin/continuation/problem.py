@@ -184,6 +184,14 @@ class Remarking(Protocol):
         """Notes on the branch with rows z."""
 
 
+@runtime_checkable
+class Constrained(Protocol):
+    """A problem some of whose eigenvalues are of its method of solution, and say nothing of its solutions."""
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Eigenvalues (multipliers) of the solution z without these."""
+
+
 @dataclass(frozen=True)
 class Floor:
     """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
@@ -393,6 +401,11 @@ def is_planar(problem: object) -> TypeGuard[Planar]:
 def is_floored(problem: object) -> TypeGuard[Floored]:
     """True for problems with floors under unknowns."""
     return _offers(problem, Floored)
+
+
+def is_constrained(problem: object) -> TypeGuard[Constrained]:
+    """True for problems that tell eigenvalues of their own from those of solutions."""
+    return _offers(problem, Constrained)
 
 
 def is_limited(problem: object) -> TypeGuard[Limited]:

@@ -19,12 +19,16 @@ def within_reach(problem: Problem, pieces: Iterable[Piece], arm: Arm) -> Iterato
         yield from pieces
         return
     name = arm.problem.parameters[0]
+    before = arm.origin.z  # where a change since the last piece is seen from; unknowns may be others on a new mesh
     for piece in pieces:
-        left = problem.left_reach(np.vstack([piece.z, *(mark.point.z[None] for mark in piece.found)]))
+        rows = [piece.z, *(mark.point.z[None] for mark in piece.found)]
+        known = [before[None]] if before.size == piece.z.shape[1] else []
+        left = problem.left_reach(np.vstack([*known, *rows]))
+        before = piece.z[-1] if len(piece.z) else before
         if left is None:
             yield piece
             continue
-        row, text = left
+        row, text = max(left[0] - len(known), 0), left[1]
         if row >= len(piece.z):  # a labelled point beyond, between rows that are not
             found = piece.found[: row - len(piece.z)]
             yield replace(piece, found=found)

@@ -25,6 +25,7 @@ from contin.continuation.problem import (
     Problem,
     Sample,
     Verified,
+    is_constrained,
     is_guessing,
     is_planar,
     is_recording,
@@ -203,6 +204,8 @@ def _assemble(
         columns["unstable"] = unstable
         columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
+    if is_constrained(problem):
+        eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
     effort = {
         "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
         "steps": sum(r.accepted for r in records.values()),
@@ -299,7 +302,7 @@ def _label(
                 values=values,
                 residual=float(v.residual),
                 error=float(v.error),
-                eigenvalues=v.eigenvalues,
+                eigenvalues=problem.finite(v.z, v.eigenvalues) if is_constrained(problem) else v.eigenvalues,
                 normal_form=v.normal_form,
                 vectors=v.vectors,
                 also=v.also,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import NO_FUNCTION, Address, Array, Vector
+from contin.errors import InputError
 from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.llvm_text import Routine
 from contin.lowering.machine import MachineCode, compile_routines
@@ -21,8 +22,11 @@ from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
 from contin.model.kinds import need_states
 from contin.model.model import Model
+from contin.model.parts import Constraints
+from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import derivative, sparse_jacobian
 from contin.symbolic.calculus.remove_singularities import remove_singularities
+from contin.symbolic.passes.index_one import index_one
 
 TIME: Final = "t"
 COMPILED_AT_ONCE: Final = 400  # formulas with fewer nodes: all basic functions in one module, cheaper than one by one
@@ -51,8 +55,9 @@ class CompiledSystem:
     """
 
     def __init__(self, model: Model, regular: bool = False) -> None:
-        self.model = model
-        self.regular = regular
+        self.written, self.regular = model, regular
+        self.model = model = index_one(model)
+        self.constraints = model.constraints
         self.kind = model.kind
         self.state_names = tuple(model.state_names)
         self.parameter_names = tuple(model.parameter_names)
@@ -69,6 +74,11 @@ class CompiledSystem:
         self._equations, self._observables = tuple(formulas[: self.n]), tuple(formulas[self.n :])
         self.switching: tuple[Expression, ...] = tuple(switching_functions(model.equations, self.layout.names))
         self.n_switches = len(self.switching)
+        if self.constraints is not None and self.n_switches:
+            raise InputError(
+                f"model {model.name}, mass: flows with algebraic states must be smooth; these equations change formula "
+                f"where {to_text(self.switching[0])} = 0"
+            )
         self._lock = threading.RLock()
         self._code: dict[str, MachineCode] = {}
         self._functions: dict[str, Call] = {}
@@ -78,7 +88,7 @@ class CompiledSystem:
         self._calls = Calls(self.n, self.p_size)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return compile_system, (self.model, self.regular)
+        return compile_system, (self.written, self.regular)
 
     def __repr__(self) -> str:
         return f"<CompiledSystem of {getattr(self.model, 'name', 'a model')!r}: n = {self.n}, m = {self.m}>"
@@ -160,6 +170,19 @@ class CompiledSystem:
     def margins(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Of the model's `limits` at N points, (N, number of limits): the equations hold where none is negative."""
         return self._calls.vectors(self._call("limits"), self._address("limits"), len(self.limits), u, p)
+
+    def correction(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Of N states, (N, n): Newton's step from each onto the algebraic equations, which are to hold at it."""
+        return self._calls.vectors(self._call("correction"), self._address("correction"), self.n, u, p)
+
+    def algebraic(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """The algebraic equations' left-hand sides at one state, (k,)."""
+        count = 0 if self.constraints is None else len(self.constraints.residuals)
+        return self._calls.vector(self._call("algebraic"), count, u, p)
+
+    def index_determinants(self, u: ArrayLike, p: ArrayLike) -> Array:
+        """Of N states, (N,): the index is 1 where these do not vanish."""
+        return self._calls.vectors(self._call("index"), self._address("index"), 1, u, p).reshape(-1)
 
     def symmetry(self, name: str, u: ArrayLike, p: ArrayLike) -> Array:
         """Images of N states, (N, n), under a declared symmetry of the model: u (N, n), p (N, p_size) or (p_size,)."""
@@ -291,12 +314,23 @@ class CompiledSystem:
             return vector_routine(name, [images.get(s, symbol(s)) for s in self.state_names], self.layout)
         if name == "limits":
             return vector_routine(name, [limit.margin for limit in self.limits], self.layout)
+        if self.constraints is not None and (parts := algebraic_parts(self.constraints, name)):
+            return vector_routine(name, parts, self.layout)
         if name in ("observe", "switches"):
             expressions = self._observables if name == "observe" else self.switching
             return vector_routine(name, expressions, self.layout) if expressions else None
         if name == "gradient":
             return gradient_routine(name, self._equations, self.layout)
         return form_routine(name, self._equations, self.layout, int(name.removeprefix("form")))
+
+
+def algebraic_parts(constraints: Constraints, name: str) -> Sequence[Expression]:
+    """The formulas of a function that only flows with algebraic states have."""
+    if name == "correction":
+        return constraints.correction
+    if name == "algebraic":
+        return constraints.residuals
+    return (constraints.determinant,) if name == "index" else ()
 
 
 def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[Vector]) -> Vector:

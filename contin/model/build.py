@@ -53,7 +53,7 @@ def parts_from_mapping(
     with without_collection(len(entry.states) > MANY):
         parts = _Builder(entry, problems).parts()
     problems.raise_if_any()
-    if check and (parts["symmetries"] or parts["rotation"]):
+    if check and not parts["mass"] and (parts["symmetries"] or parts["rotation"]):
         check_symmetries(parts, problems)
         if parts["rotation"]:
             check_rotation(parts, problems)
@@ -187,6 +187,7 @@ class _Builder:
                 for k, item in enumerate(entry.limits)
             ),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
+            "mass": self.mass(),
             **self.boundary(numbers),
             **self.conserved(),
         }
@@ -244,6 +245,32 @@ class _Builder:
             for s in self.states
             if s in written
         )
+
+    def mass(self) -> dict[str, dict[str, Expression]]:
+        """Rows of the mass matrix by the state whose equation they belong to."""
+        entry, found = self.entry, {}
+        if entry.mass and entry.kind != "flow":
+            self.problems.add(("mass",), f"`mass` belongs to kind: flow; this is kind: {entry.kind}", key=True)
+        for key in ("averaging", "rotation"):
+            if entry.mass and getattr(entry, key):
+                self.problems.add((key,), f"a flow with a mass matrix takes no `{key}`", key=True)
+        for key, written in entry.mass.items():
+            name, path = canonical_name(key), ("mass", key)
+            if self.is_state(name, path):
+                row = written if isinstance(written, Mapping) else {key: written}
+                entries = {
+                    canonical_name(k): self.formulas.read(v, (*path, k) if row is written else path, self.constants)
+                    for k, v in row.items()
+                    if self.is_state(canonical_name(k), (*path, k))
+                }
+                found[name] = {k: v for k, v in entries.items() if not (v.op == "number" and v.value == 0)}
+        return found
+
+    def is_state(self, name: str, path: Path) -> bool:
+        if name not in self.states:
+            advice = closest(name, self.states) or f"states are {', '.join(self.states)}"
+            self.problems.add(path, f"{name} is not a state: {advice}", key=True)
+        return name in self.states
 
     def symmetry(self, name: str) -> Symmetry:
         return Symmetry(name, self.images(self.entry.symmetries[name], ("symmetries", name)))

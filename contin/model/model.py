@@ -21,6 +21,7 @@ from contin.model.parts import (
     TIME,
     Averaging,
     Condition,
+    Constraints,
     Expectation,
     Forcing,
     Functional,
@@ -55,6 +56,9 @@ class Model:
 
     `equations` are in the order of `states` and contain states and parameters only (and `t` where `forcing` is set):
     functions and definitions are inserted. `functions` and `definitions` are kept for printing.
+
+    `mass`: rows of the matrix M in M d(state)/dt = equations, {state: {state: entry}}; rows left out are those of the
+    identity. `constraints`: set by the pass that turns such a flow into one without M (`symbolic.passes.index_one`).
     """
 
     name: str
@@ -77,6 +81,8 @@ class Model:
     interval: Interval | None = None
     conditions: tuple[Condition, ...] = ()
     functionals: Mapping[str, Functional] = field(default_factory=dict)
+    mass: Mapping[str, Mapping[str, Expression]] = field(default_factory=dict)
+    constraints: Constraints | None = None
     expect: tuple[Expectation, ...] = ()
     conserved: bool = True  # branches are followed at fixed conserved totals (`contin.symbolic.passes.conserved`)
     totals: tuple[Total, ...] = ()  # the pass has done so

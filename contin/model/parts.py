@@ -72,6 +72,24 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Constraints:
+    """The algebraic equations g = 0 of a flow with a singular mass matrix, of index 1 (`symbolic.passes.index_one`).
+
+    equations : states whose equations these are.  residuals : g.  massless : states that have no mass.
+    correction : Newton's step (n,) from a state onto g = 0, at fixed values of the others: u - correction.
+    determinant : of the derivatives of g by the states that it determines; the index is 1 where it does not vanish.
+    rate : at which g decays in the flow.
+    """
+
+    equations: tuple[str, ...]
+    residuals: tuple[Expression, ...]
+    massless: tuple[str, ...]
+    correction: tuple[Expression, ...]
+    determinant: Expression
+    rate: float
+
+
+@dataclass(frozen=True)
 class Oscillator:
     """The two states of one weakly nonlinear oscillator."""
 

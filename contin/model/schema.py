@@ -88,6 +88,10 @@ def _one_or_several(value: object) -> str:
     return "(several)" if isinstance(value, list) else "(one)"
 
 
+def _one_or_row(value: object) -> str:
+    return "(several)" if isinstance(value, Mapping) else "(one)"
+
+
 Formula = Annotated[Any, PlainValidator(_formula), WithJsonSchema({"type": ["number", "string"]})]
 Text = Annotated[str, PlainValidator(_text), WithJsonSchema({"type": ["string", "number"]})]
 Name = Annotated[str, PlainValidator(_name), WithJsonSchema({"type": "string", "pattern": r"^[^\W\d]\w*$"})]
@@ -126,6 +130,11 @@ State = Annotated[
 ]
 Parameter = Annotated[
     Annotated[Formula, Tag("(short)")] | Annotated[ParameterEntry, Tag("(long)")], Discriminator(_long_or_short)
+]
+
+
+Mass = Annotated[
+    Annotated[Formula, Tag("(one)")] | Annotated[dict[str, Formula], Tag("(several)")], Discriminator(_one_or_row)
 ]
 
 
@@ -218,6 +227,7 @@ class ModelEntry(_Entry):
     functions: dict[str, Formula] = {}
     definitions: dict[str, Formula] = {}
     equations: dict[str, Formula]
+    mass: dict[str, Mass] = {}
     conditions: list[Text] = []
     observables: dict[str, Formula] = {}
     symmetries: dict[str, dict[str, Formula]] = {}

@@ -75,6 +75,12 @@ def _lines(model: Model) -> Iterator[str]:
     yield "equations:"
     for name, node in model.equation_map.items():
         yield f"  {_key(name)}: {formula(node)}"
+    if model.mass:
+        yield "mass:"
+        for name, row in model.mass.items():
+            whole = {k: formula(v) for k, v in row.items()} or {name: "0"}
+            alone = set(whole) == {name}
+            yield f"  {_key(name)}: {whole[name] if alone else _mapping(whole)}"
     if model.conditions:
         yield "conditions:"
         for condition in model.conditions:

@@ -17,6 +17,7 @@ from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.problems.branching import degenerate
+from contin.problems.massless import in_own_units, unit_mass, with_units
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -47,7 +48,8 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
     numbers = [v for v in form.coefficients.values() if isinstance(v, float)]
     if not np.all(np.isfinite(numbers)):
         return replace(point, remark=f"{point.type}: its normal form is not finite")
-    vectors = {**point.vectors, **form.vectors}
+    units = unit_mass(problem.system)
+    vectors = {**point.vectors, **in_own_units(form.vectors, units)}
     errors = {"errors": dict(form.errors)} if form.errors else {}
     described = replace(point, normal_form={**form.coefficients, **point.normal_form, **errors}, vectors=vectors)
     if point.type == "HB" and int(point.vectors.get("kernel", 1)) > 1 and not problem.system.model.symmetries:
@@ -57,18 +59,19 @@ def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array)
 
 def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) -> NormalForm | None:
     kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
+    units = unit_mass(problem.system)
     if point.type == "BP" and kernel > 1:
-        return any_branch_point(jet_at(problem, point.z, scale), kernel=kernel)
+        return any_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel=kernel)
     if kernel > 1:
         return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")
     if point.type not in ("LP", "BP", "HB", "PD", "NS") or point.normal_form.get("kind") == "nonsmooth":
         return None
-    jet = jet_at(problem, point.z, scale)
+    jet = with_units(jet_at(problem, point.z, scale), units)
     location = max(STATE_ERROR, point.error / float(metric[-1]))  # of the states, relative: as well as the parameter
     if point.type == "LP":
-        return fold(jet, state_error=location * scale)
+        return fold(jet, state_error=location * scale / units)
     if point.type == "BP":
-        return branch_point(jet, state_error=location * scale, parameter_error=point.error)
+        return branch_point(jet, state_error=location * scale / units, parameter_error=point.error)
     if point.type == "HB":
         return hopf(jet, float(point.vectors["omega"]))
     return period_doubling(jet) if point.type == "PD" else neimark_sacker(jet, float(point.vectors["omega"]))

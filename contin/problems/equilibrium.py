@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.continuation import march as python_march
@@ -26,8 +27,10 @@ from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_cor
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
+from contin.problems.massless import finite_eigenvalues
 from contin.problems.neutral import NeutralMarch, is_neutral
 from contin.problems.neutral import remarks as neutral_remarks
+from contin.problems.poles import cut_before_pole, end_at_pole
 from contin.problems.polish import at_parameter
 from contin.problems.scaled import ScaledSystem
 from contin.problems.scales import bending_lengths, parameter_width, state_scales
@@ -286,11 +289,25 @@ class EquilibriumProblem:
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
+        chunk = cut_before_pole(self.system, chunk, self._all_parameters(chunk.z), n)
         return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk))
 
+    def _all_parameters(self, z: Array) -> Array:
+        """All parameter values of rows z."""
+        p = np.tile(self.base, (len(z), 1))
+        p[:, self.active] = z[:, -1]
+        return p
+
     def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """The end at a surface of discontinuity that the branch was about to cross."""
-        return boundary.foretold(self, origin, frame)
+        """The end at a surface of discontinuity, or a singularity of algebraic equations, that lies ahead."""
+        def determinant(z: Array) -> float:
+            return float(self.system.index_determinants(z[None, : self.n], self._all_parameters(z[None]))[0])  # type: ignore[attr-defined]
+
+        def probe(base: Sample, length: float) -> Sample | None:
+            return self.probe(base, length, base.z + length * frame.scale * base.tangent, frame, Settings())
+
+        pole = end_at_pole(self.system, origin, frame, self.parameters[0], determinant, probe)
+        return pole or boundary.foretold(self, origin, frame)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if self.system.jacobian_address == NO_FUNCTION:
@@ -372,11 +389,13 @@ class EquilibriumProblem:
         bounds = float(z[:, -1].min()), float(z[:, -1].max())
         return neutral_remarks(self, z, self.initial_scale(z[0], bounds))
 
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the eigenvalues of algebraic equations."""
+        return finite_eigenvalues(self.system, values)
+
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""
-        p = np.tile(self.base, (len(z), 1))
-        p[:, self.active] = z[:, -1]
-        return left_reach(self.system, z[:, : self.n], p)
+        return left_reach(self.system, z[:, : self.n], self._all_parameters(z))
 
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings

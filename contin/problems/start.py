@@ -15,6 +15,7 @@ from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
+from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
 from contin.systems.iterate import IteratedSystem
 
@@ -72,7 +73,7 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     residual history where no method converges, and with the nearest equilibrium that Newton finds from starts scattered
     around u, if there is one.
     """
-    u = np.array(u, dtype=float)
+    u = _on_constraints(system, np.array(u, dtype=float), np.array(p, dtype=float))
     try:
         return _newton(system, u, p, angle_periods)
     except NoSolutionError as error:
@@ -82,6 +83,13 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
                 return _newton(system, guess, p, angle_periods)
         nearest = _nearest(system, u, p, angle_periods)
         raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
+
+
+def _on_constraints(system: System, u: Array, p: Array) -> Array:
+    """The guess with algebraic states that fit it, where there are any."""
+    with suppress(NoSolutionError):  # Newton's method on all equations may reach them from elsewhere
+        return consistent_start(system, u, p)
+    return u
 
 
 def _nearest(system: System, u: Array, p: Array, angle_periods: Array) -> Array | None:

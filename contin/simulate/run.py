@@ -14,6 +14,7 @@ from contin.limits import LARGEST_TABLE, check_count
 from contin.lowering import compile_system
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
+from contin.simulate.consistent import consistent_start, moved_onto, onto_constraints
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
 from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
@@ -53,6 +54,7 @@ class Simulation:
     crossings: int
     outcome: str
     why: str
+    note: str = ""  # which states were changed to have consistent initial values
 
     @property
     def complete(self) -> bool:
@@ -74,7 +76,8 @@ class Simulation:
         crossed = f", {self.crossings} switching surfaces crossed" if self.crossings else ""
         reached = f"{self.why} at t = {self.end_time:.12g}" if self.outcome == EVENT else f"t = {self.end_time:.6g}"
         note = f" ({self.why})" if self.outcome == DONE and self.why else ""
-        return f"{self.method}: {self.steps} steps to {reached}{crossed}{note}"
+        begun = f"; {self.note}" if self.note else ""
+        return f"{self.method}: {self.steps} steps to {reached}{crossed}{note}{begun}"
 
 
 def simulate(
@@ -107,6 +110,7 @@ def simulate(
     check_count("budget", budget)
     u, p = model.start_point(start, dict(parameters or {}))
     system = compile_system(model)
+    given, u = u, consistent_start(system, u, p)
     if model.kind == "map":
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
         return found
@@ -129,7 +133,9 @@ def simulate(
         count, why = left
         t, states, outcome = t[:count], states[:count], STOPPED
         end = float(t[-1]) if count else 0.0
-    return Simulation(model, method, p, t, states, observed(system, states, p, t), end, steps, crossings, outcome, why)
+    states, note = onto_constraints(system, states, over_time(system, p, t)), moved_onto(system, given, u)
+    table = observed(system, states, p, t)
+    return Simulation(model, method, p, t, states, table, end, steps, crossings, outcome, why, note)
 
 
 def _flown(

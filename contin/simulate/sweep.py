@@ -13,6 +13,7 @@ from contin.errors import InputError
 from contin.lowering import compile_system
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
+from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
 from contin.simulate.watch import watching
@@ -90,6 +91,7 @@ def sweep(
     need_time(model, "steady states in time to sweep")
     system = compile_system(watching(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
+    u0 = consistent_start(system, u0, p)
     metric = natural_metric(system, u0, p)
     chosen = criterion or default_criterion(system, metric)
     upwards = np.linspace(low, high, steps + 1)

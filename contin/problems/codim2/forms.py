@@ -16,6 +16,7 @@ from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.point import normal_form
 from contin.normalforms.result import NO_FORM, TRUST
 from contin.normalforms.sources import compiled_jet
+from contin.problems.massless import in_own_units, unit_mass, with_units
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Any
     """Derivatives of the model at z, in the states and the parameters `active`."""
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"
-    return compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
+    jet = compiled_jet(curve.system, z[: problem.n], curve.full_parameters(z), active, kind, curve.sizes)  # type: ignore[arg-type]
+    return with_units(jet, unit_mass(curve.system))
 
 
 def described(
@@ -52,7 +54,7 @@ def described(
         elif plane:
             form = zero_hopf_on_plane(jet_at(problem, point.z, (problem.curve.first, problem.curve.second)), frequency)
         else:
-            lengths = None if drift is None else np.abs(drift[: problem.n])
+            lengths = None if drift is None else np.abs(drift[: problem.n]) / unit_mass(problem.system)
             form = normal_form(
                 point.type, jet_at(problem, point.z, active), frequency=frequency, state_error=lengths
             )  # fmt: skip
@@ -64,7 +66,8 @@ def described(
                                     form, point.z, drift, problem.curve.sizes).items():  # fmt: skip
             known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
     errors = {"errors": known} if known else {}
-    return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | dict(form.vectors))
+    own = dict(in_own_units(form.vectors, unit_mass(problem.system)))
+    return replace(point, normal_form=dict(form.coefficients) | errors, vectors=vectors | own)
 
 
 def _changes(form_at: Callable[[Array], Any], form: Any, z: Array, drift: Array, sizes: Array) -> dict[str, float]:

@@ -20,6 +20,7 @@ from contin.machine import elementary
 from contin.problems.codim2 import degenerate, events, untold
 from contin.problems.loci.curves import curve_of
 from contin.problems.loci.march import march, probe
+from contin.problems.massless import finite_eigenvalues
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.records import Fields
 from contin.simulate.reach import left_reach
@@ -168,6 +169,10 @@ class LocusProblem(TwoParameterProblem):
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the eigenvalues of algebraic equations."""
+        return finite_eigenvalues(self.system, values)
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""

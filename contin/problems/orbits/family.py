@@ -8,14 +8,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.continuation.settings import Settings
+from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
-from contin.simulate.reach import left_reach
+from contin.simulate.reach import first_to_leave
 from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
@@ -119,14 +121,16 @@ class FamilyOfOrbits:
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""
-        if not self.system.limits:
-            return None
-        for row, orbit in enumerate(z):
-            u = self.profile(orbit).u
-            left = left_reach(self.system, u, np.tile(self.full_parameters(orbit), (len(u), 1)))
-            if left is not None:
-                return row, left[1]
-        return None
+        return first_to_leave(self.system, len(z), lambda row: self._states(z[row]))
+
+    def _states(self, orbit: Array) -> tuple[Array, Array]:
+        """States on an orbit, and all parameters, in rows."""
+        u = self.profile(orbit).u
+        return u, np.tile(self.full_parameters(orbit), (len(u), 1))
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the multipliers of algebraic equations."""
+        return finite_multipliers(self.system, values, self.profile(z).period)
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])

@@ -30,6 +30,7 @@ from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
+from contin.problems.massless import massless
 from contin.problems.orbits.bordered import Bordered, factors
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
@@ -167,8 +168,9 @@ class Forms:
 
 
 def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
-    """Mean square 1 over the orbit."""
-    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(w)), axis=1)))
+    """Mean square 1 over the orbit, of the states with mass."""
+    moving = w[:, ~massless(linear.problem.system)]
+    return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(moving)), axis=1)))
 
 
 def branch_point(problem: OrbitProblem, point: Verified, scale: Array) -> Record:

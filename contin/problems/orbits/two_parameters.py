@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
+from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
-from contin.simulate.reach import left_reach
+from contin.simulate.reach import first_to_leave
 
 if TYPE_CHECKING:
     from contin.continuation.settings import Settings
@@ -107,15 +108,15 @@ class OrbitCurveProblem(TwoParameterProblem):
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""
-        for row, point in enumerate(z if self.system.limits else ()):
-            u = self.curve.profile(point).u
-            p = np.zeros((len(u), self.system.p_size))
-            p[:, : len(self.base)] = self.base
-            p[:, self.curve.first], p[:, self.curve.second] = point[-1], point[-2]
-            left = left_reach(self.system, u, p)
-            if left is not None:
-                return row, left[1]
-        return None
+        return first_to_leave(self.system, len(z), lambda row: self._states(z[row]))
+
+    def _states(self, point: Array) -> tuple[Array, Array]:
+        """States on an orbit, and all parameters, in rows."""
+        u = self.curve.profile(point).u
+        p = np.zeros((len(u), self.system.p_size))
+        p[:, : len(self.base)] = self.base
+        p[:, self.curve.first], p[:, self.curve.second] = point[-1], point[-2]
+        return u, p
 
     def remarks(self, z: Array) -> Sequence[str]:
         return ()
@@ -128,6 +129,10 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         """The orbit of a point."""
         found: Profile = self.curve.profile(z)
         return found
+
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Without the multipliers of algebraic equations."""
+        return finite_multipliers(self.system, values, self.profile(z).period)
 
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return np.asarray(self.curve.at(z).multipliers(self.curve.orbit(z)))

@@ -118,7 +118,7 @@ def _formulas_of(model: Model) -> _Formulas | None:
 
 
 def _is_sparse_flow(model: Model) -> bool:
-    if model.kind != "flow" or model.forcing is not None or model.rotation or model.limits:
+    if model.kind != "flow" or model.forcing is not None or model.rotation or model.limits or model.mass:
         return False
     if any(state.minimum is not None for state in model.states):
         return False

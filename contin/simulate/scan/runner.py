@@ -10,6 +10,7 @@ from contin.errors import ContinError
 from contin.lowering import compile_system
 from contin.model.evaluate import evaluate
 from contin.records import Fields
+from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
 from contin.simulate.scan.grid import NO_START, OTHER, Outcome, ScanSpec
 from contin.simulate.steady import Criterion, named_statistics, settle
@@ -52,6 +53,10 @@ class Runner:
             return None
         for name, value in states.items():
             u[names.index(name)] = value
+        try:
+            u[:] = consistent_start(self.system, u, p)
+        except ContinError:
+            return None
         return u, p, {**parameters_of(spec.model, start), **spec.parameters, **chosen}
 
     def run(self, job: int) -> Outcome:

@@ -63,6 +63,7 @@ def mapped(model: Model, change: Callable[[Expression], Expression], dropped: se
         rotation={n: change(e) for n, e in model.rotation.items()},
         starts=tuple(start_of(s) for s in model.starts),
         forcing=None if model.forcing is None else replace(model.forcing, period=change(model.forcing.period)),
+        mass={row: {n: change(e) for n, e in entries.items()} for row, entries in model.mass.items()},
         limits=tuple(replace(limit, margin=change(limit.margin)) for limit in model.limits),
         expect=(),
     )

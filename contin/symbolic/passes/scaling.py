@@ -58,6 +58,10 @@ def scale(model: Model, time: object = 1, states: Record | None = None) -> Model
         starts=tuple(
             Start(s.name, {n: div(e, unit_of(n)) for n, e in s.states.items()}, s.parameters) for s in model.starts
         ),
+        mass={
+            row: {n: div(mul(entry, unit_of(n)), unit_of(row)) for n, entry in entries.items()}
+            for row, entries in model.mass.items()
+        },
         limits=tuple(replace(limit, margin=converted(limit.margin)) for limit in model.limits),
         expect=(),
     )

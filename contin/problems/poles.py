@@ -1,0 +1,72 @@
+"""Equilibria that come to a singularity of the algebraic equations: an eigenvalue passes through infinity there.
+
+The branch of equilibria itself goes on smoothly (a singularity-induced bifurcation: Venkatasubramanian, Schaettler and
+Zaborszky, IEEE Trans. Autom. Control 40 (1995) 1992), but the flow does not: beyond, the index has been above 1, and
+solutions that begin beside it do not lead across. The branch ends there and says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Stop
+from contin.lowering.system import CompiledSystem
+from contin.simulate.reach import POLE
+from contin.systems.protocol import System
+
+NEAR: Final = 1e-4  # scaled length of a step across the singularity from which it is approached no further
+SHORTER: Final = 8.0
+AHEAD: Final = 4.0  # in units of NEAR: where the singularity is looked for
+ITERATIONS: Final = 6
+
+Probe = Callable[[Sample, float], Sample | None]
+
+
+def cut_before_pole(system: System, chunk: Chunk, parameters: Array, n: int) -> Chunk:
+    """The chunk up to the first step across a singularity; parameters : those of its rows."""
+    if not isinstance(system, CompiledSystem) or system.constraints is None or len(chunk) < 2:
+        return chunk
+    values = system.index_determinants(np.ascontiguousarray(chunk.z[:, :n]), parameters)
+    beyond = np.flatnonzero(~(values * np.sign(values[0]) > 0.0))
+    if not beyond.size:
+        return chunk
+    row = max(int(beyond[0]), 1)
+    length = float(chunk.lengths[row])
+    if length > NEAR:
+        return chunk.cut(row, Stop.LIMIT, max(length / SHORTER, 0.5 * NEAR))
+    return chunk.cut(row, Stop.CORRECTOR, length)
+
+
+def end_at_pole(
+    system: System, origin: Sample, frame: Frame, name: str, determinant: Callable[[Array], float], probe: Probe
+) -> Renewal | None:
+    """The end of a branch just before a singularity; None where there is none ahead.
+
+    name : of the parameter.  determinant : at a point z.  probe : the point of the branch at a length from a sample.
+    """
+    if not isinstance(system, CompiledSystem) or system.constraints is None:
+        return None
+    a, b = 0.0, AHEAD * NEAR
+    da, zb = determinant(origin.z), origin.z + b * frame.scale * origin.tangent
+    db, za = determinant(zb), origin.z
+    if not da * db < 0.0:
+        return None
+    for _ in range(ITERATIONS):  # a secant with points of the branch on either side
+        s = a - da * (b - a) / (db - da)
+        found = probe(origin, s)
+        if found is None or s in (a, b):
+            break
+        value = determinant(found.z)
+        if value * da > 0.0:
+            a, da, za = s, value, found.z
+        else:
+            b, db, zb = s, value, found.z
+    share = da / (da - db)
+    at = float((1.0 - share) * za[-1] + share * zb[-1])
+    text = POLE.format(", ".join(system.constraints.equations))
+    return Renewal(frame.scale, origin, None, None, End("bound", f"at {name} = {at:.6g}, {text}", {"at": {name: at}}))
