@@ -57,7 +57,7 @@ class CompiledSystem:
     def __init__(self, model: Model, regular: bool = False) -> None:
         self.written, self.regular = model, regular
         self.model = model = index_one(model)
-        self.constraints = model.constraints
+        self.constraints = model.constraints if isinstance(model, Model) else None
         self.kind = model.kind
         self.state_names = tuple(model.state_names)
         self.parameter_names = tuple(model.parameter_names)

@@ -49,7 +49,7 @@ def index_one(model: Model) -> Model:
 
     Raises InputError, naming equations, where the index is above 1 or M has no constant rank.
     """
-    if not model.mass:
+    if not getattr(model, "mass", None):  # also of bare equations, without the parts of a model
         return model
     return kept_with(model, "index_one", lambda: _checked(_reduced(model)))
 
