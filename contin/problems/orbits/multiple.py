@@ -41,27 +41,42 @@ def crossing_tangents(problem: OrbitProblem, z: Array, scale: Array, eigenvalues
 
     Empty where no more than one multiplier is 1, or no symmetry tells a direction from the others.
     """
-    count = kernel_dimension(problem, eigenvalues)
-    if not 1 < count <= MOST:
+    if not 1 < kernel_dimension(problem, eigenvalues) <= MOST:
         return []
-    linear = OrbitLinear(problem, z, scale, z)
-    right, _, left = Bordered.of(linear.jacobian, count + 1).solve()
+    linear, tangents = OrbitLinear(problem, z, scale, z), []
+    for null, left in planes(linear, eigenvalues):
+        found = crossing(linear, null, left)
+        if found:
+            along = [abs(float(t @ null[:, 0])) for t in found]  # the other one is the family at hand
+            tangents.append(embed(linear, found[int(np.argmin(along))]))
+    return tangents
+
+
+def planes(linear: OrbitLinear, eigenvalues: Complex) -> list[tuple[Array, Array]]:
+    """For each family that may cross: two null vectors (N, 2), and the left one (rows,) that its equation needs.
+
+    Where several multipliers are 1 the first null vector is that of the family at hand; none where no symmetry tells a
+    direction from the others.
+    """
+    count = kernel_dimension(linear.problem, eigenvalues)
+    if count > MOST:
+        return []
+    right, _, left = Bordered.of(linear.jacobian, max(count, 1) + 1).solve()
     null = np.linalg.qr(right)[0]
-    actions = [a for name in symmetry_names(problem) for a in _actions(linear, null, name)]
+    if count <= 1:
+        return [(null, left[:, 0] / np.linalg.norm(left[:, 0]))]
+    actions = [a for name in symmetry_names(linear.problem) for a in _actions(linear, null, name)]
     if not actions:
         return []
     turned = np.linalg.svd(np.vstack([a - np.eye(count + 1) for a in actions]))[2]
     own, others = null @ turned[-1], turned[:-1].T  # all of them keep the family's own direction
-    tangents = []
+    found = []
     for q in _kept([others.T @ a @ others for a in actions]):
         x = null @ others @ q
         dual = left.T @ (linear.hessian(own) @ x)  # the derivative of the critical multipliers acts along q alone
-        if not np.linalg.norm(dual) > 0.0:
-            continue
-        found = crossing(linear, np.column_stack([own, x]), left @ dual / np.linalg.norm(dual))
-        if found:
-            tangents.append(embed(linear, min(found, key=lambda t: abs(float(t @ own)))))
-    return tangents
+        if np.linalg.norm(dual) > 0.0:
+            found.append((np.column_stack([own, x]), left @ dual / np.linalg.norm(dual)))
+    return found
 
 
 def _actions(linear: OrbitLinear, null: Array, name: str) -> list[Array]:

@@ -17,7 +17,6 @@ the same point on a mesh of half the lengths (discretisation, and how well the p
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
@@ -32,17 +31,14 @@ from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
 from contin.problems.massless import massless
 from contin.problems.orbits.bordered import Bordered, factors
+from contin.problems.orbits.branch_form import branch_point
 from contin.problems.orbits.linear import OrbitLinear
-from contin.problems.orbits.multiple import crossing_tangents, kernel_dimension
-from contin.problems.orbits.symmetry import halves_alike
-from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.problems.orbits.defining import SolvedOrbit
     from contin.problems.orbits.problem import OrbitProblem
 
 SHEARLESS: Final = 1e-7  # two null vectors to this relative residual: the period does not change across the fold
-VERTICAL: Final = 1e-6  # part of a unit tangent in the parameter up to which it is vertical
 UNKNOWN: Final = (
     "its normal form could not be computed (the error of its coefficient is as large as its terms: the multiplier is "
     "not simple, or the orbit not resolved)"
@@ -59,7 +55,7 @@ def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> 
     """
     try:
         if point.type == "BPC":
-            kind = branch_point(problem, point, solved.scale)
+            kind = branch_point(problem, point, solved)
             remark = "" if kind else "BPC: the families that cross there were not told apart; no kind is stated"
             return replace(point, normal_form=kind, remark=remark)
         coarse = coefficient(problem, point.type, solved)
@@ -171,25 +167,6 @@ def _normalised(linear: OrbitLinear, w: Vector) -> Vector:
     """Mean square 1 over the orbit, of the states with mass."""
     moving = w[:, ~massless(linear.problem.system)]
     return np.asarray(w / np.sqrt(linear.profile.weights @ np.sum(elementary.square(np.abs(moving)), axis=1)))
-
-
-def branch_point(problem: OrbitProblem, point: Verified, scale: Array) -> Record:
-    """{kind, breaks}: pitchfork where the parameter does not move along one of the families, else transcritical.
-
-    breaks: the declared symmetry that the orbit has and the new family has not; kernel: the number of multipliers that
-    pass 1 together there, where it is above 1 (see `contin.problems.orbits.multiple`).
-    """
-    tangents: Sequence[Array] = crossing_tangents(problem, point.z, scale, point.eigenvalues)
-    kernel = {"kernel": kernel_dimension(problem, point.eigenvalues)} if tangents else {}
-    tangents = tangents or problem.tangents(point.z, scale)
-    if len(tangents) < 2 and not kernel:
-        return {}
-    for tangent in tangents:
-        broken = halves_alike(problem, point.z, tangent * scale)
-        if broken:
-            return {"kind": "pitchfork", "breaks": broken[0], **kernel}
-    flat = min(abs(float(tangent[-1])) for tangent in tangents)
-    return {"kind": "pitchfork" if flat < VERTICAL else "transcritical", **kernel}
 
 
 def fold(linear: OrbitLinear) -> Coefficient:
