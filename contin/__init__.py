@@ -28,6 +28,7 @@ _EXPORTS = {
     "phase": "contin.api",
     "scan": "contin.simulate.scan",
     "simulate": "contin.simulate.run",
+    "survey": "contin.api",
     "sweep": "contin.simulate.sweep",
     "walk": "contin.api",
 }

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from contin.api.searches import find_equilibria
     from contin.api.solutions import solution
     from contin.api.starts import equilibrium
+    from contin.api.survey import survey
 
 _HOMES = {
     "boundary_problem": "boundary",
@@ -27,6 +28,7 @@ _HOMES = {
     "phase": "diagrams",
     "prepare": "machine_code",
     "solution": "solutions",
+    "survey": "survey",
     "walk": "branches",
 }
 
@@ -43,6 +45,7 @@ __all__ = [
     "phase",
     "prepare",
     "solution",
+    "survey",
     "walk",
 ]
 

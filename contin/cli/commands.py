@@ -11,6 +11,7 @@ WORK: Final = {
     "run_diagram": "contin.cli.run",
     "run_phase": "contin.cli.run",
     "simulate_model": "contin.cli.simulate",
+    "survey_model": "contin.cli.survey",
     "sweep_model": "contin.cli.sweep",
     "scan_file": "contin.cli.scan",
     "check_file": "contin.cli.check",

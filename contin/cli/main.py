@@ -225,6 +225,31 @@ def sweep(
 
 
 @app.command()
+def survey(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    parameters: Annotated[
+        list[str] | None, typer.Option("--parameter", "-p", help="Only this one. May be repeated.")
+    ] = None,
+    start: Annotated[list[str] | None, typer.Option("--start", help="Named start. May be repeated.")] = None,
+    sets: Sets = None,
+    factor: Annotated[float, typer.Option("--factor", help="Up to so many times the value, and down.")] = 10.0,
+    most: Annotated[int, typer.Option("--attractors", help="Most attractors to start from.")] = 4,
+    processes: Annotated[int | None, typer.Option("--processes", help="Default: one a core.")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,
+    json: Json = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """Which parameters matter: each varied both ways from every attractor, to the first bifurcation."""
+    out = {"csv": csv, "plot": plot, "json": json}
+    raise typer.Exit(
+        work("survey_model")(
+            model, parameters or [], start or [], sets or [], factor, most, processes, out, quiet, STARTED
+        )
+    )
+
+
+@app.command()
 def scan(
     file: Annotated[Path, typer.Argument(help="Scan file (YAML).")],
     json: Json = None,
