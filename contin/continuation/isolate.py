@@ -73,10 +73,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
             if len(companions) == 1 and not verified.point.touches and not is_planar(stretch.problem):
                 yield from _beside(stretch, a, b, verified, depth)
         elif verified == "":  # a change that is no event, such as a neutral saddle
-            centre = 0.5 * (stretch.length_of(low) + stretch.length_of(high))
-            for near, far in ((low, a), (high, b)):
-                rest = _rest(stretch, near, far, centre, a.tests * b.tests < 0.0, depth)
-                yield from (item for item in rest if isinstance(item, Found))
+            yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
             together = list(_compound(stretch, low, high, verified))
@@ -100,6 +97,25 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         return
     yield from isolate(stretch, a, middle, depth + 1)
     yield from isolate(stretch, middle, b, depth + 1)
+
+
+def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
+    """Events on both sides of a change of one test that is none, from a, low, high, b: it lies between low and high."""
+    a, low, high, b = samples
+    crossing = a.tests * b.tests < 0.0
+    at = [stretch.length_of(low), stretch.length_of(high)]
+    centre = 0.5 * (at[0] + at[1])
+    if np.count_nonzero(crossing) == 1 and at[0] != at[1]:  # where the test vanishes, to second order in the bracket
+        before, after = float(low.tests[crossing][0]), float(high.tests[crossing][0])
+        if before * after < 0.0:
+            centre = at[0] + (at[1] - at[0]) * before / (before - after)
+    for near, far in ((low, a), (high, b)):
+        if near is far:
+            continue
+        if at[0] == at[1]:  # the test is zero to the last digit there
+            near = stretch.between(near, far, NARROW) or near
+        rest = _rest(stretch, near, far, centre, crossing, depth)
+        yield from (item for item in rest if isinstance(item, Found))
 
 
 def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) -> Iterator[Found | Note]:

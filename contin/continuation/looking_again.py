@@ -7,6 +7,7 @@ apart. Close to the zero the distances shrink geometrically, so that spacings of
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.problem import Sample, is_adaptive
-from contin.machine.elementary import log
 
 STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
 FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
@@ -23,7 +23,6 @@ CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose te
 CLEAR: Final = 30.0  # times the differences seen: values that are no rounding errors
 WIDE: Final = 4.0  # ratio of distances
 BUDGET: Final = 64  # points looked at
-LINEAR: Final = (0.5, 1.5)  # exponents of a test next to its zero that a simple zero has
 
 
 def points_between(
@@ -92,15 +91,18 @@ def told_apart(a: Sample, b: Sample, noise: Array) -> bool:
 
 
 def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, crossing: NDArray[np.bool_]) -> bool:
-    """True where every crossing test vanishes with its distance from the point, as at a simple zero alone."""
+    """True where every crossing test vanishes with its distance from the point, as at a simple zero alone.
+
+    That is, with a power of the distance between 1/2 and 3/2.
+    """
     centre = stretch.length_of(point)
     d_near, d_nearer = (abs(stretch.length_of(s) - centre) for s in (near, nearer))
     if not 0.0 < d_nearer < d_near:
         return True
-    with np.errstate(divide="ignore", invalid="ignore"):
-        exponents = log(np.abs(near.tests / nearer.tests)) / log(d_near / d_nearer)
-    simple = (exponents > LINEAR[0]) & (exponents < LINEAR[1])  # false for NaN: the test is lost in its rounding
-    return bool(np.all(simple[crossing]))
+    ratio = d_near / d_nearer
+    sizes, nearer_sizes = np.abs(near.tests[crossing]), np.abs(nearer.tests[crossing])
+    low, high = sqrt(ratio) * nearer_sizes, ratio * sqrt(ratio) * nearer_sizes
+    return bool(np.all((sizes > low) & (sizes < high)))  # false for 0 and NaN: the test is lost in its rounding
 
 
 def _middle(stretch: Stretch, left: Sample, right: Sample, centre: float) -> Sample | None:

@@ -91,17 +91,25 @@ class _Record:
         growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece)
         return growing or self._approaching(piece) or self._unmoved(piece)
 
-    def _relative(self, piece: Piece) -> Array:
-        """States of the rows beside their scales at the first row; 0 for unknowns that cannot grow."""
-        return np.asarray(np.abs(piece.z[:, :-1]) / self.scale * _may_grow(self.arm.problem))
+    def _relative(self, z: Array) -> Array:
+        """States of rows z (.., n + 1) beside their scales at the first row; 0 for unknowns that cannot grow."""
+        return np.asarray(np.abs(z[..., :-1]) / self.scale * self._growing)
 
-    def _sizes(self, piece: Piece) -> Array:
+    @cached_property
+    def _growing(self) -> NDArray[np.bool_]:
+        return _may_grow(self.arm.problem)
+
+    def _sizes(self, z: Array) -> Array:
         """Of the rows."""
-        return np.asarray(np.max(self._relative(piece), axis=1, initial=0.0))
+        return np.asarray(np.max(self._relative(z), axis=-1, initial=0.0))
+
+    def _size(self, piece: Piece) -> float:
+        """Of the last row."""
+        return float(self._sizes(piece.z[-1]))
 
     def _creeping(self, piece: Piece) -> _Stop | None:
         """A state that has grown goes on in ever so short steps, or in some between changes that do not verify."""
-        size = float(self._sizes(piece)[-1])
+        size = self._size(piece)
         if not size > OUTGROWN:
             self.crept.clear()
             return None
@@ -113,7 +121,7 @@ class _Record:
         moved = np.linalg.norm(np.diff(np.array([z for z, _ in self.crept]), axis=0) / piece.scale, axis=1)
         if not float(moved.mean()) < CREEP * self.arm.course.settings.max_step:
             return None
-        name = self._fastest(self._relative(piece)[-1])
+        name = self._fastest(self._relative(piece.z[-1]))
         text = f"{name} has grown to {size:.0e} times its scale, and rounding makes the branch creep on in short steps"
         return self._stop(len(piece.z) - 1, piece, "bound", text)
 
@@ -123,22 +131,23 @@ class _Record:
         if not lost.size:
             return None
         row = int(lost[0])
-        size, largest = float(self._sizes(piece)[row]), float(np.abs(piece.eigenvalues[row]).max())
+        size, largest = float(self._sizes(piece.z[row])), float(np.abs(piece.eigenvalues[row]).max())
         text = f"beside a multiplier of {largest:.0e} rounding decides what the others are"
         if size > OUTGROWN:
-            name = self._fastest(self._relative(piece)[row])
+            name = self._fastest(self._relative(piece.z[row]))
             return self._stop(row, piece, "bound", f"{name} has grown to {size:.0e} times its scale; {text}")
         return self._stop(row, piece, "corrector", text)
 
     def _infinite(self, piece: Piece) -> _Stop | None:
-        sizes = self._sizes(piece)
-        if not sizes.max() >= self._next:
+        largest = np.max(np.abs(piece.z), axis=0)  # of each unknown: whole rows only where one may have grown
+        if not self._sizes(largest) >= self._next:
             return None
+        sizes = self._sizes(piece.z)
         for row in np.flatnonzero(sizes >= self._next):
             while sizes[row] >= self._next:
                 self.decades.append(piece.z[row, -len(self.arm.problem.parameters) :] / self._widths)
             if self._converges():
-                name = self._fastest(self._relative(piece)[row])
+                name = self._fastest(self._relative(piece.z[row]))
                 text = f"{name} grows without bound: {sizes[row]:.0e} times its scale"
                 return self._stop(int(row), piece, "bound", text)
         return None
@@ -174,13 +183,14 @@ class _Record:
     def _approaching(self, piece: Piece) -> _Stop | None:
         """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows."""
         bounds = np.array(self.arm.bounds)
-        rows = np.vstack([self.last[None], piece.z])
-        self.last = piece.z[-1].copy()
-        distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
-        near = (NEAR_GROWN if self._sizes(piece)[-1] > GROWN else NEAR) * self._width
-        if not distance[1:].min() < near:
+        before, self.last = self.last, piece.z[-1].copy()
+        near = (NEAR_GROWN if self._size(piece) > GROWN else NEAR) * self._width
+        values = piece.z[:, -1]
+        if not min(np.abs(values - bound).min() for bound in self.arm.bounds) < near:
             self.approaching = 0
             return None
+        rows = np.vstack([before[None], piece.z])
+        distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
         steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
         nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < near)
         for row, counts in enumerate(nearer & (steps > LONG)):
@@ -191,11 +201,11 @@ class _Record:
         return None
 
     def _unmoved(self, piece: Piece) -> _Stop | None:
-        moved = np.abs(piece.z - self.anchor)
         rows, last = len(piece.z), len(piece.z) - 1
-        same = bool(moved[:, -1].max() <= VERTICAL * self._width)
+        same = bool(np.abs(piece.z[:, -1] - self.anchor[-1]).max() <= VERTICAL * self._width)
+        still = same and bool(np.all(np.abs(piece.z - self.anchor) / piece.scale <= STILL))
         self.vertical = self.vertical + rows if same else 0
-        self.standing = self.standing + rows if same and bool(np.all(moved / piece.scale <= STILL)) else 0
+        self.standing = self.standing + rows if still else 0
         if not same:
             self.anchor = piece.z[-1].copy()
         if self.standing >= PATIENCE:

@@ -23,6 +23,7 @@ from math import factorial
 
 import numpy as np
 
+from contin.abi import Vector
 from contin.normalforms.jet import Complex, Jet, Real, lift
 from contin.normalforms.linear import EigenPair, solve
 from contin.normalforms.result import TRUST
@@ -50,8 +51,8 @@ class CentreManifold:
         self.m = len(pairs)
         self._h: dict[Index, Complex] = {}
         self._g: dict[Index, dict[int, complex]] = {}
-        self._rhs: dict[Index, tuple[Complex, Real]] = {}
-        self._magnitude: dict[tuple[Index, int], float] = {}
+        self._rhs: dict[Index, Complex] = {}
+        self._sizes: dict[Index, Real] = {}
 
     def h(self, *index: int) -> Complex:
         return self._coefficient(self._full(index))
@@ -60,8 +61,12 @@ class CentreManifold:
         return self._normal(self._full(index)).get(j, 0.0)
 
     def magnitude(self, index: Index, j: int) -> float:
-        self.g(index, j)
-        return self._magnitude.get((self._full(index), j), 0.0)
+        v = self._full(index)
+        if j not in self._normal(v):
+            return 0.0
+        if v not in self._sizes:
+            self._sizes[v] = self._sum_of_moduli(v)
+        return float(np.abs(self.left[j]) @ self._sizes[v])
 
     def _full(self, index: Index) -> Index:
         return (*index, *(0,) * (self.m + self.jet.parameters - len(index)))
@@ -78,7 +83,7 @@ class CentreManifold:
             matrix = self.jet.A - self._multiplier(v) * np.eye(self.jet.n)
             resonant = list(self._normal(v))
             borders = (self.right[resonant].T, self.left[resonant].T) if resonant else (None, None)
-            self._h[v] = solve(matrix, -self._inhomogeneity(v)[0], *borders)
+            self._h[v] = solve(matrix, -self._inhomogeneity(v), *borders)
         return self._h[v]
 
     def _normal(self, v: Index) -> dict[int, complex]:
@@ -89,11 +94,8 @@ class CentreManifold:
         if v not in self._g:
             resonant = self._resonant(v)
             self._g[v] = {}
-            if resonant:
-                rhs, sizes = self._inhomogeneity(v)
-                for j in resonant:
-                    self._g[v][j] = complex(np.vdot(self.left[j], rhs))
-                    self._magnitude[v, j] = float(np.abs(self.left[j]) @ sizes)
+            for j in resonant:
+                self._g[v][j] = complex(np.vdot(self.left[j], self._inhomogeneity(v)))
         return self._g[v]
 
     def _multiplier(self, v: Index) -> complex:
@@ -107,33 +109,39 @@ class CentreManifold:
         near = np.abs(self._multiplier(v) - self.values) <= RESONANCE * scale
         return [int(j) for j in np.flatnonzero(near)]
 
-    def _inhomogeneity(self, v: Index) -> tuple[Complex, Real]:
-        """R_v - S_v and the sum of the moduli of its summands, component by component."""
+    def _inhomogeneity(self, v: Index) -> Complex:
+        """R_v - S_v."""
         if v not in self._rhs:
-            self._rhs[v] = self._collect(v)
+            total: Complex = np.zeros(self.jet.n, dtype=np.complex128)
+            for weight, directions in self._products(v):
+                total += weight * self.jet.form(*directions)
+            for coefficient, u in self._transport(v):
+                total -= coefficient * self._coefficient(u)
+            self._rhs[v] = total
         return self._rhs[v]
 
-    def _collect(self, v: Index) -> tuple[Complex, Real]:
-        total: Complex = np.zeros(self.jet.n, dtype=np.complex128)
+    def _sum_of_moduli(self, v: Index) -> Real:
+        """Of the summands of R_v - S_v, component by component."""
         sizes: Real = np.zeros(self.jet.n)
-        term: Complex
-        for parts in partitions(v) if sum(v) > 1 else ():
+        for weight, directions in self._products(v):
+            sizes = sizes + np.abs(weight * self.jet.form(*directions))
+            if len(directions) > 1:
+                aside = weight * self.jet.form(*(d * SIGNS[np.arange(len(d)) % len(SIGNS)] for d in directions))
+                sizes = sizes + ROUNDED * np.abs(aside)
+        for coefficient, u in self._transport(v):
+            sizes = sizes + np.abs(coefficient * self._coefficient(u))
+        return sizes
+
+    def _products(self, v: Index) -> Iterator[tuple[float, list[Vector]]]:
+        """R_v = sum of weight F[directions]; for a parameter alone, A h + F_p = sum g q."""
+        if sum(v) == 1:
+            yield 1.0, [lift(np.zeros(self.jet.n), self.jet.parameters, v.index(1) - self.m)]
+            return
+        for parts in partitions(v):
             weight = 1.0
             for part in set(parts):
                 weight /= factorial(parts.count(part))
-            directions = [self._direction(part) for part in parts]
-            term = np.asarray(weight * self.jet.form(*directions), complex)
-            total += term
-            aside = weight * self.jet.form(*(d * SIGNS[np.arange(len(d)) % len(SIGNS)] for d in directions))
-            sizes = sizes + np.abs(term) + ROUNDED * np.abs(aside)
-        if sum(v) == 1:  # the first coefficient of a parameter: A h + F_p = sum g q
-            term = self.jet.form(lift(np.zeros(self.jet.n), self.jet.parameters, v.index(1) - self.m)).astype(complex)
-            return total + term, np.abs(term)
-        for coefficient, u in self._transport(v):
-            term = coefficient * self._coefficient(u)
-            total -= term
-            sizes = sizes + np.abs(term)
-        return total, sizes
+            yield weight, [self._direction(part) for part in parts]
 
     def _direction(self, v: Index) -> Complex:
         direction = np.zeros(self.jet.n + self.jet.parameters, dtype=complex)

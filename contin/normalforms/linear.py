@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.abi import Vector
-from contin.machine import elementary
 from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
@@ -30,6 +29,15 @@ class EigenPair:
     gap: float  # the next one: the pair is well defined where gap >> singular
 
 
+def root_power(x: Real, order: int) -> Real:
+    """The power of two nearest, in its exponent, to the root of this even order of each x > 0; exact."""
+    mantissa, exponent = np.frexp(x)
+    whole = exponent - 1  # x = (2 mantissa) 2^whole, 1 <= 2 mantissa < 2
+    tie = np.rint(whole / order).astype(whole.dtype)
+    nearest = np.where(mantissa == 0.5, tie, (whole + order // 2) // order)
+    return np.asarray(np.ldexp(1.0, nearest))
+
+
 def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
     """Powers of two (r, c) that bring the largest entry of each row and column of diag(r) matrix diag(c) near 1.
 
@@ -43,7 +51,7 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
         rows, columns = scaled.max(axis=1), scaled.max(axis=0)
         both = np.concatenate([rows, columns])
         both[both == 0.0] = 1.0
-        step = elementary.exp2(-np.rint(0.5 * elementary.log2(both)))
+        step = 1.0 / root_power(both, 2)
         if not np.any(step != 1.0):
             break
         r_step, c_step = step[: len(rows)], step[len(rows) :]
@@ -72,7 +80,7 @@ def balance(matrix: Vector, sweeps: int = 12) -> Real:
         rows, columns = scaled.sum(axis=1), scaled.sum(axis=0)
         linked = (rows > 0) & (columns > 0)
         unbalance = np.where(linked, rows, 1.0) / np.where(linked, columns, 1.0)
-        step = elementary.exp2(np.rint(0.5 * elementary.log2(unbalance) * 0.5))
+        step = root_power(unbalance, 4)
         if np.all(step == 1.0):
             break
         d = d * step

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -45,6 +46,9 @@ class Local(Protocol):
     def linearise(self, y: Array) -> tuple[Array, Array]:
         """F(y) (n,) and J(y) (n, n + 1)."""
 
+    def linearised(self, y: Array) -> tuple[Array, Array]:
+        """The same at m places (m, n + 1): (m, n) and (m, n, n + 1)."""
+
     def hessian(self, y: Array, v: Vector) -> Vector:
         """The matrix D^2F(y)[v, .] (n, n + 1) for a direction v (n + 1,), real or complex."""
 
@@ -61,14 +65,15 @@ class Solved:
     noise: float  # of the residual: what it can be at a true solution
 
 
-class System(Protocol):
-    """Equations G(x) = 0."""
+@dataclass(frozen=True, eq=False)
+class System:
+    """Equations G(x) = 0.
 
-    def __call__(self, x: Array, slopes: bool = True) -> tuple[Array, Array]:
-        """G(x), and its Jacobian where `slopes` are asked for (else an empty matrix)."""
+    at : G(x) (k,), and its Jacobian.  values : G alone, (m, k), at m places (m, unknowns).
+    """
 
-
-NO_SLOPES = np.empty((0, 0))
+    at: Callable[[Array], tuple[Array, Array]]
+    values: Callable[[Array], Array]
 
 
 def newton(system: System, x: Array, position: int) -> Solved | None:
@@ -81,7 +86,7 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     """
     before, ratio_before, lacking, step = np.inf, 0.0, 0.0, np.zeros_like(x)
     for _ in range(NEWTON_BUDGET):
-        g, matrix = system(x)
+        g, matrix = system.at(x)
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
             return None
         solution = _least_squares(matrix, -g)
@@ -110,10 +115,10 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
 
 def _estimated(system: System, x: Array, position: int, lacking: float) -> Solved | None:
     """The solution with its residual, and the errors of both."""
-    g, matrix = system(x)
+    g, matrix = system.at(x)
     if not np.all(np.isfinite(matrix)):
         return None
-    beside = system(x + BESIDE * cos(1.0 + np.arange(x.size)))[1]  # at a degenerate point all of it may vanish
+    beside = system.at(x + BESIDE * generic(x.size))[1]  # at a degenerate point all of it may vanish
     beside = np.where(np.isfinite(beside), np.abs(beside), 0.0)
     sizes = np.maximum(np.abs(matrix), beside).max(axis=1)
     left, singular, right = np.linalg.svd(matrix, full_matrices=False)
@@ -122,18 +127,16 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     row = (right.T[position] * inverses) @ left.T
     generator = np.random.default_rng(12345)
     epsilon = float(np.finfo(float).eps)
-    estimates, noise = [], epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
-    near, curved, odd = np.zeros((3, len(g)))  # rounding errors: of short steps, of longer ones with what is curved
+    noise = epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
     steep = right[~flat]
-    for _ in range(SAMPLES):
-        shift = PERTURBATION * generator.uniform(-1.0, 1.0, x.size)
-        value, _ = system(x + shift, slopes=False)
-        estimates.append(float((steep.T @ (steep @ shift))[position]) - float(row @ value))
-        near = np.maximum(near, np.abs(value - g - matrix @ shift))
-        farther = ROUNDED / PERTURBATION * shift  # so near, terms with cancelling parts may not change at all
-        ahead, behind = (system(x + sign * farther, slopes=False)[0] for sign in (1.0, -1.0))
-        curved = np.maximum(curved, np.abs(ahead - g - matrix @ farther))
-        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - matrix @ farther))  # ... and without
+    shifts = PERTURBATION * generator.uniform(-1.0, 1.0, (SAMPLES, x.size))
+    farther = ROUNDED / PERTURBATION * shifts  # so near, terms with cancelling parts may not change at all
+    close, ahead, behind = np.split(system.values(np.concatenate([x + shifts, x + farther, x - farther])), 3)
+    estimates = (shifts @ steep.T) @ steep[:, position] - close @ row
+    linear = farther @ matrix.T
+    near = np.abs(close - g - shifts @ matrix.T).max(axis=0)  # rounding errors: of short steps
+    curved = np.abs(ahead - g - linear).max(axis=0)  # ... of longer ones with what is curved
+    odd = np.abs(0.5 * (ahead - behind) - linear).max(axis=0)  # ... and without
     noise = max(noise, float(np.max(near)), float(np.max(curved)))
     rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
     error = 2.0 * max(float(np.max(np.abs(estimates))), rounded) + lacking
@@ -158,20 +161,26 @@ def _reach(system: System, x: Array, position: int, g: Array, direction: Array, 
 
     def leaves(at: Array) -> bool:
         for _ in range(FOLLOWED):
-            value, matrix = system(at)
+            value, matrix = system.at(at)
             if bool(np.all(np.abs(value - g) <= limits)):
                 return False
             step = _least_squares(matrix[:, others], g - value) if np.all(np.isfinite(matrix)) else None
             if step is None or not np.linalg.norm(step) < distance:
                 return True
             at[others] += step
-        return bool(np.any(np.abs(system(at, slopes=False)[0] - g) > limits))
+        return bool(np.any(np.abs(system.values(at[None])[0] - g) > limits))
 
     while distance < 0.1:
         if all(leaves(x + sign * distance * direction) for sign in (1.0, -1.0)):
             break
         distance *= 3.0
     return distance
+
+
+@cache
+def generic(size: int) -> Array:
+    """A direction in which nothing is special, (size,)."""
+    return np.asarray(cos(1.0 + np.arange(size)))
 
 
 def _least_squares(matrix: Array, right: Array) -> Array | None:
@@ -200,12 +209,7 @@ def fold(local: Local, y: Array) -> Solved | None:
     n = local.n
     b, c = singular_basis(local.linearise(y)[1][:, :n], 1)
 
-    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
-        f, jacobian = local.linearise(x)
-        v, w, g = _bordered(jacobian[:, :n], b, c)
-        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w) if slopes else NO_SLOPES
-
-    return newton(system, y, n)
+    return newton(_real_critical(local, b, c, np.zeros((n, n))), y, n)
 
 
 def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
@@ -213,17 +217,20 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
     n = local.n
     b, c = singular_basis(local.linearise(y)[1], corank)
 
-    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
+    def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = _bordered(jacobian, b, c)
-        if not slopes:
-            return np.concatenate([f, g.T.ravel()]), NO_SLOPES
         rows = [jacobian]
         for k in range(corank + 1):
             rows.append(-(w.T @ local.hessian(x, v[:, k])))
         return np.concatenate([f, g.T.ravel()]), np.vstack(rows)
 
-    return newton(system, y, n)
+    def values(x: Array) -> Array:
+        f, jacobians = local.linearised(x)
+        g = _bordered_values(jacobians, b, c)
+        return np.concatenate([f, g.swapaxes(1, 2).reshape(len(x), -1)], axis=1)
+
+    return newton(System(at, values), y, n)
 
 
 def critical_pair(
@@ -240,12 +247,10 @@ def critical_pair(
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
     unit = abs(angle) or 1.0
 
-    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
+    def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x[: n + 1])
         v, w, g = _bordered(jacobian[:, :n] - shift(unit * x[-1]) * identity, b, c)
         residual = np.concatenate([f, *(part for column in g.T for part in (column.real, column.imag))])
-        if not slopes:
-            return residual, NO_SLOPES
         adjoint = w.conj().T
         blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
         for k in range(corank):
@@ -254,7 +259,13 @@ def critical_pair(
             blocks += [complete.real, complete.imag]
         return residual, np.vstack(blocks)
 
-    solved = newton(system, np.append(y, angle / unit), n)
+    def values(x: Array) -> Array:
+        f, jacobians = local.linearised(x[:, : n + 1])
+        shifts = np.array([shift(unit * w) for w in x[:, -1].tolist()])
+        g = _bordered_values(jacobians[:, :, :n] - shifts[:, None, None] * identity, b, c).swapaxes(1, 2)
+        return np.concatenate([f, np.stack([g.real, g.imag], axis=2).reshape(len(x), -1)], axis=1)
+
+    solved = newton(System(at, values), np.append(y, angle / unit), n)
     return None if solved is None else replace(solved, extra=unit * solved.extra)
 
 
@@ -264,12 +275,37 @@ def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
     identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - value * identity, 1)
 
-    def system(x: Array, slopes: bool = True) -> tuple[Array, Array]:
-        f, jacobian = local.linearise(x)
-        v, w, g = _bordered(jacobian[:, :n] - value * identity, b, c)
-        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w) if slopes else NO_SLOPES
+    return newton(_real_critical(local, b, c, value * identity), y, n)
 
-    return newton(system, y, n)
+
+def _real_critical(local: Local, b: Array, c: Array, shift: Array) -> System:
+    """F = 0 and F_u - shift (n, n) bordered by b, c, of corank 1."""
+    n = local.n
+
+    def at(x: Array) -> tuple[Array, Array]:
+        f, jacobian = local.linearise(x)
+        v, w, g = _bordered(jacobian[:, :n] - shift, b, c)
+        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w)
+
+    def values(x: Array) -> Array:
+        f, jacobians = local.linearised(x)
+        return np.concatenate([f, _bordered_values(jacobians[:, :, :n] - shift, b, c)[:, :, 0]], axis=1)
+
+    return System(at, values)
+
+
+def _bordered_values(matrices: Vector, b: Vector, c: Vector) -> Vector:
+    """The blocks g of `_bordered` for matrices (m, rows, columns)."""
+    count, rows, columns = matrices.shape
+    kernel = c.shape[1]
+    bordered = np.zeros((count, rows + kernel, rows + kernel), np.result_type(matrices, b, c))
+    bordered[:, :rows, :columns] = matrices
+    bordered[:, :rows, columns:] = b
+    bordered[:, rows:, :columns] = c.conj().T
+    try:
+        return np.asarray(np.linalg.inv(bordered)[:, columns:, rows:])
+    except np.linalg.LinAlgError:  # one of them is singular: NaN for that one
+        return np.array([_bordered(matrix, b, c)[2] for matrix in matrices])
 
 
 def _bordered(

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array, Vector
-from contin.machine.elementary import cos, log
+from contin.machine.elementary import log
+from contin.problems.defining import generic
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -45,7 +46,7 @@ class ScaledSystem:
 
         At y itself an equation may have no derivatives at all (a branch point), beside it only in special directions.
         """
-        beside = BESIDE * cos(1.0 + np.arange(len(y)))
+        beside = BESIDE * generic(len(y))
         jacobians = [np.abs(self.linearise(at)[1]).max(axis=1) for at in (y, y + beside, y - beside)]
         here, around = jacobians[0], np.maximum(jacobians[1], jacobians[2])
         if not (np.all(np.isfinite(around)) and np.all(np.isfinite(here)) and min(here.min(), around.min()) > 0.0):
@@ -61,6 +62,13 @@ class ScaledSystem:
         f, jacobian = self.problem.linearise(y * self.scale)
         d = self._rows
         return f / d, jacobian * self.scale / d[:, None]
+
+    def linearised(self, y: Array) -> tuple[Array, Array]:
+        """`linearise` at m places (m, n + 1): (m, n) and (m, n, n + 1)."""
+        parts = [self.problem.linearise(at) for at in y * self.scale]
+        d = self._rows
+        jacobians = np.array([jacobian for _, jacobian in parts])
+        return np.array([f for f, _ in parts]) / d, jacobians * self.scale / d[:, None]
 
     def form(self, y: Array, *directions: Vector) -> Vector:
         """D^kF[d1, .., dk] in scaled unknowns."""

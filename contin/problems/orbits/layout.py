@@ -8,6 +8,7 @@ length.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +148,7 @@ def _largest(values: Array, m: int) -> Array:
     top = np.argmax(values, axis=1)  # (R, k)
     right = np.minimum(top // m, (nodes - 1) // m - 1)
     left = np.where((top % m == 0) & (top > 0), top // m - 1, right)
-    fine = interpolation(m, np.linspace(0.0, 1.0, SAMPLES))
+    fine = _fine(m)
     best = np.take_along_axis(values, top[:, None, :], axis=1)[:, 0, :]
     r, k = np.arange(rows)[:, None], np.arange(functions)[None, :]
     for interval in (left, right):
@@ -155,6 +156,12 @@ def _largest(values: Array, m: int) -> Array:
         pieces = values[r[:, :, None], index, k[:, :, None]] @ fine.T  # (R, k, SAMPLES)
         best = np.maximum(best, _parabola_top(pieces))
     return best
+
+
+@cache
+def _fine(m: int) -> Array:
+    """Values at `SAMPLES` places of an interval from those at its nodes, (SAMPLES, m + 1)."""
+    return interpolation(m, np.linspace(0.0, 1.0, SAMPLES))
 
 
 def _parabola_top(y: Array) -> Array:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 PARTS: Final = (2, 3)  # half and a third of the period
 SAMPLES: Final = 60  # times in a period at which orbits are compared
-ALL: Final = slice(None)
 FIRST: Final = slice(SAMPLES // 3, SAMPLES // 3 + 2)  # of these: most orbits need no more to be told from their parts
 EQUAL: Final = 1e-4  # of the extent: parts that differ by less may be the same
 STANDING: Final = 1e-2  # ... if in a step their difference changes by less than this part of its (scaled) length
@@ -31,33 +30,49 @@ SHORTER: Final = 0.1  # the repeated step beside the one that slipped
 SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
 
 
-def parts_apart(profile: Profile, winding: Array, parts: int, chosen: slice = ALL) -> Array:
-    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n), or `chosen` rows of it."""
-    times = _times(parts)[chosen]
+def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
+    """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
+    return _parts_apart(profile, winding, parts, profile.at(_times(parts).ravel()))
+
+
+def _parts_apart(profile: Profile, winding: Array, parts: int, values: Array) -> Array:
+    """The same from the values at later times, then at the earlier ones."""
     extent = np.maximum(np.ptp(profile.u, axis=0), np.abs(winding)).max()
-    later, now = np.split(profile.at(np.concatenate([times + 1.0 / parts, times])), 2)
-    difference = later - now - np.asarray(winding) / parts
+    later, now = values[: len(values) // 2], values[len(values) // 2 :]
+    difference = later - now - winding / parts
     return np.asarray(difference / max(float(extent), np.finfo(float).tiny))
 
 
 @cache
 def _times(parts: int) -> Array:
-    return np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
+    """Times to compare, later and earlier ones, (2, `SAMPLES`)."""
+    earlier = np.linspace(0.0, 1.0 - 1.0 / parts, SAMPLES)
+    return np.stack([earlier + 1.0 / parts, earlier])
+
+
+@cache
+def _first_times() -> Array:
+    """Of both `PARTS` those that most orbits need to be told from their parts, (2, 2 * `FIRST`)."""
+    return np.concatenate([_times(parts)[:, FIRST] for parts in PARTS], axis=1)
 
 
 def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
-    for parts in PARTS:
-        if problem.autonomous or problem.multiple % parts == 0:
-            orbit = problem.profile(z)
-            if not np.abs(parts_apart(orbit, problem.winding, parts, FIRST)).max() < EQUAL:
-                continue
-            here = parts_apart(orbit, problem.winding, parts)
-            if not np.abs(here).max() < EQUAL:
-                continue
-            change = here - parts_apart(problem.profile(before), problem.winding, parts)
-            if np.abs(change).max() < STANDING * step:
-                return parts
+    possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
+    if not possible:
+        return 1
+    orbit, winding = problem.profile(z), np.asarray(problem.winding)
+    first = np.split(orbit.at(_first_times().ravel()), 2 * len(PARTS))
+    for k, parts in enumerate(PARTS):
+        values = np.concatenate([first[k], first[len(PARTS) + k]])
+        if parts not in possible or not np.abs(_parts_apart(orbit, winding, parts, values)).max() < EQUAL:
+            continue
+        here = parts_apart(orbit, winding, parts)
+        if not np.abs(here).max() < EQUAL:
+            continue
+        change = here - parts_apart(problem.profile(before), winding, parts)
+        if np.abs(change).max() < STANDING * step:
+            return parts
     return 1
 
 
