@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Problem, Sample
+from contin.abi import Array
+from contin.continuation.problem import Frame, Problem, Sample, is_probing
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 
@@ -29,46 +30,60 @@ class Stretch:
         """The point at a fraction of the way from a to b (in s); None where Newton fails or leaves the stretch."""
         s_a, s_b = self.length_of(a), self.length_of(b)
         s = s_a + fraction * (s_b - s_a)
-        found = self.problem.probe(self.base, s, self._hermite(a, b, s_a, s_b, s), self.frame, self.settings)
-        if found is None:
-            return None
-        slack = 2.0 * self.distance(a, b)
-        if self.distance(found, a) > slack or self.distance(found, b) > slack:  # Newton jumped to another branch
-            return None
-        return found
+        found = self.problem.probe(self.base, s, self._hermite(a, b, s_b - s_a, fraction), self.frame, self.settings)
+        return found if found is None or self._is_near(found, a, b, 2.0 * self.distance(a, b)) else None
 
-    def _hermite(self, a: Sample, b: Sample, s_a: float, s_b: float, s: float) -> np.ndarray:
-        h = s_b - s_a
-        if h == 0.0:
-            return np.asarray(a.z)
-        x = (s - s_a) / h
-        along_a, along_b = dot(self.base.tangent, a.tangent), dot(self.base.tangent, b.tangent)
-        linear = a.z + x * (b.z - a.z)
-        if min(abs(along_a), abs(along_b)) < 0.2:  # the parametrisation is poor here
-            return linear
-        slope_a = self.frame.scale * a.tangent / along_a * h
-        slope_b = self.frame.scale * b.tangent / along_b * h
+    def several(self, a: Sample, b: Sample, fractions: Sequence[float]) -> Sequence[Sample | None]:
+        """`between` at several fractions."""
+        if not is_probing(self.problem):
+            return [self.between(a, b, fraction) for fraction in fractions]
+        s_a, s_b = self.length_of(a), self.length_of(b)
+        x = np.asarray(fractions)
+        guesses = self._hermite(a, b, s_b - s_a, x[:, None])
+        samples = self.problem.probes(self.base, s_a + x * (s_b - s_a), guesses, self.frame, self.settings)
+        slack = 2.0 * self.distance(a, b)
+        return [s if s is not None and self._is_near(s, a, b, slack) else None for s in samples]
+
+    def _is_near(self, found: Sample, a: Sample, b: Sample, slack: float) -> bool:
+        """False where Newton jumped to another branch."""
+        return self.distance(found, a) <= slack and self.distance(found, b) <= slack
+
+    def _hermite(self, a: Sample, b: Sample, h: float, x: float | Array) -> Array:
+        """Guesses at fractions x of the way from a to b, which is h long: a number, or (k, 1) for k rows."""
         chord = b.z - a.z
-        return linear + x * (1 - x) * ((1 - x) * (slope_a - chord) - x * (slope_b - chord))
+        linear = a.z + x * chord
+        along_a, along_b = dot(self.base.tangent, a.tangent), dot(self.base.tangent, b.tangent)
+        if h == 0.0 or min(abs(along_a), abs(along_b)) < 0.2:  # the parametrisation is poor here
+            return np.asarray(linear)
+        slope_a = self.frame.scale * a.tangent * (h / along_a) - chord
+        slope_b = self.frame.scale * b.tangent * (h / along_b) - chord
+        return np.asarray(linear + x * (1 - x) * ((1 - x) * slope_a - x * slope_b))
 
     def distance(self, a: Sample, b: Sample) -> float:
         return norm((a.z - b.z) / self.frame.scale)
 
     def zero(
-        self, value: Callable[[Sample], float], a: Sample, b: Sample, accuracy: float, budget: int = 60
+        self, value: Callable[[Sample], float], a: Sample, b: Sample, accuracy: float, budget: int = 80
     ) -> tuple[Sample, Sample]:
         """Bracket of a sign change of `value` between a and b, narrowed to `accuracy` in s (secant inside bisection).
 
-        Ridders-like: the secant point is taken while it shrinks the bracket, the middle otherwise, so that a jump
-        (a corner of a piecewise equation) is found as surely as a zero.
+        The zero of the chord, then a point beyond it as far again, shrink the bracket on both sides; where they do not,
+        the middle does, so that a jump (a corner of a piecewise equation) is found as surely as a zero.
         """
         f_a, f_b = value(a), value(b)
         width = abs(self.length_of(b) - self.length_of(a))
-        bisect = False
+        bisect, beyond, rough = False, False, False
         for _ in range(budget):
             if width <= accuracy or f_b == 0.0:
                 break
-            fraction = 0.5 if bisect or f_a == f_b else min(max(f_a / (f_a - f_b), 0.01), 0.99)
+            fraction = 0.5
+            if not bisect and f_a != f_b:
+                fraction = f_a / (f_a - f_b)
+                if beyond:  # the last zero of the chord is an end: twice as far from there lies the other side
+                    aside = max(2.0 * min(fraction, 1.0 - fraction), 0.3 * accuracy / width)
+                    fraction = aside if fraction < 0.5 else 1.0 - aside
+                least = 0.1 * accuracy / width
+                fraction = min(max(fraction, least), 1.0 - least)
             middle = self.between(a, b, fraction)
             if middle is None:
                 if fraction == 0.5:
@@ -83,6 +98,8 @@ class Stretch:
             else:
                 b, f_b = middle, f_middle
             new_width = abs(self.length_of(b) - self.length_of(a))
-            bisect = new_width > 0.5 * width and not bisect
+            slow = new_width > 0.5 * width and not bisect
+            rough |= slow and beyond
+            bisect, beyond = slow and rough, slow and not rough
             width = new_width
         return a, b

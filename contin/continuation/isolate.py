@@ -18,7 +18,7 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
-from contin.continuation.looking_again import is_linear, points_between, rounding, solved, told_apart
+from contin.continuation.looking_again import is_clear, is_linear, points_between, rounding, solved, told_apart
 from contin.continuation.march import is_dip
 from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
 from contin.continuation.sameness import same_point
@@ -34,6 +34,7 @@ LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curv
 ALIKE = 0.05  # arclength over which two branches that touch may be alike, and rows lie on either
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
+ALIGNED = 0.99  # cosine from which the tangent at a point is that of the branch that was followed
 CHORD = 1e-7  # shorter chords have no direction
 DEPTH = 60  # halvings of one step
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
@@ -112,7 +113,7 @@ def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], de
     for near, far in ((low, a), (high, b)):
         if near is far:
             continue
-        if at[0] == at[1]:  # the test is zero to the last digit there
+        if abs(stretch.length_of(near) - centre) < 0.1 * NARROW * stretch.distance(near, far):  # there it is rounding
             near = stretch.between(near, far, NARROW) or near
         rest = _rest(stretch, near, far, centre, crossing, depth)
         yield from (item for item in rest if isinstance(item, Found))
@@ -129,8 +130,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         if width < 4.0 * close:
             continue
         far = solved(stretch, far, point)
-        near = stretch.between(point, far, close / width)
-        nearer = stretch.between(point, far, 0.25 * close / width)
+        near, nearer = stretch.several(point, far, (close / width, 0.25 * close / width))
         if near is None:
             continue
         simple &= nearer is None or is_linear(stretch, point, near, nearer, crossing)
@@ -163,7 +163,7 @@ def _rest(
     stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int
 ) -> Iterator[Found | Note]:
     """Events between `near`, next to a located zero at `centre`, and `far`."""
-    if depth >= DEPTH:
+    if depth >= DEPTH or is_clear(stretch, near, far, centre, crossing, is_adaptive(stretch.problem)):
         return
     noise = rounding(stretch, near, far)
     points = points_between(stretch, near, far, centre, crossing, noise)
@@ -276,6 +276,10 @@ def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     length = float(base.tangent @ chord)
     expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
     expected = expected / np.linalg.norm(expected)
+    if point.type != "BP" and not point.touches and not is_adaptive(stretch.problem):  # one branch, and a regular point
+        sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
+        if sample is not None and dot(sample.tangent, expected) > ALIGNED:
+            return replace(near, tangent=sample.tangent)
     try:
         tangents = stretch.problem.tangents(point.z, scale)
     except (InputError, NotFiniteError):  # the equations are singular at the point itself, where curves meet

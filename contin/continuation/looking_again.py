@@ -7,6 +7,7 @@ apart. Close to the zero the distances shrink geometrically, so that spacings of
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import sqrt
 from typing import Final
 
@@ -23,6 +24,50 @@ CLOSE_BY: Final = 1e-6  # part of the way at which neighbours are taken whose te
 CLEAR: Final = 30.0  # times the differences seen: values that are no rounding errors
 WIDE: Final = 4.0  # ratio of distances
 BUDGET: Final = 64  # points looked at
+
+
+def is_clear(
+    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], adaptive: bool
+) -> bool:
+    """True where a first look from `near`, next to the located zero at arclength `centre`, to `far` finds no event.
+
+    The same points as those that `rounding` and `points_between` begin with, all at once; false says nothing.
+    adaptive : the crossing tests must also be larger than their rounding errors.
+    """
+    a, b = (abs(stretch.length_of(sample) - centre) for sample in (near, far))
+    if not 0.0 < a < b or b < 1.01 * a or stretch.problem.explain(near, far) != ():
+        return False
+    wide = b > WIDE * a
+    places = [CLOSE_BY, 2.0 * CLOSE_BY, (sqrt(a * b) - a) / (b - a), *([0.5] if wide else [])]
+    samples = stretch.several(near, far, places)
+    if any(sample is None or sample.unstable != near.unstable for sample in samples):
+        return False
+    s = [0.0, *places[2:], 1.0]
+    triples = [(0, 1, len(s) - 1), (0, 2, 3)] if wide else [(0, 1, 2)]
+    looked = [near, *(sample for sample in samples if sample is not None), far]
+    columns = zip(*(sample.tests.tolist() for sample in looked), strict=True)
+    for divided, (here, beside, farther, *others) in zip(crossing.tolist(), columns, strict=True):
+        noise = CLEAR * abs(here - 2.0 * beside + farther)
+        rest = [value if abs(value) > noise else 0.0 for value in (here, *others)]
+        if adaptive and divided and 0.0 in rest:
+            return False
+        if divided:
+            rest = [value / (a + part * (b - a)) for value, part in zip(rest, s, strict=True)]
+        if any(x * y < 0.0 for x, y in pairwise(rest)):
+            return False
+        if any(not _has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])) for i, j, k in triples):
+            return False
+    return True
+
+
+def _has_no_room(left: float, middle: float, right: float, fraction: float) -> bool:
+    """`_is_straight` of one test."""
+    if left * middle < 0.0 or middle * right < 0.0:
+        return False
+    smallest = min(abs(left), abs(middle), abs(right))
+    largest = max(abs(left), abs(middle), abs(right))
+    bent = abs(middle - left - fraction * (right - left)) > STRAIGHT * smallest
+    return not ((bent or largest > FALLING * smallest) and largest > 0.0)
 
 
 def points_between(
@@ -126,9 +171,5 @@ def _fraction(stretch: Stretch, left: Sample, middle: Sample, right: Sample) -> 
 
 def _is_straight(left: Array, middle: Array, right: Array, fraction: float) -> bool:
     """True where no test has room for two zeros between these values."""
-    if np.any(left * middle < 0.0) or np.any(middle * right < 0.0):
-        return False
-    sizes = np.abs([left, middle, right])
-    smallest, largest = sizes.min(axis=0), sizes.max(axis=0)
-    bent = np.abs(middle - left - fraction * (right - left)) > STRAIGHT * smallest
-    return not bool(np.any((bent | (largest > FALLING * smallest)) & (largest > 0.0)))
+    values = zip(left.tolist(), middle.tolist(), right.tolist(), strict=True)
+    return all(_has_no_room(a, m, b, fraction) for a, m, b in values)

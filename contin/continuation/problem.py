@@ -359,6 +359,16 @@ class Problem(Protocol):
 
 
 @runtime_checkable
+class Probing(Protocol):
+    """A problem that finds several points near one faster than each by itself."""
+
+    def probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        """`Problem.probe` at lengths (k,) from guesses (k, N), which may be overwritten."""
+
+
+@runtime_checkable
 class Recording(Protocol):
     """A problem that can say why a column has no value at a point."""
 
@@ -391,6 +401,11 @@ def _offers(problem: object, protocol: type) -> bool:
 def is_adaptive(problem: object) -> TypeGuard[Adaptive]:
     """True for problems that renew their unknowns along a branch."""
     return _offers(problem, Adaptive)
+
+
+def is_probing(problem: object) -> TypeGuard[Probing]:
+    """True for problems that find several points at once."""
+    return _offers(problem, Probing)
 
 
 def is_planar(problem: object) -> TypeGuard[Planar]:

@@ -180,14 +180,14 @@ def measure(
     return flow_tests(re, im, rates, tests)
 
 
-@allocating("i, b, f1, f1, f, f1, f1, i, f1, f, f, f, f1, f1, f1, f1, f1, f1 -> i")
-def probe(
-    address, is_map, z0, tangent, h, guess, p, active, scale, tolerance, trust, reference, z, tangent_out, tests, re,
-    im, sizes,
+@allocating("i, b, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1")
+def probes(
+    address, is_map, z0, tangent, lengths, p, active, scale, tolerance, trust, reference, z, tangents, tests, re, im,
+    unstable,
 ):  # fmt: skip
-    """Solve on the plane tangent . (z - z0) / D = h from `guess` and measure there.
+    """Solve on the planes tangent . (z - z0) / D = lengths[k] from guesses, the rows of z, and measure there.
 
-    Returns unstable count, -1 or -2 (not finite).
+    unstable[k] : the count; -1 where Newton fails, -2 where something is not finite.
     """
     n = z0.size - 1
     y = np.empty(n + 1)
@@ -197,23 +197,24 @@ def probe(
     block = np.empty((n, n))
     pivots = np.empty(n + 1, np.int64)
     step = np.empty(n + 1)
-    for j in range(n + 1):
-        z[j] = guess[j]
-        y[j] = (guess[j] - z0[j]) / scale[j]
-    sign = correct(
-        address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
-        step, sizes,
-    )  # fmt: skip
-    if sign == 0:
-        return -1
-    if sign == 2:
-        return -2
-    re[:] = math.nan
+    sizes = np.zeros(2)
     rates = np.empty(n)
     work = np.empty((n, n))
-    return measure(
-        is_map, matrix, sign, reference, pivots, block, tangent_out, tests, re, im, re, im, rates, work
-    )  # fmt: skip
+    for k in range(lengths.size):
+        for j in range(n + 1):
+            y[j] = (z[k, j] - z0[j]) / scale[j]
+        sign = correct(
+            address, is_map, z0, tangent, lengths[k], y, z[k], p, active, scale, tolerance, trust, f, jacobian,
+            matrix, block, pivots, step, sizes,
+        )  # fmt: skip
+        if sign == 0 or sign == 2:
+            unstable[k] = -1 if sign == 0 else -2
+            continue
+        re[k, :] = math.nan
+        unstable[k] = measure(
+            is_map, matrix, sign, reference, pivots, block, tangents[k], tests[k], re[k], im[k], re[k], im[k], rates,
+            work,
+        )  # fmt: skip
 
 
 @allocating("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1 -> i")

@@ -35,14 +35,23 @@ def make_call(address: Address, pointers: int) -> Call:
 
 
 class _Buffers(threading.local):
-    """This thread's u, p, a small Jacobian, and one output of each size that was asked for."""
+    """This thread's u, p, directions, a small Jacobian, and one output of each size that was asked for."""
 
     def __init__(self, n: int, p_size: int) -> None:
         u, p = np.zeros(n), np.zeros(p_size)
         self.outputs: dict[int, tuple[Array, int]] = {}
+        self.directions: list[tuple[Array, int]] = []
+        self.width = n + p_size
         self.inputs = u, p, (u.ctypes.data, p.ctypes.data, self.outputs)
         self.matrix = np.zeros((n, n + p_size)) if n * (n + p_size) <= BUFFERED else None
         self.matrix_at = self.matrix.ctypes.data if self.matrix is not None else 0
+
+    def held(self, count: int) -> list[tuple[Array, int]]:
+        """So many directions (n + p_size,) and their addresses."""
+        while len(self.directions) < count:
+            array = np.zeros(self.width)
+            self.directions.append((array, array.ctypes.data))
+        return self.directions[:count]
 
     def output(self, size: int) -> tuple[Array, int]:
         """An array and its address."""
@@ -84,9 +93,11 @@ class Calls:
     def form(self, call: Call, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
         """(u, p, v_1, ..., v_k, out)."""
         u_at, p_at, _ = self._load(u, p)
-        held = [np.ascontiguousarray(v, dtype=float) for v in directions]
+        held = self._buffers.held(len(directions))
+        for (array, _), direction in zip(held, directions, strict=True):
+            array[:] = direction
         out, out_at = self._buffers.output(self.n)
-        call(u_at, p_at, *[v.ctypes.data for v in held], out_at)
+        call(u_at, p_at, *[at for _, at in held], out_at)
         return out.copy()
 
     def forms(self, call: Call, u: Array, p: Array, directions: Sequence[Array]) -> Array:
@@ -103,9 +114,14 @@ class Calls:
     def gradient(self, call: Call, u: ArrayLike, p: ArrayLike, direction: Array) -> Array:
         """(u, p, v, w, H); H."""
         u_at, p_at, _ = self._load(u, p)
-        held = np.ascontiguousarray(direction, dtype=float)
+        buffers = self._buffers
+        ((held, held_at),) = buffers.held(1)
+        held[:] = direction
+        if buffers.matrix is not None:
+            call(u_at, p_at, held_at, buffers.output(self.n)[1], buffers.matrix_at)
+            return buffers.matrix.copy()
         matrix = np.empty((self.n, self.n + self.p_size))
-        call(u_at, p_at, held.ctypes.data, self._buffers.output(self.n)[1], matrix.ctypes.data)
+        call(u_at, p_at, held_at, buffers.output(self.n)[1], matrix.ctypes.data)
         return matrix
 
     def gradients(self, call: Call, u: Array, p: Array, directions: Array) -> Array:

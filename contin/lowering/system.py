@@ -335,7 +335,7 @@ def algebraic_parts(constraints: Constraints, name: str) -> Sequence[Expression]
 
 def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[Vector]) -> Vector:
     """A symmetric multilinear form of real vectors, at real or complex ones (or rows of them)."""
-    if not any(np.iscomplexobj(v) for v in vectors):
+    if all(v.dtype == float for v in vectors) or not any(np.iscomplexobj(v) for v in vectors):
         return form(vectors)
     distinct: list[Array] = []
     parts = [_parts(v, distinct) for v in vectors]

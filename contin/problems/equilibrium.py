@@ -106,11 +106,11 @@ class EquilibriumProblem:
         """True where a surface on which the equations jump lies between a and b: no branch leads across."""
         return bool(self.system.n_switches) and boundary.separated(self, a, b)
 
-    @property
+    @cached_property
     def is_map(self) -> bool:
         return bool(self.system.kind == "map")
 
-    @property
+    @cached_property
     def n(self) -> int:
         return int(self.system.n)
 
@@ -315,15 +315,33 @@ class EquilibriumProblem:
         if is_neutral(self, base.z, base.eigenvalues, frame.scale):
             return python_march.probe(NeutralMarch(self, frame.scale), base, length, guess, frame, settings)
 
-        n = self.n
-        z, t, tests = np.empty(n + 1), np.empty(n + 1), np.empty(kernel.TESTS)
-        re, im = np.empty(n), np.empty(n)
-        count = kernel.probe(
-            self.system.jacobian_address, self.is_map, base.z, base.tangent, length, guess, self.base.copy(),
-            self.active, frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im,
-            np.zeros(2),
+        return self._probes(base, np.array([length]), np.array([guess]), frame, settings)[0]
+
+    def probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        """`probe` at several lengths, from the rows of `guesses`."""
+        compiled = self.system.jacobian_address != NO_FUNCTION
+        if compiled and not is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return self._probes(base, lengths, guesses, frame, settings)
+        return [self.probe(base, *place, frame, settings) for place in zip(lengths.tolist(), guesses, strict=True)]
+
+    def _probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        """The same in one kernel call."""
+        shape = len(lengths), self.n
+        z, t, tests = guesses, np.empty(guesses.shape), np.empty((shape[0], kernel.TESTS))
+        re, im, counts = np.empty(shape), np.empty(shape), np.empty(shape[0], np.int64)
+        kernel.probes(
+            self.system.jacobian_address, self.is_map, base.z, base.tangent, lengths, self.base.copy(), self.active,
+            frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im, counts,
         )  # fmt: skip
-        return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
+        values = re + 1j * im
+        return [
+            None if count < 0 else Sample(z[k], t[k], tests[k], count, values[k])
+            for k, count in enumerate(counts.tolist())
+        ]
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self, guess, value, scale)

@@ -64,16 +64,15 @@ def _border_function(problem: LocusProblem, z0: Array, value: Callable[[Array, A
     n = problem.n
     frame = np.zeros((n + 1, n + 1))
     frame[:n, n], frame[n, :n] = left[:, -1], right[-1]
-    unit = np.eye(n + 1)[-1]
 
     def function(z: Array) -> float:
         bordered = frame.copy()
         bordered[:n, :n] = scaled_matrix(problem, z) - shift * identity
         try:
-            v, psi = np.linalg.solve(bordered, unit)[:-1], np.linalg.solve(bordered.T, unit)[:-1]
+            inverse = np.asarray(np.linalg.inv(bordered), dtype=float)
         except np.linalg.LinAlgError:  # no value: Newton's method ends, and the point is not verified, in words
             return float("nan")
-        return value(z, v, psi)
+        return value(z, inverse[:-1, -1], inverse[-1, :-1])
 
     return function
 
