@@ -31,6 +31,7 @@ from contin.problems.start import Equilibrium, converge
 from contin.records import Record
 from contin.simulate.natural import natural_metric
 from contin.simulate.relax import Relaxed, relax, stiff_loop
+from contin.symbolic.passes.translations import translation_notes
 from contin.systems.iterate import iterate
 
 AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest
@@ -92,6 +93,7 @@ def find_start(
         found = _by_deflation(model, parameters, tried)
         if found is not None:
             return found
+    tried += translation_notes(model)
     raise NoSolutionError(f"no equilibrium {'or cycle ' if cycles else ''}found: {'; '.join(tried)}.")
 
 

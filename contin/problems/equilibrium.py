@@ -41,6 +41,7 @@ from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
 from contin.simulate.reach import left_reach
 from contin.special.table import test_on_branch
+from contin.symbolic.passes.translations import translation_notes
 
 if TYPE_CHECKING:
     from contin.systems.protocol import System
@@ -449,6 +450,9 @@ class EquilibriumProblem:
             return "The equations have no derivatives here."
         values = np.linalg.svd(matrix, compute_uv=False)
         if values[-1] < 1e-9 * values[0]:
+            known = translation_notes(self.system.model)
+            if known:
+                return f"The Jacobian is singular here: {'; '.join(known)}."
             return (
                 "The Jacobian is singular here: a branch point where Newton stalls (start off it), or the equations "
                 "are dependent (a conserved quantity or a continuous symmetry; fix it by an equation or a parameter)."

@@ -48,9 +48,9 @@ class Law:
 
 
 def conserved_laws(model: Model) -> tuple[Law, ...]:
-    """A basis of the linear conserved quantities of a flow or a map, those of models above `LARGEST` states apart."""
+    """A basis of the linear conserved quantities of a flow or map; none above `LARGEST` states, or with masses."""
     names = model.state_names
-    if model.kind not in ("flow", "map") or not 0 < len(names) <= LARGEST:
+    if model.kind not in ("flow", "map") or model.mass or not 0 < len(names) <= LARGEST:
         return ()
     rates = rates_of(model)
     draws = _Draws(model)
