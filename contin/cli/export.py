@@ -27,9 +27,11 @@ def export_file(file: Path, out: Path) -> int:
 
 def export_model(file: Path, out: Path) -> int:
     """Write a model in the format that the ending of `out` names; what that cannot hold is said on standard error."""
-    found = registry.write(find(file), out)
+    found = registry.write(find(str(file)), out)
     for note in found.notes:
         sys.stderr.write(printable(f"note: {note}") + "\n")
-    write_text(out, found.text)
-    print(out)
+    texts = {out: found.text, **{out.with_name(k.format(stem=out.stem)): text for k, text in found.beside.items()}}
+    for place, text in texts.items():
+        write_text(place, text)
+        print(place)
     return 0

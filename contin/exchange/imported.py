@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from contin.errors import InputError
 from contin.records import Record
@@ -28,7 +29,11 @@ class Imported:
 
 @dataclass(frozen=True)
 class Exported:
-    """A model as the text of a foreign file, and what that cannot hold, a sentence each."""
+    """A model as the text of a foreign file, and what that cannot hold, a sentence each.
+
+    `beside` are texts of further files in the same folder by their names, in which {stem} is that of the file.
+    """
 
     text: str
     notes: tuple[str, ...] = ()
+    beside: Mapping[str, str] = field(default_factory=dict)

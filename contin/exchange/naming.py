@@ -19,14 +19,14 @@ class Names:
         self.notes = notes
         self.used: set[str] = set()
 
-    def take(self, wanted: str) -> str:
+    def take(self, wanted: str, *, quiet: bool = False) -> str:
         """`wanted`, or what is nearest to it: no word of the grammar, no name twice."""
         name = cleaned(wanted)
         plain, k = name, 2
         while name in self.used:
             name, k = f"{plain}_{k}", k + 1
         self.used.add(name)
-        if name != wanted:
+        if name != wanted and not quiet:
             self.notes.append(f"{wanted} is called {name}")
         return name
 

@@ -31,8 +31,17 @@ if TYPE_CHECKING:
 READERS: Final = {
     ".xml": "contin.exchange.xml_text:read",
     ".ode": "contin.exchange.xpp.read:read",
+    ".m": "contin.exchange.matcont.read:read",
+    ".f90": "contin.exchange.auto.read:read",
 }
-WRITERS: Final[Mapping[str, str]] = {}
+WRITERS: Final[Mapping[str, str]] = {
+    ".ode": "contin.exchange.writing.ode:write",
+    ".f90": "contin.exchange.writing.fortran:write",
+    ".m": "contin.exchange.writing.matlab:write",
+    ".jl": "contin.exchange.writing.julia:write",
+    ".yaml": "contin.exchange.writing.yaml:write",
+    ".yml": "contin.exchange.writing.yaml:write",
+}
 IMPORTERS: Final = "contin.importers"
 EXPORTERS: Final = "contin.exporters"
 LARGEST_FILE: Final = 50_000_000  # bytes

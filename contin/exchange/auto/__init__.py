@@ -1,0 +1,1 @@
+"""AUTO-07p's equations files and files of constants."""

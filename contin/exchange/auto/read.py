@@ -1,0 +1,227 @@
+"""An equations file of AUTO-07p (FUNC, STPNT), with its constants beside it -> a plain model document.
+
+Read are straight programs: assignments to local variables and to F. What follows a test of IJAC is the Jacobian, which
+contin derives. Source: "AUTO-07p: continuation and bifurcation software for ordinary differential equations", sections
+on user-supplied files and on constants.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from contin.errors import InputError
+from contin.exchange.assignments import Assignments, element
+from contin.exchange.auto.constants import Constants, beside
+from contin.exchange.auto.run import run_of
+from contin.exchange.auto.source import Row, Subroutine, formula, subroutines
+from contin.exchange.formulas.functions import FORTRAN, unknown
+from contin.exchange.formulas.parser import FormulaError
+from contin.exchange.formulas.tree import Node, walk
+from contin.exchange.imported import Imported, UnsupportedError
+from contin.exchange.naming import Names, cleaned
+from contin.model.evaluate import evaluate
+from contin.model.parser import parse as parse_formula
+
+_DECLARED: Final = re.compile(
+    r"(implicit|integer|real|double\s*precision|logical|character|intent|dimension|save|external|use)\b.*",
+    re.IGNORECASE | re.DOTALL,
+)
+_ASSIGNED: Final = re.compile(r"(\w+)\s*(\([^()]*(?:\([^()]*\)[^()]*)*\))?\s*=(?!=)(.*)", re.DOTALL)
+_JACOBIAN: Final = re.compile(r"if\s*\(\s*ijac\b.*", re.IGNORECASE | re.DOTALL)
+_CONTROL: Final = re.compile(
+    r"(if|do|else|endif|end|call|select|case|where|goto|go|while|forall|allocate)\b", re.IGNORECASE
+)
+_SECTION: Final = re.compile(r"(\w+)\s*(\(\s*(\d*)\s*:\s*(\w*)\s*\))?\s*=\s*(.*)", re.DOTALL)
+_LIST: Final = re.compile(r"\(/(.*)/\)|\[(.*)\]", re.DOTALL)
+KINDS: Final = {-1: "map", 0: "algebraic", 1: "flow", 2: "flow", -2: "flow", 3: "flow"}
+
+
+@dataclass(frozen=True)
+class Assigned:
+    """variable = node, or array(index) = node."""
+
+    line: int
+    variable: str
+    index: int | None
+    node: Node
+
+
+def read(text: str, path: Path) -> Imported:
+    """The model in an equations file of AUTO."""
+    parts = subroutines(text)
+    if "func" not in parts or len(parts["func"].arguments) < 6:
+        raise InputError(f"{path}: there is no SUBROUTINE FUNC(NDIM,U,ICP,PAR,IJAC,F,...): no equations file of AUTO")
+    found = beside(path)
+    if found.kind not in KINDS:
+        problem = {4: "a boundary-value problem", 7: "a boundary-value problem", 9: "connecting orbits"}
+        what = problem.get(found.kind, "of a kind that is not read")
+        raise UnsupportedError(f"{path}: its constants say IPS = {found.kind}, {what}")
+    try:
+        return _imported(parts, found, path)
+    except FormulaError as error:
+        raise UnsupportedError(f"{path}: {error}") from None
+
+
+def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imported:
+    notes: list[str] = []
+    if not found.known:
+        notes.append(f"there is no file of constants c.{path.stem} beside it: it is read as a flow")
+    func = parts["func"]
+    _, vector, _, par, _, right = func.arguments[:6]
+    rows = _assigned(func, notes)
+    sizes = [a.index for a in rows if a.variable == right and a.index is not None]
+    if not sizes:
+        raise FormulaError("FUNC assigns no F(1) = ...")
+    start = _starting(parts.get("stpnt"), notes)
+    used = _indices(rows, par) | set(start.parameters)
+    names = Names(notes)
+    states = _called(range(1, max(sizes) + 1), vector, found.states, rows, names, "u")
+    parameters = _called(sorted(used), par, found.parameters, rows, names, "par")
+    program = Assignments(names, FORTRAN, unknown)
+    program.elements = {(vector, i): n for i, n in states.items()} | {(par, i): n for i, n in parameters.items()}
+    equations: dict[int, str] = {}
+    for item in rows:
+        try:
+            if item.variable == right and item.index is not None:
+                equations[item.index] = program.text(item.node)
+                program.elements[(right, item.index)] = f"({equations[item.index]})"
+            elif item.index is not None:
+                raise FormulaError(f"{item.variable}({item.index}) = ...: arrays of its own are not read")
+            else:
+                program.assign(item.variable, item.node)
+        except FormulaError as error:
+            raise FormulaError(f"line {item.line}: {error}") from None
+    missing = [i for i in states if i not in equations]
+    if missing:
+        raise FormulaError(f"FUNC assigns no F({missing[0]})")
+    kind = KINDS[found.kind]
+    sections = {
+        "kind": kind,
+        "states": {n: start.states.get(i, 0.0) for i, n in states.items()},
+        "parameters": {n: start.parameters.get(i, 0.0) for i, n in parameters.items()},
+        "definitions": program.definitions,
+        "equations": {n: equations[i] for i, n in states.items()},
+    }
+    heading = {"name": cleaned(path.stem), "source": f"AUTO equations file {path.name}"}
+    model = {**heading, **{k: v for k, v in sections.items() if v}}
+    return Imported(model, tuple(dict.fromkeys(notes)), run_of(found, parameters))
+
+
+def _assigned(routine: Subroutine, notes: list[str]) -> list[Assigned]:
+    """The assignments of a subroutine up to its Jacobian."""
+    found: list[Assigned] = []
+    for row in routine.rows:
+        if _JACOBIAN.fullmatch(row.text) or row.text.lower() == "return":
+            break
+        declared = _DECLARED.fullmatch(row.text)
+        texts = [row.text]
+        if declared is not None:
+            _, colons, after = row.text.partition("::")
+            texts = [part for part in _parts(after) if "=" in part] if colons else []
+        elif re.match(r"parameter\s*\(", row.text, re.IGNORECASE):
+            texts = _parts(row.text.partition("(")[2].rpartition(")")[0])
+        for text in (single for several in texts for single in _elements(several)):
+            item = _one(Row(row.line, text), notes)
+            if item.variable not in ("dfdu", "dfdp"):
+                found.append(item)
+    return found
+
+
+def _elements(text: str) -> list[str]:
+    """PAR(2:3) = (/ a, b /) as an assignment for each element."""
+    found = _SECTION.fullmatch(text)
+    listed = None if found is None else _LIST.fullmatch(found[5].strip())
+    if found is None or (found[2] is None and listed is None):
+        return [text]
+    first = int(found[3] or 1)
+    if listed is not None:
+        values = _parts(listed[1] if listed[1] is not None else listed[2])
+    elif found[4].isdigit():
+        values = [found[5]] * (int(found[4]) - first + 1)
+    else:
+        return [text]
+    return [f"{found[1]}({first + k}) = {value}" for k, value in enumerate(values)]
+
+
+def _one(row: Row, notes: list[str]) -> Assigned:
+    found = _ASSIGNED.fullmatch(row.text)
+    if found is None or (_CONTROL.match(row.text) and not re.match(r"\w+\s*=(?!=)", row.text)):
+        word = row.text.split("(")[0].split()[0]
+        raise FormulaError(f"line {row.line}: {word!r}: only assignments are read (no IF, DO, CALL)")
+    variable, index = found[1].lower(), found[2]
+    try:
+        node = formula(found[3], notes, row.line) if variable not in ("dfdu", "dfdp") else Node("number", text="0")
+        place = (
+            None if index is None or variable in ("dfdu", "dfdp") else element(formula(variable + index, [], row.line))
+        )
+    except FormulaError as error:
+        raise FormulaError(f"line {row.line}: {error}") from None
+    if index is not None and place is None and variable not in ("dfdu", "dfdp"):
+        raise FormulaError(f"line {row.line}: {variable}{index} = ...: the index is not a number")
+    return Assigned(row.line, variable, place, node)
+
+
+def _parts(text: str) -> list[str]:
+    """Parts between commas outside of parentheses."""
+    depth, found = 0, [""]
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        if letter == "," and depth == 0:
+            found.append("")
+        else:
+            found[-1] += letter
+    return [part.strip() for part in found]
+
+
+def _indices(rows: list[Assigned], array: str) -> set[int]:
+    """Which elements of an array occur in formulas."""
+    return {i for a in rows for n in walk(a.node) if n.text == array and (i := element(n)) is not None}
+
+
+def _called(
+    indices: range | list[int], array: str, given: dict[int, str], rows: list[Assigned], names: Names, stem: str
+) -> dict[int, str]:
+    """Names of array elements: those of the constants, else of a variable that is set to them, else u1, par1, ..."""
+    local: dict[int, str] = {}
+    for item in rows:
+        place = element(item.node) if item.node.text == array and item.index is None else None
+        if place is not None:
+            local.setdefault(place, item.variable)
+    return {i: names.take(given.get(i) or local.get(i) or f"{stem}{i}") for i in indices}
+
+
+@dataclass(frozen=True)
+class Starting:
+    """What STPNT sets."""
+
+    states: dict[int, float]
+    parameters: dict[int, float]
+
+
+def _starting(routine: Subroutine | None, notes: list[str]) -> Starting:
+    """The values of STPNT; those that it takes from what cannot be known here are 0, with a note."""
+    values = Starting({}, {})
+    if routine is None or len(routine.arguments) < 3:
+        notes.append("there is no STPNT: all states and parameters are 0 here")
+        return values
+    _, vector, par = routine.arguments[:3]
+    time = dict.fromkeys(routine.arguments[3:4], "0")
+    if time and any(n.text in time for item in _assigned(routine, []) for n in walk(item.node)):
+        notes.append("STPNT is read at T = 0")
+    program = Assignments(Names([]), FORTRAN, unknown, time)
+    constants: dict[str, float] = {}
+    for item in _assigned(routine, notes):
+        value = float(evaluate(parse_formula(program.text(item.node), list(constants)), constants))
+        name = f"v{len(constants)}"
+        constants[name] = value
+        if item.index is None:
+            program.current[item.variable] = name
+        else:
+            program.elements[(item.variable, item.index)] = name
+            (values.states if item.variable == vector else values.parameters if item.variable == par else {})[
+                item.index
+            ] = value
+    return values

@@ -1,0 +1,1 @@
+"""MatCont's system files."""

@@ -1,0 +1,1 @@
+"""Models as equations in other languages."""
