@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 _PAIR: Final = re.compile(r"(\w+)\s*=\s*(\{[^}]*\}|\[[^\]]*\]|'[^']*'|\"[^\"]*\"|[^\s,]+)")
-_ENTRY: Final = re.compile(r"['\"]?(\w+)['\"]?\s*:\s*(\[[^\]]*\]|['\"][^'\"]*['\"]|[^\s,{}]+)")
+_ENTRY: Final = re.compile(r"['\"]?(-?\w+)['\"]?\s*:\s*(\[[^\]]*\]|['\"][^'\"]*['\"]|[^\s,{}]+)")
 _OLD: Final = re.compile(r"\s*(-?\d+)\s+(-?\d+)\s+(-?\d+)\s+(-?\d+)\s+(?:NDIM|[A-Z ,]*NDIM)", re.IGNORECASE)
 LARGEST: Final = 1_000_000  # characters
 
@@ -55,7 +55,7 @@ def constants(text: str) -> Constants:
             found.free = re.findall(r"\w+", value)
         elif key in ("uzr", "uzstop"):
             for entry, ends in _ENTRY.findall(value):
-                found.stops.setdefault(entry, []).extend(_numbers(ends))
+                found.stops.setdefault(entry.lstrip("-"), []).extend(_numbers(ends))
         else:
             numbers = _numbers(value)
             if len(numbers) == 1 and not value.startswith(("{", "[")):

@@ -17,9 +17,10 @@ from contin.exchange.assignments import Assignments, element
 from contin.exchange.auto.constants import Constants, beside
 from contin.exchange.auto.run import run_of
 from contin.exchange.auto.source import Row, Subroutine, formula, subroutines
+from contin.exchange.formulas.contin_text import Call, Writer
 from contin.exchange.formulas.functions import FORTRAN, unknown
 from contin.exchange.formulas.parser import FormulaError
-from contin.exchange.formulas.tree import Node, walk
+from contin.exchange.formulas.tree import Node, substituted, walk
 from contin.exchange.imported import Imported, UnsupportedError
 from contin.exchange.naming import Names, cleaned
 from contin.model.evaluate import evaluate
@@ -41,12 +42,13 @@ KINDS: Final = {-1: "map", 0: "algebraic", 1: "flow", 2: "flow", -2: "flow", 3: 
 
 @dataclass(frozen=True)
 class Assigned:
-    """variable = node, or array(index) = node."""
+    """variable = node, array(index) = node, or the statement function variable(arguments) = node."""
 
     line: int
     variable: str
     index: int | None
     node: Node
+    arguments: tuple[str, ...] = ()
 
 
 def read(text: str, path: Path) -> Imported:
@@ -75,8 +77,11 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
     sizes = [a.index for a in rows if a.variable == right and a.index is not None]
     if not sizes:
         raise FormulaError("FUNC assigns no F(1) = ...")
-    start = _starting(parts.get("stpnt"), notes)
-    used = _indices(rows, par) | set(start.parameters)
+    start = _starting(parts.get("stpnt"), max(sizes), notes)
+    used = _indices(rows, par) | found.parameters.keys()
+    idle = sorted(start.parameters.keys() - used)
+    if idle:
+        notes.append(f"left out, for FUNC does not use them: {', '.join(f'PAR({i})' for i in idle)}")
     names = Names(notes)
     states = _called(range(1, max(sizes) + 1), vector, found.states, rows, names, "u")
     parameters = _called(sorted(used), par, found.parameters, rows, names, "par")
@@ -88,6 +93,8 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
             if item.variable == right and item.index is not None:
                 equations[item.index] = program.text(item.node)
                 program.elements[(right, item.index)] = f"({equations[item.index]})"
+            elif item.arguments:
+                program.calls = {**program.calls, item.variable: _inserted(item)}
             elif item.index is not None:
                 raise FormulaError(f"{item.variable}({item.index}) = ...: arrays of its own are not read")
             else:
@@ -113,6 +120,7 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
 def _assigned(routine: Subroutine, notes: list[str]) -> list[Assigned]:
     """The assignments of a subroutine up to its Jacobian."""
     found: list[Assigned] = []
+    literals: list[str] = []
     for row in routine.rows:
         if _JACOBIAN.fullmatch(row.text) or row.text.lower() == "return":
             break
@@ -124,9 +132,12 @@ def _assigned(routine: Subroutine, notes: list[str]) -> list[Assigned]:
         elif re.match(r"parameter\s*\(", row.text, re.IGNORECASE):
             texts = _parts(row.text.partition("(")[2].rpartition(")")[0])
         for text in (single for several in texts for single in _elements(several)):
-            item = _one(Row(row.line, text), notes)
+            item = _one(Row(row.line, text), literals, routine.arguments)
             if item.variable not in ("dfdu", "dfdp"):
                 found.append(item)
+    if literals:
+        shown = ", ".join(literals[:3]) + (", ..." if literals[3:] else "")
+        notes.append(f"numbers without D0, which Fortran rounds to single precision, are read as written: {shown}")
     return found
 
 
@@ -146,22 +157,36 @@ def _elements(text: str) -> list[str]:
     return [f"{found[1]}({first + k}) = {value}" for k, value in enumerate(values)]
 
 
-def _one(row: Row, notes: list[str]) -> Assigned:
+def _one(row: Row, literals: list[str], arrays: tuple[str, ...]) -> Assigned:
     found = _ASSIGNED.fullmatch(row.text)
     if found is None or (_CONTROL.match(row.text) and not re.match(r"\w+\s*=(?!=)", row.text)):
         word = row.text.split("(")[0].split()[0]
         raise FormulaError(f"line {row.line}: {word!r}: only assignments are read (no IF, DO, CALL)")
     variable, index = found[1].lower(), found[2]
+    if variable in ("dfdu", "dfdp"):
+        return Assigned(row.line, variable, None, Node("number", text="0"))
     try:
-        node = formula(found[3], notes, row.line) if variable not in ("dfdu", "dfdp") else Node("number", text="0")
-        place = (
-            None if index is None or variable in ("dfdu", "dfdp") else element(formula(variable + index, [], row.line))
-        )
+        node = formula(found[3], literals, row.line)
+        place = None if index is None else element(formula(variable + index, [], row.line))
     except FormulaError as error:
         raise FormulaError(f"line {row.line}: {error}") from None
-    if index is not None and place is None and variable not in ("dfdu", "dfdp"):
+    if index is None or place is not None:
+        return Assigned(row.line, variable, place, node)
+    arguments = tuple(a.strip().lower() for a in index[1:-1].split(","))
+    if variable in arrays or not all(a.isidentifier() for a in arguments):
         raise FormulaError(f"line {row.line}: {variable}{index} = ...: the index is not a number")
-    return Assigned(row.line, variable, place, node)
+    return Assigned(row.line, variable, None, node, arguments)
+
+
+def _inserted(item: Assigned) -> Call:
+    """A statement function: its formula with the arguments of a call, and the present values of other variables."""
+
+    def call(writer: Writer, node: Node) -> Node:
+        if len(node.args) != len(item.arguments):
+            raise FormulaError(f"{item.variable} takes {len(item.arguments)} arguments, got {len(node.args)}")
+        return substituted(item.node, dict(zip(item.arguments, node.args, strict=True)))
+
+    return call
 
 
 def _parts(text: str) -> list[str]:
@@ -201,7 +226,7 @@ class Starting:
     parameters: dict[int, float]
 
 
-def _starting(routine: Subroutine | None, notes: list[str]) -> Starting:
+def _starting(routine: Subroutine | None, size: int, notes: list[str]) -> Starting:
     """The values of STPNT; those that it takes from what cannot be known here are 0, with a note."""
     values = Starting({}, {})
     if routine is None or len(routine.arguments) < 3:
@@ -214,14 +239,17 @@ def _starting(routine: Subroutine | None, notes: list[str]) -> Starting:
     program = Assignments(Names([]), FORTRAN, unknown, time)
     constants: dict[str, float] = {}
     for item in _assigned(routine, notes):
+        if item.arguments:
+            program.calls = {**program.calls, item.variable: _inserted(item)}
+            continue
         value = float(evaluate(parse_formula(program.text(item.node), list(constants)), constants))
         name = f"v{len(constants)}"
         constants[name] = value
-        if item.index is None:
+        if item.index is None and item.variable not in (vector, par):
             program.current[item.variable] = name
-        else:
-            program.elements[(item.variable, item.index)] = name
-            (values.states if item.variable == vector else values.parameters if item.variable == par else {})[
-                item.index
-            ] = value
+            continue
+        target = values.states if item.variable == vector else values.parameters if item.variable == par else {}
+        for i in range(1, size + 1) if item.index is None else [item.index]:
+            program.elements[(item.variable, i)] = name
+            target[i] = value
     return values

@@ -83,10 +83,11 @@ def _rows(text: str) -> Iterator[Row]:
         waiting = ""
 
 
-def formula(text: str, notes: list[str], line: int) -> Node:
-    """The tree of a formula: divisions of integers carried out as Fortran does, literals in contin's spelling."""
+def formula(text: str, literals: list[str], line: int) -> Node:
+    """The tree of a formula: divisions of integers carried out as Fortran does, numbers in contin's spelling; those
+    that single precision does not hold are added to `literals`."""
     node = rebuilt(parse(text, DIALECT), _carried_out)
-    return rebuilt(node, lambda n: _literal(n, notes, line) if n.kind == "number" else None)
+    return rebuilt(node, lambda n: _literal(n, literals, line) if n.kind == "number" else None)
 
 
 def _carried_out(node: Node) -> Node | None:
@@ -118,12 +119,12 @@ def _integer(node: Node) -> int:
     return {"+": a + b, "-": a - b, "*": a * b}[node.kind]
 
 
-def _literal(node: Node, notes: list[str], line: int) -> Node:
+def _literal(node: Node, literals: list[str], line: int) -> Node:
     text = node.text.lower()
     if "d" in text:
         return replace(node, text=text.replace("d", "e"))
     if not text.isdigit() and _rounded(text):
-        notes.append(f"line {line}: {text} has no D0: Fortran rounds it to single precision; here it is {text}")
+        literals.append(f"{text} on line {line}")
     return replace(node, text=text)
 
 

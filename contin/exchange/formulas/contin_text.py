@@ -55,6 +55,8 @@ class Writer:
             return f"({parts[0]} if {parts[1]} else {parts[2]})", ATOM
         if kind in COMPARISONS or kind in LOGICAL:
             return f"(1 if {self.condition(node, OR)} else 0)", ATOM
+        if kind == "own":
+            return self.call(node.text, *node.args), ATOM
         found = self.calls.get(node.text, self.otherwise)(self, node)
         return (found, ATOM) if isinstance(found, str) else self._number(found)
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from contin.exchange.formulas.contin_text import Call, Writer
 from contin.exchange.formulas.parser import FormulaError
-from contin.exchange.formulas.tree import Node, call, either, number
+from contin.exchange.formulas.tree import Node, either, number, own
 
 SAME: Final = frozenset(
     "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp expm1 log log1p log10 sqrt abs sign min max "
@@ -28,7 +28,7 @@ def named(function: str) -> Call:
 
 def one_over(function: str) -> Call:
     """1/function(x)."""
-    return lambda writer, node: Node("/", (number(1), call(function, *node.args)))
+    return lambda writer, node: Node("/", (number(1), own(function, *node.args)))
 
 
 def power(writer: Writer, node: Node) -> Node:
@@ -56,21 +56,21 @@ def argument(writer: Writer, node: Node) -> Node:
 def remainder(writer: Writer, node: Node) -> Node:
     """Fortran's mod, MATLAB's rem: the remainder of the division towards zero, with the sign of x."""
     x, y = _two(node)
-    size = call("mod", call("abs", x), call("abs", y))
+    size = own("mod", own("abs", x), own("abs", y))
     return either(Node(">=", (x, number(0))), size, Node("neg", (size,)))
 
 
 def with_sign(writer: Writer, node: Node) -> Node:
     """Fortran's sign(a, b): |a| with the sign of b, + at 0."""
     a, b = _two(node)
-    size = call("abs", a)
+    size = own("abs", a)
     return either(Node(">=", (b, number(0))), size, Node("neg", (size,)))
 
 
 def hypotenuse(writer: Writer, node: Node) -> Node:
     """sqrt(x^2 + y^2)."""
     x, y = _two(node)
-    return call("sqrt", Node("+", (Node("^", (x, number(2))), Node("^", (y, number(2))))))
+    return own("sqrt", Node("+", (Node("^", (x, number(2))), Node("^", (y, number(2))))))
 
 
 def unknown(writer: Writer, node: Node) -> str:

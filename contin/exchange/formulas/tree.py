@@ -13,8 +13,9 @@ ARITHMETIC: Final = frozenset({"+", "-", "*", "/", "^", "neg"})
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """`kind` is number, name, call, neg, not, if (condition, then, else), sum (from, to, term), index, or an operator
-    (+ - * / ^, a comparison, and, or); `text` spells numbers, names and the function that is called."""
+    """`kind` is number, name, call, own (a call of a function of contin's grammar), neg, not, if (condition, then,
+    else), sum (from, to, term), or an operator (+ - * / ^, a comparison, and, or); `text` spells numbers, names and the
+    function that is called."""
 
     kind: str
     args: tuple[Node, ...] = ()
@@ -36,6 +37,11 @@ def name(text: str) -> Node:
 def call(function: str, *args: Node) -> Node:
     """function(args)."""
     return Node("call", args, function)
+
+
+def own(function: str, *args: Node) -> Node:
+    """function(args) of contin's grammar, whatever the name means in the other language."""
+    return Node("own", args, function)
 
 
 def either(condition: Node, then: Node, otherwise: Node) -> Node:

@@ -38,8 +38,10 @@ DIALECT: Final = Dialect(
     prefix={"-": Prefix(6, "neg"), "+": Prefix(6, ""), "~": Prefix(6, "not")},
     fold=False,
 )
+_CONTINUED: Final = re.compile(r"\.\.\.[^\n]*\n")
 _FUNCTION: Final = re.compile(r"^\s*function\b", re.MULTILINE)
-_EVALUATED: Final = re.compile(r"^\s*function\s+(\w+)\s*=\s*fun_eval\s*\(([^)]*)\)(.*)", re.DOTALL)
+_HANDLE: Final = re.compile(r"\bout\{\s*2\s*\}\s*=\s*@(\w+)")
+_EVALUATED: Final = re.compile(r"\s*function\s+(\w+)\s*=\s*(\w+)\s*\(([^)]*)\)(.*)", re.DOTALL)
 _INITIAL: Final = re.compile(r"\by0\s*=\s*\[([^\]]*)\]")
 _VALUE: Final = re.compile(r"^\s*%\s*(\w+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*$", re.MULTILINE)
 _CONTROL: Final = re.compile(r"(if|for|while|switch|try|parfor|global|persistent|end|else|return)\b")
@@ -48,21 +50,24 @@ _ASSIGNED: Final = re.compile(r"([A-Za-z_]\w*)\s*(\([^()]*\))?\s*=(?!=)(.*)", re
 
 def read(text: str, path: Path) -> Imported:
     """The model in a MatCont system file."""
+    text = _CONTINUED.sub(" ", text)
+    handle = _HANDLE.search(text)
+    wanted = "fun_eval" if handle is None else handle[1]
     parts = [text[m.start() : n] for m, n in _pairs(list(_FUNCTION.finditer(text)), len(text))]
-    found = next((m for part in parts if (m := _EVALUATED.match(part))), None)
+    found = next((m for part in parts if (m := _EVALUATED.match(part)) and m[2] == wanted), None)
     if found is None:
-        raise InputError(f"{path}: there is no function dydt = fun_eval(t, kmrgd, ...): not a MatCont system file")
-    arguments = [a.strip() for a in found[2].split(",")]
+        raise InputError(f"{path}: there is no function dydt = {wanted}(t, kmrgd, ...): not a MatCont system file")
+    arguments = [a.strip() for a in found[3].split(",")]
     if len(arguments) < 2:
         raise InputError(f"{path}: fun_eval takes the time, the coordinates and the parameters")
     try:
-        return _imported(text, path, found[1], arguments, found[3])
+        return _imported(text, path, found[1], arguments, found[4])
     except FormulaError as error:
         raise UnsupportedError(f"{path}: {error}") from None
 
 
 def _pairs(starts: list[re.Match[str]], end: int) -> Iterator[tuple[re.Match[str], int]]:
-    yield from zip(starts, [*(m.start() for m in starts[1:]), end], strict=True)
+    yield from zip(starts, [*(m.start() for m in starts[1:]), end], strict=False)
 
 
 def _imported(text: str, path: Path, result: str, arguments: list[str], body: str) -> Imported:
@@ -102,8 +107,7 @@ def _imported(text: str, path: Path, result: str, arguments: list[str], body: st
 
 def _statements(body: str) -> Iterator[tuple[str, str, str]]:
     """Assignments (variable, index in parentheses or nothing, formula)."""
-    text = re.sub(r"\.\.\.[^\n]*\n", " ", body)
-    text = re.sub(r"%[^\n]*", "", text)
+    text = re.sub(r"%[^\n]*", "", body)
     for statement in _split(text, ";\n"):
         if not statement or re.fullmatch(r"end(function)?", statement):
             continue

@@ -20,11 +20,11 @@ _RESERVED: Final = frozenset(
 )
 _CHOOSE: Final = """
 % --------------------------------------------------------------------------
-function value = choose(condition, then, otherwise)
+function value = choose(condition, one, other)
 if condition
-  value = then;
+  value = one;
 else
-  value = otherwise;
+  value = other;
 end
 """
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from contin.exchange.formulas.contin_text import Call, Writer
 from contin.exchange.formulas.parser import FormulaError, parse
-from contin.exchange.formulas.tree import Node, call, either, name, number, rebuilt, substituted, total, walk
+from contin.exchange.formulas.tree import Node, either, name, number, own, rebuilt, substituted, total, walk
 from contin.exchange.naming import cleaned
 from contin.exchange.xpp.constants import constant, folded
 from contin.exchange.xpp.declared import Formula
@@ -136,8 +136,8 @@ def _remainder(writer: Writer, node: Node) -> Node | str:
     x, y = node.args
     if y.kind == "number" and float(y.text) > 0:
         return writer.call("mod", x, y)
-    absolute = call("abs", y)
-    towards = call("mod", call("abs", x), absolute)
+    absolute = own("abs", y)
+    towards = own("mod", own("abs", x), absolute)
     below = either(Node(">", (towards, number(0))), Node("-", (y, towards)), number(0))
     return either(Node(">=", (x, number(0))), towards, below)
 
