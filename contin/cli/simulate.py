@@ -60,7 +60,7 @@ def simulate_model(
         "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
         "end_time": found.end_time, "columns": columns,
     }  # fmt: skip
-    outputs = table_outputs(columns, table, draw if picture is not None else None, document, out["json"])
+    outputs = table_outputs(found.table, table, draw if picture is not None else None, document, out["json"])
     return write_all(outputs, report, tell).code(DONE if found.complete else CUT_SHORT)
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from contin.errors import InputError, InputWarning, ModelNotFoundError
-from contin.exchange.imported import Exported, Imported
+from contin.exchange.imported import Exported, Imported, UnsupportedError
 from contin.model.yaml_loader import model_from_mapping
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 READERS: Final = {
     ".xml": "contin.exchange.xml_text:read",
+    ".sbml": "contin.exchange.xml_text:read",
+    ".ant": "contin.exchange.antimony:read",
+    ".antimony": "contin.exchange.antimony:read",
     ".ode": "contin.exchange.xpp.read:read",
     ".m": "contin.exchange.matcont.read:read",
     ".f90": "contin.exchange.auto.read:read",
@@ -42,6 +45,7 @@ WRITERS: Final[Mapping[str, str]] = {
     ".yaml": "contin.exchange.writing.yaml:write",
     ".yml": "contin.exchange.writing.yaml:write",
 }
+EXTRAS: Final = {"libsbml": "sbml", "antimony": "antimony"}  # missing module -> the extra that brings it
 IMPORTERS: Final = "contin.importers"
 EXPORTERS: Final = "contin.exporters"
 LARGEST_FILE: Final = 50_000_000  # bytes
@@ -93,8 +97,14 @@ def read(path: str | Path) -> Imported:
         raise ModelNotFoundError(f"no file {path}")
     if path.stat().st_size > LARGEST_FILE:
         raise InputError(f"{path}: larger than {LARGEST_FILE // 1_000_000} million bytes")
-    reader = cast(Reader, _function(path, READERS, IMPORTERS))
-    return reader(decoded(path.read_bytes()), path)
+    try:
+        reader = cast(Reader, _function(path, READERS, IMPORTERS))
+        return reader(decoded(path.read_bytes()), path)
+    except ModuleNotFoundError as error:
+        extra = EXTRAS.get(str(error.name))
+        if extra is None:
+            raise
+        raise UnsupportedError(f"{path}: reading it needs {error.name}: pip install 'contin[{extra}]'") from None
 
 
 def load(path: str | Path) -> Model:

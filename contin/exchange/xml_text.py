@@ -10,7 +10,7 @@ from typing import Final
 from contin.errors import InputError
 from contin.exchange.imported import Imported
 
-READERS: Final[dict[str, str]] = {}  # module with a function `read` by the root element
+READERS: Final = {"sbml": "contin.exchange.sbml.reader"}  # module with a function `read` by the root element
 _ROOT: Final = re.compile(r"<\s*(?:[\w.-]+:)?([A-Za-z_][\w.-]*)[\s/>]")
 _SKIPPED: Final = re.compile(r"<\?.*?\?>|<!--.*?-->", re.DOTALL)
 _DECLARED: Final = re.compile(r"\A\s*<\?xml[^>]*\?>")
@@ -21,7 +21,7 @@ def read(text: str, path: Path) -> Imported:
     kind = root(text, path)
     if kind not in READERS:
         raise InputError(f"{path}: the root element is <{kind}>; known are {', '.join(f'<{k}>' for k in READERS)}")
-    found: Imported = import_module(READERS[kind]).read(text, path)
+    found: Imported = import_module(READERS[kind]).read(check(text, path), path)
     return found
 
 

@@ -21,7 +21,8 @@ UNSPLIT: Final = 1000  # bodies up to this length stay in one function
 STACK_SCRATCH: Final = 4096  # scratch values kept on the stack (32 KB); more go to the heap
 
 EXACT: Final = {
-    "abs": "llvm.fabs.f64", "sqrt": "llvm.sqrt.f64", "min": "llvm.minimum.f64", "max": "llvm.maximum.f64",
+    "abs": "llvm.fabs.f64", "sqrt": "llvm.sqrt.f64", "floor": "llvm.floor.f64", "ceil": "llvm.ceil.f64",
+    "min": "llvm.minimum.f64", "max": "llvm.maximum.f64",
 }  # fmt: skip
 """Functions that are one instruction, correctly rounded; the others are elementary functions of ours."""
 _BINARY: Final = ("pow", "min", "max", "atan2")

@@ -20,7 +20,7 @@ from contin.lowering.routines import Layout, form_routine, gradient_routine, jac
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
-from contin.model.kinds import need_states
+from contin.model.kinds import need_autonomous, need_states
 from contin.model.model import Model
 from contin.model.parts import Constraints
 from contin.model.printing import to_text
@@ -41,7 +41,14 @@ def compile_system(model: Model, regular: bool = False) -> CompiledSystem:
     `InputError` if an equation uses a symbol that is neither state nor parameter (nor `t` in a forced model).
     """
     need_states(model, "states")
+    need_autonomous(model)
     return CompiledSystem(model, regular)
+
+
+def compile_in_time(model: Model) -> CompiledSystem:
+    """The same for simulations, of a flow that may use the time `t` without `forcing`, or have no states."""
+    need_states(model, "states")
+    return CompiledSystem(model, timed=model.uses_time)
 
 
 class CompiledSystem:
@@ -54,8 +61,8 @@ class CompiledSystem:
     Where an equation is not finite, so are the results; `explain` says why. Nothing is raised.
     """
 
-    def __init__(self, model: Model, regular: bool = False) -> None:
-        self.written, self.regular = model, regular
+    def __init__(self, model: Model, regular: bool = False, timed: bool = False) -> None:
+        self.written, self.regular, self.timed = model, regular, timed
         self.model = model = index_one(model)
         self.constraints = model.constraints if isinstance(model, Model) else None
         self.kind = model.kind
@@ -63,7 +70,7 @@ class CompiledSystem:
         self.parameter_names = tuple(model.parameter_names)
         self.observable_names = tuple(model.observables)
         self.limits = tuple(model.limits)
-        self.is_forced = model.forcing is not None
+        self.is_forced = timed or model.forcing is not None
         self.n = len(self.state_names)
         self.m = len(self.parameter_names)
         self.layout = Layout(self.state_names, self.parameter_names + ((TIME,) if self.is_forced else ()))
@@ -88,6 +95,8 @@ class CompiledSystem:
         self._calls = Calls(self.n, self.p_size)
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self.timed:
+            return compile_in_time, (self.written,)
         return compile_system, (self.written, self.regular)
 
     def __repr__(self) -> str:

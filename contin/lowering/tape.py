@@ -21,7 +21,7 @@ Statement = tuple[object, ...]
 
 LARGEST_SQUARED_POWER: Final = 64  # beyond this, repeated multiplication loses more digits than pow does
 PAIRWISE_FROM: Final = 8  # sums of more terms are added in pairs: shorter dependency chains, smaller rounding error
-ODD: Final = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh"})
+ODD: Final = frozenset("sin tan asin atan sinh tanh asinh atanh".split())
 EVEN: Final = frozenset({"cos", "cosh", "abs"})
 PREDICATES: Final = {"<": "olt", "<=": "ole", ">": "ogt", ">=": "oge", "==": "oeq", "!=": "une"}
 
@@ -223,12 +223,36 @@ class Tape:
             return self._by_sign(args[0], 1.0, -1.0, args[0])
         if name == "heaviside":
             return self._by_sign(args[0], 1.0, 0.0, self.constant(0.5))
+        if name == "mod":
+            return self._remainder(*args)
+        if name == "factorial":
+            return self._factorial(args[0])
         if name in ODD or name in EVEN:
             flipped = self._mirror(args[0])
             if flipped is not None:
                 value = self.statement("call", name, flipped)
                 return self._negated(value) if name in ODD else value
         return self.statement("call", name, *args)
+
+    def _remainder(self, a: int, b: int) -> int:
+        """a - b floor(a/b), put back between 0 and b where rounding of a/b left that: error below an ulp of a."""
+        whole = self.statement("call", "floor", self.statement("fdiv", a, b))
+        rest = self.statement("fsub", a, self.statement("fmul", b, whole))
+        share = self.statement("fdiv", rest, b)
+        below = self.statement("fcmp olt", share, self.constant(0.0))
+        beyond = self.statement("fcmp oge", share, self.constant(1.0))
+        rest = self.statement("select", below, self.statement("fadd", rest, b), rest)
+        return self.statement("select", beyond, self.statement("fsub", rest, b), rest)
+
+    def _factorial(self, x: int) -> int:
+        """x! of whole numbers, infinite beyond 170; NaN elsewhere."""
+        whole = self.statement("fcmp oeq", x, self.statement("call", "floor", x))
+        beyond = self.statement("and", whole, self.statement("fcmp ogt", x, self.constant(170.0)))
+        value = self.statement("select", beyond, self.constant(math.inf), self.constant(math.nan))
+        for n in range(171):
+            is_n = self.statement("fcmp oeq", x, self.constant(float(n)))
+            value = self.statement("select", is_n, self.constant(float(math.factorial(n))), value)
+        return value
 
     def _mirror(self, value: int) -> int | None:
         """-value where that is already there or cheaper, so that sin(x - y) and sin(y - x) are computed once."""

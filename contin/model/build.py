@@ -96,10 +96,10 @@ def start_from_mapping(model: Model, mapping: Record) -> Start:
 
 
 def _time_name(entry: schema.ModelEntry) -> str | None:
-    """What equations call the time of a forced flow, or the independent variable of a boundary-value problem."""
+    """What equations call the time of a flow, or the independent variable of a boundary-value problem."""
     if entry.kind == "bvp":
         return TIME if entry.time is None else canonical_name(entry.time.name)
-    return TIME if entry.forcing is not None else None
+    return TIME if entry.kind == "flow" else None
 
 
 class _StartReader:
@@ -174,6 +174,7 @@ class _Builder:
                 else self.formulas.read(v, ("observables", n), self.formulas.scope)
                 for n, v in entry.observables.items()
             },
+            "labels": self.labels(),
             "symmetries": tuple(self.symmetry(n) for n in entry.symmetries),
             "rotation": self.images(entry.rotation, ("rotation",)),
             "starts": tuple(
@@ -271,6 +272,17 @@ class _Builder:
             advice = closest(name, self.states) or f"states are {', '.join(self.states)}"
             self.problems.add(path, f"{name} is not a state: {advice}", key=True)
         return name in self.states
+
+    def labels(self) -> dict[str, str]:
+        """What tables of simulations call a state or an observable."""
+        known = [*self.states, *(canonical_name(n) for n in self.entry.observables)]
+        labels: dict[str, str] = {}
+        for key, label in self.entry.labels.items():
+            self.one_of(key, known, "state or observable", ("labels", key))
+            if not label or label in labels.values():
+                self.problems.add(("labels", key), f"{label!r} is empty, or the label of another column")
+            labels[canonical_name(key)] = label
+        return labels
 
     def symmetry(self, name: str) -> Symmetry:
         return Symmetry(name, self.images(self.entry.symmetries[name], ("symmetries", name)))

@@ -21,6 +21,9 @@ _DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
     "sinh": lambda m, x, y: m.cosh(x),
     "cosh": lambda m, x, y: m.sinh(x),
     "tanh": lambda m, x, y: 1 - y * y,
+    "asinh": lambda m, x, y: 1 / m.sqrt(1 + x * x),
+    "acosh": lambda m, x, y: 1 / (m.sqrt(x - 1) * m.sqrt(x + 1)),
+    "atanh": lambda m, x, y: 1 / ((1 - x) * (1 + x)),
     "exp": lambda m, x, y: y,
     "expm1": lambda m, x, y: y + 1,
     "log": lambda m, x, y: 1 / x,
@@ -30,6 +33,9 @@ _DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
     "abs": lambda m, x, y: 1 if x >= 0 else -1,
     "sign": lambda m, x, y: 0,
     "heaviside": lambda m, x, y: 0,
+    "floor": lambda m, x, y: 0,
+    "ceil": lambda m, x, y: 0,
+    "factorial": lambda m, x, y: 0,
 }
 
 
@@ -76,4 +82,6 @@ def _slope(node: Expression, values: Mapping[Expression, Any], d: list[Any], lib
         return d[0] if values[node] == x[0] else d[1]
     if op == "atan2":
         return (x[1] * d[0] - x[0] * d[1]) / (x[0] * x[0] + x[1] * x[1])
+    if op == "mod":  # a - b floor(a/b)
+        return d[0] - d[1] * math.floor(x[0] / x[1])
     return d[0] * _DERIVATIVES[op](lib, x[0], values[node])

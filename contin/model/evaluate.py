@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.machine import elementary
-from contin.model.expression import COMPARISONS, Expression, postorder
+from contin.model.expression import COMPARISONS, STEPWISE, Expression, postorder
 from contin.records import Record
 
 if TYPE_CHECKING:
@@ -115,6 +115,8 @@ class _Arithmetic:
             return self.real((a > 0) - (a < 0))
         if op == "heaviside":
             return self.real(0.5 if a == 0 else float(a > 0))
+        if op in STEPWISE:
+            return self.step(op, x)
         if (op in ("log", "log10") and a == 0) or (op == "log1p" and a == -1):
             return -self.inf
         try:
@@ -125,6 +127,27 @@ class _Arithmetic:
         except ValueError:
             return self.nan
         return self.nan if hasattr(result, "_mpc_") else result
+
+
+    def step(self, op: str, x: list[Value]) -> Value:
+        """floor, ceil, mod (of the divisor's sign) and factorial (of whole numbers, NaN elsewhere)."""
+        a = x[0]
+        if op == "factorial":
+            return self.real(factorial(float(a)))
+        if abs(a) == self.inf:
+            return self.nan if op == "mod" else a
+        if op != "mod":
+            return self.real(math.floor(a) if op == "floor" else math.ceil(a))
+        if x[1] == 0:
+            return self.nan
+        return a % x[1]
+
+
+def factorial(x: float) -> float:
+    """x! of whole numbers, infinite beyond 170; NaN of others."""
+    if not (x >= 0.0 and (x == math.inf or x == math.floor(x))):
+        return math.nan
+    return float(math.factorial(int(x))) if x <= 170.0 else math.inf
 
 
 def _compare(op: str, a: Value, b: Value) -> bool:

@@ -61,7 +61,13 @@ def _cause(node: Expression, values: Mapping[Expression, float]) -> str:
         return f"logarithm of {'zero' if x == -1 else 'a negative number'}, 1 + {first}"
     if op == "sqrt":
         return f"square root of a negative number, {first}"
-    if op in ("asin", "acos"):
+    if op == "acosh":
+        return f"acosh below 1, {first}"
+    if op == "factorial":
+        return f"factorial of what is no whole number from 0 to 170, {first}"
+    if op == "mod":
+        return f"remainder of a division by zero, {_quoted(args[1])} = {values[args[1]]:.6g}"
+    if op in ("asin", "acos", "atanh"):
         return f"{op} outside [-1, 1], {first}"
     if op in ("add", "mul"):
         return "overflow, " + ", ".join(f"{_quoted(a)} = {values[a]:.6g}" for a in args[:4])

@@ -21,9 +21,11 @@ Number = Union[Fraction, float]
 ExpressionLike = Union["Expression", int, float, Fraction]
 
 UNARY_FUNCTIONS: Final = frozenset(
-    "sin cos tan asin acos atan sinh cosh tanh exp expm1 log log1p log10 sqrt abs sign heaviside".split()
+    "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp expm1 log log1p log10 sqrt abs sign heaviside "
+    "floor ceil factorial".split()
 )
-BINARY_FUNCTIONS: Final = frozenset({"atan2"})
+BINARY_FUNCTIONS: Final = frozenset({"atan2", "mod"})
+STEPWISE: Final = frozenset({"floor", "ceil", "mod", "factorial"})  # they jump at infinitely many places
 VARIADIC_FUNCTIONS: Final = frozenset({"min", "max"})  # two or more arguments; stored with exactly two
 FUNCTIONS: Final = UNARY_FUNCTIONS | BINARY_FUNCTIONS | VARIADIC_FUNCTIONS
 COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
@@ -357,7 +359,7 @@ def div(a: ExpressionLike, b: ExpressionLike) -> Expression:
     return mul(a, power(b, MINUS_ONE))
 
 
-_AT_ZERO: Final = {"sin": 0, "tan": 0, "asin": 0, "atan": 0, "sinh": 0, "tanh": 0, "expm1": 0, "log1p": 0, "sqrt": 0}
+_AT_ZERO: Final = frozenset("sin tan asin atan sinh tanh asinh atanh expm1 log1p sqrt".split())
 _ONE_AT_ZERO: Final = frozenset({"cos", "cosh", "exp"})
 
 
@@ -389,6 +391,8 @@ def _fold_call(name: str, values: list[Number]) -> Number | None:
         return Fraction((x > 0) - (x < 0))
     if name == "heaviside":
         return Fraction(1, 2) if x == 0 else Fraction(int(x > 0))
+    if name in STEPWISE:
+        return _fold_step(name, values)
     if x == 0 and name in _AT_ZERO:
         return Fraction(0)
     if x == 0 and name in _ONE_AT_ZERO:
@@ -400,6 +404,17 @@ def _fold_call(name: str, values: list[Number]) -> Number | None:
         if top * top == x.numerator and bottom * bottom == x.denominator:
             return Fraction(top, bottom)
     return None
+
+
+def _fold_step(name: str, values: list[Number]) -> Number | None:
+    if not all(isinstance(v, Fraction) for v in values):
+        return None
+    x = Fraction(values[0])
+    if name == "mod":
+        return x % Fraction(values[1]) if values[1] else None
+    if name == "factorial":
+        return Fraction(math.factorial(int(x))) if x.denominator == 1 and 0 <= x <= 20 else None
+    return Fraction(math.floor(x) if name == "floor" else math.ceil(x))
 
 
 _COMPARE: Final = {

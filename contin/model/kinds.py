@@ -25,3 +25,16 @@ def need_states(model: Any, what: str) -> None:
             f"model {model.name!r} is a boundary-value problem, so it has no {what}: follow its solutions with "
             "`continuations:`, or contin.continuation(contin.boundary_problem(model), ...)"
         )
+
+
+def need_autonomous(model: Any) -> None:
+    """Raises InputError for what can be simulated only: a flow that uses the time without `forcing`, or no states."""
+    name = repr(getattr(model, "name", "model"))
+    if getattr(model, "uses_time", False):
+        raise InputError(
+            f"model {name} uses the time t without `forcing`, so it can only be simulated (`contin simulate`, "
+            "contin.simulate). For branches there are two ways out: declare `forcing: {period: ...}` where it is "
+            "periodic in t, or replace t by a parameter (or by a state with an equation of its own)"
+        )
+    if not getattr(model, "states", True):
+        raise InputError(f"model {name} has no states, so it can only be simulated (`contin simulate`)")

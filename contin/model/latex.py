@@ -32,8 +32,16 @@ _GREEK: Final = frozenset(
     "alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu xi pi rho sigma tau "
     "upsilon phi varphi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
 )
-_OPERATORS: Final = {"asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan", "log10": r"\log_{10}", "log": r"\ln"}
+_OPERATORS: Final = {
+    "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan", "log10": r"\log_{10}", "log": r"\ln",
+    "asinh": r"\operatorname{arsinh}", "acosh": r"\operatorname{arcosh}", "atanh": r"\operatorname{artanh}",
+}  # fmt: skip
 _PLAIN: Final = frozenset("sin cos tan sinh cosh tanh min max".split())
+_AROUND: Final = {
+    "abs": (r"\left|", r"\right|"),
+    "floor": (r"\left\lfloor ", r" \right\rfloor"),
+    "ceil": (r"\left\lceil ", r" \right\rceil"),
+}
 _RELATIONS: Final = {"<": "<", "<=": r"\le", ">": ">", ">=": r"\ge", "==": "=", "!=": r"\ne"}
 
 
@@ -138,10 +146,15 @@ def _call(node: Expression) -> tuple[int, list[Piece]]:
     op, args = node.op, node.args
     if op == "sqrt":
         return ATOM, [r"\sqrt{", (args[0], TERNARY), "}"]
-    if op == "abs":
-        return ATOM, [r"\left|", (args[0], TERNARY), r"\right|"]
     if op == "exp":
         return POWER, ["e^{", (args[0], TERNARY), "}"]
+    if op in _AROUND:
+        before, after = _AROUND[op]
+        return ATOM, [before, (args[0], TERNARY), after]
+    if op == "factorial":
+        return POWER, [(args[0], ATOM), "!"]
+    if op == "mod":
+        return PRODUCT, [(args[0], POWER), r" \bmod ", (args[1], POWER)]
     if op in _PLAIN:
         head = f"\\{op}"
     else:

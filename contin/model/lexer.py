@@ -26,7 +26,7 @@ _ADVICE: Final = {
     "&": "write 'and'",
     "|": "write 'or', or abs(x) for an absolute value",
     "!": "write 'not'",
-    "%": "there is no remainder or percent",
+    "%": "write mod(x, y) for a remainder",
     "?": "write 'u if c else v'",
     ":": "write 'u if c else v'",
     ";": "one formula at a time",

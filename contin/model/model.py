@@ -15,7 +15,7 @@ from contin.model.advice import closest
 from contin.model.build import parts_from_mapping, start_from_mapping
 from contin.model.evaluate import evaluate_all
 from contin.model.explain import explain_not_finite
-from contin.model.expression import Expression, number, symbol
+from contin.model.expression import Expression, depends_on, number, symbol
 from contin.model.parser import parse
 from contin.model.parts import (
     TIME,
@@ -54,8 +54,9 @@ class Model:
     as texts, numbers or expressions, checks them alike and gives a model equal to the loaded file. Passes, which hold
     finished parts, use `Model.from_parts` and `replace`.
 
-    `equations` are in the order of `states` and contain states and parameters only (and `t` where `forcing` is set):
-    functions and definitions are inserted. `functions` and `definitions` are kept for printing.
+    `equations` are in the order of `states` and contain states and parameters only, and `t` (of a flow without
+    `forcing` for simulations alone): functions and definitions are inserted. `functions` and `definitions` are kept for
+    printing. `labels`: what tables of simulations call a state or an observable.
 
     `mass`: rows of the matrix M in M d(state)/dt = equations, {state: {state: entry}}; rows left out are those of the
     identity. `constraints`: set by the pass that turns such a flow into one without M (`symbolic.passes.index_one`).
@@ -72,6 +73,7 @@ class Model:
     functions: Mapping[str, Function] = field(default_factory=dict)
     definitions: Mapping[str, Expression] = field(default_factory=dict)
     observables: Mapping[str, Expression] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
     symmetries: tuple[Symmetry, ...] = ()
     rotation: Mapping[str, Expression] = field(default_factory=dict)
     starts: tuple[Start, ...] = ()
@@ -167,9 +169,16 @@ class Model:
     def expression(self, text: str) -> Expression:
         """A formula in states, parameters, definitions, functions and observables of this model."""
         names = {n: symbol(n) for n in (*self.state_names, *self.parameter_names)}
-        if self.forcing is not None:
+        if self.kind == "flow":
             names[TIME] = symbol(TIME)
         return parse(text, {**self.observables, **self.definitions, **names}, self.functions)
+
+    @property
+    def uses_time(self) -> bool:
+        """True for a flow whose equations or observables contain `t` without `forcing`: for simulations alone."""
+        if self.kind != "flow" or self.forcing is not None:
+            return False
+        return any(depends_on(e, [TIME]) for e in (*self.equations, *self.observables.values()))
 
     # Numbers ----------------------------------------------------------------------------------------------------------
 
@@ -196,11 +205,14 @@ class Model:
         self,
         start: str | Record | None = None,
         parameters: Mapping[str, Override] | None = None,
+        *,
+        finite: bool = True,
     ) -> tuple[Array, Array]:
         """Vectors u (n,) and p (m,) of a starting point.
 
         `start` is the name of a declared start, or a mapping of states (and `parameters`) to numbers or formulas in the
         parameters; states it does not mention have their default. Parameter values: model < start < `parameters`.
+        `finite`: states that are infinite or not a number are refused.
         """
         found = with_totals(self._start(start), self.states, self.totals)
         values = parameter_values(self.parameters, [found.parameters, parameters or {}], self.functions)
@@ -208,7 +220,7 @@ class Model:
         if self.interval is not None:  # functions of the independent variable, at its first value
             values = {**values, self.interval.name: float(next(iter(evaluate_all([self.interval.start], values))))}
         u = np.array([float(v) for v in evaluate_all(formulas.values(), values)])
-        if not np.all(np.isfinite(u)):
+        if finite and not np.all(np.isfinite(u)):
             raise NotFiniteError(f"model {self.name}, start: " + explain_not_finite(formulas, values, "state"))
         return u, np.array([values[name] for name in self.parameter_names], dtype=float)
 

@@ -13,7 +13,7 @@ from contin.model.source import Path, Problems
 
 def check_names(entry: ModelEntry, problems: Problems) -> None:
     """Names of states, parameters, functions and definitions are one namespace; observables share only the columns
-    with states and parameters, so a definition may be observed under its own name."""
+    with states and parameters, so a definition may be observed under its own name; so may a parameter, as itself."""
     declared: dict[str, str] = {}
     for section in ("states", "parameters", "functions", "definitions"):
         for key in getattr(entry, section):
@@ -31,7 +31,8 @@ def check_names(entry: ModelEntry, problems: Problems) -> None:
     columns: dict[str, str] = {n: s for n, s in declared.items() if s in ("states", "parameters")}
     for key in entry.observables:
         name = canonical_name(key)
-        if _check_name(name, ("observables", key), problems) and name in columns:
+        itself = columns.get(name) == "parameters" and str(entry.observables[key]).strip() == key
+        if _check_name(name, ("observables", key), problems) and name in columns and not itself:
             problems.add(("observables", key), f"{name} is already declared under {columns[name]}", key=True)
         columns.setdefault(name, "observables")
 

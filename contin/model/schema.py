@@ -222,7 +222,7 @@ class ModelEntry(_Entry):
     description: Text | None = None
     kind: Literal["flow", "map", "bvp", "algebraic"] = "flow"
     time: IntervalEntry | None = None
-    states: Annotated[dict[str, State], Field(min_length=1)]
+    states: dict[str, State]
     parameters: dict[str, Parameter] = {}
     functions: dict[str, Formula] = {}
     definitions: dict[str, Formula] = {}
@@ -230,6 +230,7 @@ class ModelEntry(_Entry):
     mass: dict[str, Mass] = {}
     conditions: list[Text] = []
     observables: dict[str, Formula] = {}
+    labels: dict[str, Text] = {}
     symmetries: dict[str, dict[str, Formula]] = {}
     rotation: dict[str, Formula] = {}
     starts: dict[str, StartEntry] = {}

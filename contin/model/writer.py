@@ -46,7 +46,7 @@ def _lines(model: Model) -> Iterator[str]:
     if model.interval is not None:
         ends = {"from": formula(model.interval.start), "to": formula(model.interval.end)}
         yield f"time: {_mapping({'name': model.interval.name, **ends})}"
-    yield "states:"
+    yield "states:" if model.states else "states: {}"
     for s in model.states:
         more = {} if s.period is None else {"period": formula(s.period)}
         if s.minimum is not None:
@@ -72,7 +72,7 @@ def _lines(model: Model) -> Iterator[str]:
         for name, node in model.definitions.items():
             others = {n: other for n, other in names.items() if n is not node}
             yield f"  {_key(name)}: {_scalar(to_text(node, others))}"
-    yield "equations:"
+    yield "equations:" if model.states else "equations: {}"
     for name, node in model.equation_map.items():
         yield f"  {_key(name)}: {formula(node)}"
     if model.mass:
@@ -89,6 +89,8 @@ def _lines(model: Model) -> Iterator[str]:
         yield "observables:"
         for name, node in model.observables.items():
             yield f"  {_key(name)}: {formula(node)}"
+    if model.labels:
+        yield f"labels: {_mapping({name: _text(label) for name, label in model.labels.items()})}"
     if model.symmetries:
         yield "symmetries:"
         for symmetry in model.symmetries:
@@ -168,7 +170,7 @@ def _flow(value: str) -> str:
 
 
 def _scalar(formula: str) -> str:
-    if formula in _WORDS or not _PLAIN.fullmatch(formula):
+    if formula.lower() in _WORDS or not _PLAIN.fullmatch(formula):
         return json.dumps(formula, ensure_ascii=False)
     return formula
 
@@ -208,7 +210,7 @@ def summary(model: Model) -> str:
     if model.source:
         lines.append(f"  source: {model.source}")
     mark = "'" if model.kind == "flow" else " ->"
-    width = max(len(s.name) + len(mark) for s in model.states)
+    width = max((len(s.name) + len(mark) for s in model.states), default=0)
     sign = "=" if model.kind == "flow" else ""
     for name, node in model.equation_map.items():
         lines.append(f"  {name + mark:<{width}} {sign} {to_text(node, names)}".replace("->  ", "-> "))

@@ -25,6 +25,7 @@ RTOL = 1e-10
 CHUNK = 20_000  # steps between two looks at Ctrl-C
 BUDGET = 5_000_000
 STEPS_A_PERIOD = 16  # at least, where formulas may switch with the time, which no error estimate sees
+STEPS_A_FLIGHT = 64  # the same without a period
 STIFF_CHUNKS = 5  # so many times in succession the step is limited by stability, not by accuracy: the model is stiff
 STABLE = 2.0  # the step times the fastest decay rate, beyond which that is so (DOP853 is stable to about 6)
 SURE, HOPELESS = 10 * CHUNK, 100.0  # after so many steps, so many times the budget still needed: it is not begun
@@ -114,7 +115,7 @@ def fly(
     addresses = pieces.value_address, pieces.jacobian_address, pieces.surfaces_address
     flow = Flow(*addresses, n, pieces.count, pieces.first_mode, system.is_forced, of, plane_of(section, n))
     if system.is_forced and pieces.count:
-        max_step = min(max_step, forcing_period(system, p) / STEPS_A_PERIOD)
+        max_step = min(max_step, _watchful(system, p, duration))
     memory = new_memory(n, pieces.count, pieces.p_size, y.size)  # type: ignore[no-untyped-call]
     memory.p[: pieces.first_mode] = np.asarray(p, dtype=float)[: pieces.first_mode]
     wanted = np.empty(0) if times is None else np.ascontiguousarray(times, dtype=float)
@@ -193,6 +194,13 @@ def _leave(
             if flight.outcome == DONE:
                 y[:] = flight.end
     return high
+
+
+def _watchful(system: CompiledSystem, p: Array, duration: float) -> float:
+    """The longest step where formulas may switch with the time."""
+    if system.model.forcing is None:
+        return duration / STEPS_A_FLIGHT
+    return forcing_period(system, p) / STEPS_A_PERIOD
 
 
 def forcing_period(system: CompiledSystem, p: Array) -> float:

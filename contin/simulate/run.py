@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,13 +11,16 @@ from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
-from contin.lowering import compile_system
+from contin.lowering.system import compile_in_time
 from contin.model.kinds import need_time
+from contin.model.parts import TIME
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start, moved_onto, onto_constraints
 from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
+from contin.simulate.held import finite_at_start, held_states
 from contin.simulate.natural import absolute_tolerances
 from contin.simulate.reach import left_reach
+from contin.simulate.steps_in_time import fly_between_jumps, stepped_in_time
 from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 from contin.simulate.until import fly_until, with_clock
 from contin.symbolic.passes.conserved import with_named_totals
@@ -68,6 +71,13 @@ class Simulation:
         columns.update(zip(self.model.observables, self.observables.T, strict=True))
         return columns
 
+    @property
+    def table(self) -> dict[str, Array]:
+        """The columns under the model's labels: what a foreign model calls them; the time gives way to a label `t`."""
+        labels = {name: self.model.labels.get(name, name) for name in self.columns if name != TIME}
+        clock = next(name for name in (TIME, "time", "time_") if name not in labels.values())
+        return {labels.get(name, clock): column for name, column in self.columns.items()}
+
     def __str__(self) -> str:
         if self.outcome in (NO_EVENT, ESCAPED):
             return self.why
@@ -95,47 +105,84 @@ def simulate(
     budget : most steps of the integrator.
     until : a condition such as "x > 2 and y < 0"; the simulation ends exactly where it becomes true.
 
+    The flow may use the time `t` without `forcing`, and have no states; states may be infinite or not a number.
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
     need_time(model, "trajectories")
     model = with_named_totals(model, parameters or ())
     if method not in METHODS:
         raise InputError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
-    for name, value in (("time", time), ("rtol", rtol), ("box", box)):
+    for name, value in (("rtol", rtol), ("box", box)):
         if not (np.isfinite(value) and value > 0.0):
             raise InputError(f"{name} must be a positive number; got {value!r}")
-    if not (np.isfinite(transient) and transient >= 0.0):
-        raise InputError(f"transient must be 0 or a positive number; got {transient!r}")
-    check_count("samples", samples, 2, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
+    for name, value in (("time", time), ("transient", transient)):
+        if not (np.isfinite(value) and value >= 0.0):
+            raise InputError(f"{name} must be 0 or a positive number; got {value!r}")
+    check_count("samples", samples, 1, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
     check_count("budget", budget)
-    u, p = model.start_point(start, dict(parameters or {}))
-    system = compile_system(model)
+    u, p = model.start_point(start, dict(parameters or {}), finite=False)
+    system = compile_in_time(model)
     given, u = u, consistent_start(system, u, p)
     if model.kind == "map":
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
         return found
     times = np.linspace(transient, transient + time, samples)
-    errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
-    options = {"rtol": rtol, "atol": errors, "box": box}
-    if method in STIFF:
-        if until is not None:
-            raise InputError("until: events are located by the method DOP853 only")
-        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
-        why = NONSMOOTH if outcome == DONE and system.n_switches else why
-        end, crossings = (float(t[-1]) if len(t) else 0.0), 0
-    else:
-        flight, outcome, why = _flown(model, system, u, p, times, until, {**options, "budget": budget})
-        t, states, steps, end, crossings = flight.t, flight.u, flight.steps, flight.end_time, flight.crossed
-        if outcome == EVENT:
-            t, states = np.append(t, end), np.vstack([states, flight.end[None, : system.n]])
+    path = _path(model, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
+    t, states, end, outcome, why = path.t, path.states, path.end, path.outcome, path.why
     left = left_reach(system, states, over_time(system, p, t))
     if left is not None:
         count, why = left
         t, states, outcome = t[:count], states[:count], STOPPED
         end = float(t[-1]) if count else 0.0
     states, note = onto_constraints(system, states, over_time(system, p, t)), moved_onto(system, given, u)
-    table = observed(system, states, p, t)
-    return Simulation(model, method, p, t, states, table, end, steps, crossings, outcome, why, note)
+    seen = observed(system, states, p, t)
+    return Simulation(model, method, p, t, states, seen, end, path.steps, path.crossings, outcome, why, note)
+
+
+@dataclass(frozen=True, eq=False)
+class _Path:
+    """States (T, n) at the times t, where it ended and why."""
+
+    t: Array
+    states: Array
+    end: float
+    steps: int = 0
+    crossings: int = 0
+    outcome: str = DONE
+    why: str = ""
+
+
+def _path(
+    model: Model, system: CompiledSystem, u: Array, p: Array, times: Array, method: str, until: str | None, *,
+    rtol: float, atol: float | None, box: float, budget: int,
+) -> _Path:  # fmt: skip
+    """The solution at `times`; states that are no numbers stay out of the integration."""
+    duration = float(times[-1])
+    if not u.size or duration == 0.0:
+        return _Path(times, np.tile(u, (times.size, 1)), duration)
+    if not model.mass and not finite_at_start(system, u, p):
+        held = held_states(system, u, p, duration)
+        if not held.moving.all():
+            if until is not None:
+                raise InputError("until: a state of this model is infinite or not a number")
+            rest = _path(
+                (few := held.reduced(model)), compile_in_time(few), u[held.moving], p, times, method, None,
+                rtol=rtol, atol=atol, box=box, budget=budget,
+            )  # fmt: skip
+            return replace(rest, states=held.filled(rest.t, u, rest.states))
+    errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
+    if method in STIFF:
+        if until is not None:
+            raise InputError("until: events are located by the method DOP853 only")
+        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
+        why = NONSMOOTH if outcome == DONE and system.n_switches else why
+        return _Path(t, states, float(t[-1]) if len(t) else 0.0, steps, 0, outcome, why)
+    options = {"rtol": rtol, "atol": errors, "box": box, "budget": budget}
+    flight, outcome, why = _flown(model, system, u, p, times, until, options)
+    t, states = flight.t, flight.u
+    if outcome == EVENT:
+        t, states = np.append(t, flight.end_time), np.vstack([states, flight.end[None, : system.n]])
+    return _Path(t, states, flight.end_time, flight.steps, flight.crossed, outcome, why)
 
 
 def _flown(
@@ -143,9 +190,13 @@ def _flown(
 ) -> tuple[Any, str, str]:
     """(flight, outcome, why) of the compiled integrator."""
     if until is None:
+        stepped = stepped_in_time(model)
+        if stepped is not None:
+            flight = fly_between_jumps(stepped, u, p, times, **options)
+            return flight, flight.outcome, flight.why
         flight = fly(system, u, p, float(times[-1]), times=times, **options)
         return flight, flight.outcome, flight.why
-    clocked = compile_system(with_clock(model, until))
+    clocked = compile_in_time(with_clock(model, until))
     flight, came = fly_until(clocked, u, p, float(times[-1]), times=times, **options)
     if came:
         return flight, EVENT, until

@@ -30,7 +30,7 @@ ALWAYS: Final = 1e-12  # relative: a clock that ran back all the time
 def with_clock(model: Model, until: str) -> Any:
     """The flow with the further state e' = (1 if the condition holds else -1)."""
     names = {n: symbol(n) for n in (*model.state_names, *model.parameter_names)}
-    if model.forcing is not None:
+    if model.kind == "flow":
         names[TIME] = symbol(TIME)
     holds = condition(until, {**model.observables, **model.definitions, **names}, model.functions, "until")
     if set("=!") & set(until.replace("<=", "").replace(">=", "")):

@@ -64,7 +64,7 @@ def test_a_blow_up_keeps_what_was_before_it():
     [
         ({"method": "Euler"}, "method"),
         ({"time": -1.0}, "time"),
-        ({"samples": 1}, "samples"),
+        ({"samples": 0}, "samples"),
         ({"transient": -1.0}, "transient"),
     ],
 )

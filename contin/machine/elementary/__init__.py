@@ -2,7 +2,7 @@
 
 These choose their code by the processor (with or without fused multiply-add, with wider vectors), so the last digit
 differs between machines. Ours use IEEE additions, multiplications, divisions and square roots only, in a fixed order.
-Errors are below 0.51 ulp, of sinh, cosh and tanh below 0.64 (`tests/machine`); results below the smallest normal number
+Errors are below 0.51 ulp, of hyperbolic ones below 0.64 (`tests/machine`); results below the smallest normal number
 are rounded twice.
 
 Machine code calls them by `symbol` and `addresses`; Python calls `elementary.exp(x)` with numbers or arrays.
@@ -11,10 +11,13 @@ Machine code calls them by `symbol` and `addresses`; Python calls `elementary.ex
 from contin.machine.elementary.code import addresses, llvm_text, loop_address, source
 from contin.machine.elementary.functions import (
     acos,
+    acosh,
     angle,
     asin,
+    asinh,
     atan,
     atan2,
+    atanh,
     cos,
     cosh,
     exp,
@@ -37,11 +40,14 @@ from contin.machine.elementary.names import FUNCTIONS, symbol
 __all__ = [
     "FUNCTIONS",
     "acos",
+    "acosh",
     "addresses",
     "angle",
     "asin",
+    "asinh",
     "atan",
     "atan2",
+    "atanh",
     "cos",
     "cosh",
     "exp",

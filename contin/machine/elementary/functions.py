@@ -101,6 +101,7 @@ log, log1p, log10, log2 = _OfOne("log"), _OfOne("log1p"), _OfOne("log10"), _OfOn
 sin, cos, tan = _OfOne("sin"), _OfOne("cos"), _OfOne("tan")
 asin, acos, atan = _OfOne("asin"), _OfOne("acos"), _OfOne("atan")
 sinh, cosh, tanh = _OfOne("sinh"), _OfOne("cosh"), _OfOne("tanh")
+asinh, acosh, atanh = _OfOne("asinh"), _OfOne("acosh"), _OfOne("atanh")
 pow, atan2, hypot = _OfTwo("pow"), _OfTwo("atan2"), _OfTwo("hypot")
 
 

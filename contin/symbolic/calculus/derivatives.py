@@ -2,9 +2,9 @@
 
 One pass visits each node that depends on the variable once (its `mask` says so), so a Jacobian costs the number of
 (node, variable) pairs that really depend on each other. Conventions where a derivative does not exist: the slope of
-abs at 0 is sign(0) = 0, the mean of both sides; min and max take the slope of their first argument on a tie; sign and
-heaviside have slope 0 everywhere (no delta functions); conditions are never differentiated, so a conditional has the
-one-sided slopes of the branch that is taken.
+abs at 0 is sign(0) = 0, the mean of both sides; min and max take the slope of their first argument on a tie; sign,
+heaviside, floor, ceil and factorial (of whole numbers) have slope 0 everywhere (no delta functions); conditions are
+never differentiated, so a conditional has the one-sided slopes of the branch that is taken.
 """
 
 from __future__ import annotations
@@ -205,6 +205,9 @@ SLOPES: Final[dict[str, Callable[[Expression], tuple[Expression, ...]]]] = {
     "sinh": lambda n: (call("cosh", *n.args),),
     "cosh": lambda n: (call("sinh", *n.args),),
     "tanh": lambda n: (sub(ONE, power(n, 2)),),  # not 1/cosh^2: its derivatives overflow to NaN for large arguments
+    "asinh": lambda n: (power(add(ONE, power(n.args[0], 2)), number(Fraction(-1, 2))),),
+    "acosh": lambda n: (power(mul(sub(n.args[0], ONE), add(n.args[0], ONE)), number(Fraction(-1, 2))),),
+    "atanh": lambda n: (power(mul(sub(ONE, n.args[0]), add(ONE, n.args[0])), MINUS_ONE),),
     "exp": lambda n: (n,),
     "expm1": lambda n: (call("exp", *n.args),),
     "log": lambda n: (power(n.args[0], MINUS_ONE),),
@@ -214,5 +217,9 @@ SLOPES: Final[dict[str, Callable[[Expression], tuple[Expression, ...]]]] = {
     "abs": lambda n: (call("sign", *n.args),),
     "sign": lambda n: (ZERO,),
     "heaviside": lambda n: (ZERO,),
+    "floor": lambda n: (ZERO,),
+    "ceil": lambda n: (ZERO,),
+    "factorial": lambda n: (ZERO,),
+    "mod": lambda n: (ONE, neg(call("floor", div(*n.args)))),  # a - b floor(a/b)
 }
 """Function -> its partial derivatives, as formulas; sums, products, powers, min, max and if are in `_differentiate`."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.machine import elementary
+from contin.model.evaluate import factorial
 from contin.model.expression import Expression, numeric_value, postorder
 from contin.records import Record
 
@@ -75,8 +76,13 @@ _OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
     "sign": np.sign,
     "heaviside": lambda x: np.heaviside(x, 0.5),
     "sqrt": np.sqrt,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "mod": np.mod,
+    "factorial": np.vectorize(factorial, otypes=[float]),
     **{
         name: getattr(elementary, name)
-        for name in "sin cos tan asin acos atan atan2 sinh cosh tanh exp expm1 log log1p log10".split()
+        for name in "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp expm1".split()
+        + "log log1p log10".split()
     },
 }

@@ -67,7 +67,7 @@ def _of_function(node: Expression) -> list[Scale]:
     if name == "log1p":
         return _relative(add(ONE, argument))
     centre = as_expression(expand(argument, LOCAL, 2).at(0))
-    if name in ENTIRE or name in ("tanh", "atan") or is_zero(centre):
+    if name in ENTIRE or name in ("tanh", "atan", "asinh") or is_zero(centre):
         return _absolute(argument, ONE)
     if name == "tan":
         return _absolute(argument, add(ONE, power(call("tan", centre), 2)))

@@ -143,4 +143,6 @@ _RULES: Final[dict[str, Callable[[Series], Series]]] = {
     "asin": _arc("asin", -1, Fraction(-1, 2), 1),
     "acos": _arc("acos", -1, Fraction(-1, 2), -1),
     "atan": _arc("atan", 1, Fraction(-1), 1),
+    "asinh": _arc("asinh", 1, Fraction(-1, 2), 1),
+    "atanh": _arc("atanh", -1, Fraction(-1), 1),
 }

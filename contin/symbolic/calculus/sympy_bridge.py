@@ -23,12 +23,10 @@ from contin.model.expression import (
     if_,
     logical,
     mul,
-    neg,
     number,
     numeric_value,
     postorder,
     power,
-    sub,
     symbol,
 )
 
@@ -98,7 +96,9 @@ _RELATIONS: Final[dict[str, Callable[[Any], Any]]] = {
     "!=": lambda s: s.Ne,
 }
 
-_SAME_NAME: Final = frozenset("sin cos tan asin acos atan sinh cosh tanh exp log sqrt atan2 sign".split())
+_SAME_NAME: Final = frozenset(
+    "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log sqrt atan2 sign floor factorial".split()
+)
 
 _FUNCTIONS: Final[dict[str, Callable[..., Sympy]]] = {
     **{name: (lambda s, *x, _name=name: getattr(s, _name)(*x)) for name in _SAME_NAME},
@@ -107,6 +107,8 @@ _FUNCTIONS: Final[dict[str, Callable[..., Sympy]]] = {
     "log10": lambda s, x: s.log(x) / s.log(10),
     "abs": lambda s, x: s.Abs(x),
     "heaviside": lambda s, x: s.Heaviside(x, s.Rational(1, 2)),
+    "ceil": lambda s, x: s.ceiling(x),
+    "mod": lambda s, x, y: s.Mod(x, y),
     "min": lambda s, *x: s.Min(*x),
     "max": lambda s, *x: s.Max(*x),
 }
@@ -226,7 +228,9 @@ def _folded(name: str) -> Callable[[list[Expression]], Expression]:
 
 
 _BACK: Final[dict[str, Callable[[list[Expression]], Expression]]] = {
-    **{n: _folded(n) for n in "sin cos tan asin acos atan sinh cosh tanh exp atan2 sign".split()},
+    **{n: _folded(n) for n in _SAME_NAME - {"log", "sqrt"}},
+    "ceiling": _folded("ceil"),
+    "Mod": _folded("mod"),
     "log": lambda x: _log(x[0]),
     "Abs": _folded("abs"),
     "Heaviside": lambda x: call("heaviside", x[0]),
@@ -236,9 +240,6 @@ _BACK: Final[dict[str, Callable[[list[Expression]], Expression]]] = {
     "sec": lambda x: power(call("cos", x[0]), -1),
     "csc": lambda x: power(call("sin", x[0]), -1),
     "acot": lambda x: call("atan", power(x[0], -1)),
-    "asinh": lambda x: call("log", add(x[0], call("sqrt", add(power(x[0], 2), ONE)))),
-    "acosh": lambda x: call("log", add(x[0], call("sqrt", sub(power(x[0], 2), ONE)))),
-    "atanh": lambda x: mul(Fraction(1, 2), sub(call("log1p", x[0]), call("log1p", neg(x[0])))),
     "And": lambda x: logical("and", *x),
     "Or": lambda x: logical("or", *x),
     "Not": lambda x: logical("not", *x),

@@ -16,7 +16,7 @@ from contin.model.expression import Expression, numeric_value, symbols_in
 
 SAMPLES: Final = 3
 ROUNDING: Final = 1e-12  # a sum below this part of its largest term is zero but for rounding
-_KEEPS_ZERO: Final = frozenset({"sin", "tan", "asin", "atan", "sinh", "tanh", "expm1", "log1p", "sqrt", "abs"})
+_KEEPS_ZERO: Final = frozenset("sin tan asin atan sinh tanh asinh atanh expm1 log1p sqrt abs".split())
 
 
 @lru_cache(maxsize=4096)
