@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -99,7 +100,7 @@ def fly_between_jumps(
     jumps = stepped.jumps(values, float(times[-1]))
     kept: list[Flight] = []
     y, done = u, 0
-    for begin, end in zip(jumps[:-1], jumps[1:], strict=True):
+    for begin, end in pairwise(jumps.tolist()):
         upto = int(np.searchsorted(times, end, side="right")) if end < jumps[-1] else times.size
         full = np.append(p, stepped.wholes(values, 0.5 * (begin + end)))
         flight = fly(system, y, full, end - begin, start=begin, times=times[done:upto], budget=budget, **options)  # type: ignore[arg-type]

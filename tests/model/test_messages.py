@@ -97,7 +97,7 @@ def test_several_mistakes_are_reported_at_once_in_the_order_of_the_file():
         ("  y: f(x) - y\n", "", "m.yaml:13:1: equations: no equation for y; add `y: ...`"),
         ("  y: f(x) - y", "  y: f(x) - y\n  z: 0", "m.yaml:16:3: equations.z: z is not a state: states are x, y"),
         ("y: f(x) - y", "y: x > 1", "equations.y: a condition is not a number"),
-        ("y: f(x) - y", "y: x - t", "unknown name 't': time is there only where `forcing: {period: ...}` is declared"),
+        ("y: f(x) - y", "y: x - t\nkind: map", "unknown name 't': there is time in flows alone (kind: flow)"),
         ("y: f(x) - y", 'y: "f(x) \\u002d z"', "m.yaml:15:6: equations.y: unknown name 'z'"),
         ("y: f(x) - y", "y: >-\n    f(x)\n    - zz*y", "m.yaml:17:7: equations.y: unknown name 'zz'"),
         ("y: f(x) - y", "y: f(x)\n    - zz*y", "m.yaml:16:7: equations.y: unknown name 'zz'"),
@@ -127,7 +127,7 @@ def test_each_mistake_has_its_sentence(old, new, expected):
 def test_a_call_from_python_names_the_call_and_shows_the_formula():
     with pytest.raises(InputError) as caught:
         Model("m", states={"x": 0}, parameters={"a": 1}, equations={"x": "a - x*b + 1"})
-    assert str(caught.value) == "Model('m'): equations.x: unknown name 'b': declared are x, a\n" + (
+    assert str(caught.value) == "Model('m'): equations.x: unknown name 'b': declared are x, a, t\n" + (
         "      a - x*b + 1\n            ^"
     )
 

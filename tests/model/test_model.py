@@ -203,7 +203,7 @@ def test_json_schema_accepts_what_loads_and_refuses_other_shapes(everything):
     jsonschema.Draft202012Validator.check_schema(schema)
     jsonschema.validate(read_text(EVERY_KEY).data, schema)
     jsonschema.validate(read_text(everything.text()).data, schema)
-    for change in ("titel: x", "kind: flo", "equations: 1", "states: {}"):
+    for change in ("titel: x", "kind: flo", "equations: 1", "states: []"):
         broken = read_text(EVERY_KEY).data | read_text(change).data
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(broken, schema)

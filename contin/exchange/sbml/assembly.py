@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from contin.errors import InputError
 from contin.exchange.sbml import mathml
 from contin.exchange.sbml.initial import Initial
 from contin.exchange.sbml.reactions import changes, conversion, rates_of
@@ -34,6 +35,7 @@ class Assembly:
         self.definitions: dict[str, str] = {}
         self.amounts: dict[str, str] = {}  # identifier of a species -> formula of its amount
         self.values: dict[str, float] = {}  # of parameters
+        self.open: list[str] = []  # those that are being worked out
 
     def document(self) -> Fields:
         """The mapping that a model file holds."""
@@ -136,10 +138,15 @@ class Assembly:
         return float(evaluate(node, known))
 
     def _value_of(self, name: str) -> float:
+        if name in self.open:
+            circle = " -> ".join([*self.open[self.open.index(name) :], name])
+            raise InputError(f"{self.where}: initial values are defined in a circle: {circle}")
         if name not in self.values:
+            self.open.append(name)
             symbol = next((s for s in self.symbols.of.values() if s.name == name and s.role == FIXED), None)
             text = self.local[name] if symbol is None else self.initial.value(symbol.id)
             self.values[name] = self._number(text)
+            self.open.pop()
         return self.values[name]
 
     def _observed(self) -> tuple[dict[str, str], dict[str, str]]:

@@ -119,7 +119,7 @@ def _declared(model: Model) -> tuple[str, tuple[Oscillator, ...]]:
             f"model {model.name} declares no oscillators; to average it, add to its file\n"
             "averaging: {small: eps, oscillators: [{position: x, velocity: y}]}"
         )
-    if model.kind != "flow" or model.forcing is not None:
+    if model.kind != "flow" or model.forcing is not None or model.uses_time:
         what = "a map" if model.kind != "flow" else "forced"
         raise InputError(f"model {model.name} is {what}; averaging takes autonomous flows")
     used = {name for p in averaging.oscillators for name in (p.position, p.velocity)}
