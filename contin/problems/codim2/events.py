@@ -107,7 +107,7 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
         met = crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
             return _point(problem, type_, Solution(met.y, met.residual, met.error), frame)
-    solved = solve(problem, function, near, frame.scale, with_poles=type_ in WITH_POLES)
+    solved = _solved(problem, type_, function, near, frame)
     if type_ == "CP":
         exact = solved is not None and solved.error <= ACCURATE and solved.residual <= RESIDUAL_LIMIT
         z = near.z if solved is None or not exact else solved.y * frame.scale
@@ -121,6 +121,22 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
     if not solved.error <= ILL_CONDITIONED:
         return f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
     return _point(problem, type_, solved, frame)
+
+
+def _solved(
+    problem: LocusProblem, type_: str, function: Callable[[Array], float], near: Sample, frame: Frame
+) -> Solution | None:
+    """Newton on the curve's equations and the function; of BT on curves of Hopf points, with a v that is regular."""
+    if type_ != "BT" or problem.locus != "HB":
+        return solve(problem, function, near, frame.scale, with_poles=type_ in WITH_POLES)
+    curve, z = problem.curve.turned(near.z)
+    solved = solve(replace(problem, curve=curve), function, replace(near, z=z), frame.scale)
+    if solved is None:
+        return None
+    found = curve.turned_back(solved.y * frame.scale, near.z)
+    if curve.has_scalar:
+        found[-3] = 0.0  # kappa, the function itself: neither a Hopf point nor a neutral saddle
+    return replace(solved, y=found / frame.scale)
 
 
 def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) -> Verified | str:

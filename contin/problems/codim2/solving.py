@@ -19,6 +19,7 @@ RESIDUAL_LIMIT = 1e-8
 ILL_CONDITIONED = 1e-4  # an estimated error (of the first parameter, in the metric) above this locates nothing
 SAFETY = 4.0  # times the largest of a few samples of an error
 POLE = 0.1  # part of its values next to a point up to which a function has a zero there, and not a pole
+FREE = 1e-12  # relative: singular values up to which a direction costs nothing
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 
 
@@ -36,14 +37,16 @@ class Solution:
 
 
 def solve(
-    problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array, with_poles: bool = False
-) -> Solution | None:
+    problem: LocusProblem, function: Callable[[Array], float], near: Sample, scale: Array, with_poles: bool = False,
+    turning: bool = False,
+) -> Solution | None:  # fmt: skip
     """Newton on the curve's equations and function(z) = 0 in scaled unknowns, until rounding decides.
 
     The gradient of `function` is taken once, by central differences: `near` is so close that Newton with it converges
     within a few steps. The error of the first parameter is estimated as in `defining.newton`.
 
-    with_poles : None where the function has no zero there, but changes its sign at a pole.
+    with_poles : None where the function has no zero there, but changes its sign at a pole.  turning : null vectors are
+    not unique there, and may turn at no cost: steps and errors are those without such directions.
     """
     curve, rows, count = problem.curve, scale[:-1], len(near.z)
     parameters = curve.parameters(near.z)
@@ -65,7 +68,7 @@ def solve(
         if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
             return None
         try:
-            step = np.linalg.solve(matrix, -g)
+            step = -(np.linalg.pinv(matrix, rcond=FREE) @ g) if turning else np.linalg.solve(matrix, -g)
         except np.linalg.LinAlgError:  # not verified, in words
             return None
         length = float(np.linalg.norm(step))
@@ -83,7 +86,8 @@ def solve(
         return None
     g, jacobian = residual(y)
     try:
-        inverse = np.linalg.inv(np.vstack([jacobian, gradient]))
+        matrix = np.vstack([jacobian, gradient])
+        inverse = np.linalg.pinv(matrix, rcond=FREE) if turning else np.linalg.inv(matrix)
     except np.linalg.LinAlgError:  # not verified, in words
         return None
     generator = np.random.default_rng(12345)

@@ -154,6 +154,14 @@ class BorderedCurve:
         width = float(elementary.hypot(along[-1], along[-2]))
         return np.array([-along[-2], along[-1]]) / width if width > 0.0 else known.across
 
+    def turned(self, z: Array) -> tuple[BorderedCurve, Array]:
+        """This curve, whose unknowns hold no vector, and z (see `ExtendedCurve`)."""
+        return self, z
+
+    def turned_back(self, z: Array, like: Array) -> Array:
+        """z itself."""
+        return z
+
     def left_vector(self, z: Array) -> Array:
         """The left null vector to which others are oriented (BP)."""
         return np.asarray(self.parameters(z).beta / self.sizes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -198,6 +198,33 @@ class ExtendedCurve:
         if self.type == "HB":
             return matrix @ matrix + kappa * np.eye(self.n)
         return matrix @ matrix - 2.0 * kappa * matrix + np.eye(self.n)
+
+    def turned(self, z: Array) -> tuple[ExtendedCurve, Array]:
+        """For work next to a Bogdanov-Takens point: this curve with a border of its own, and z with another v.
+
+        There the plane of v holds a null vector of f_u. Were v that vector, no parameter would change f_u^2 v along the
+        left null vector, and the system would be singular: v is taken where f_u v is largest.
+        """
+        if self.type != "HB":
+            return self, z
+        scaled = self.matrix(z) * self.sizes / self.sizes[:, None]
+        plane = critical_plane(self._squared(scaled, self.scalar(z)))
+        v = plane @ np.linalg.svd(scaled @ plane)[2][0]
+        return replace(self, _gauge=_Gauge(rows=self._gauge.rows)), self._with_vector(z, scaled, v)
+
+    def turned_back(self, z: Array, like: Array) -> Array:
+        """z with the v of its critical plane that is nearest to that of `like`."""
+        if self.type != "HB":
+            return z
+        scaled = self.matrix(z) * self.sizes / self.sizes[:, None]
+        plane = critical_plane(self._squared(scaled, self.scalar(z)))
+        v = plane @ (plane.T @ (self.vector(like) / self.sizes))
+        return self._with_vector(z, scaled, v / np.linalg.norm(v))
+
+    def _with_vector(self, z: Array, scaled: Array, v: Array) -> Array:
+        out = z.copy()
+        out[self.n : 2 * self.n], out[2 * self.n : 3 * self.n] = v * self.sizes, (scaled @ v) * self.sizes
+        return out
 
     # -- setting out --------------------------------------------------------------------------------------------------
 
