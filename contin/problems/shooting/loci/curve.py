@@ -40,6 +40,10 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
     orbits: ShootingProblem
     critical: Fields  # see `contin.problems.orbits.loci.criticality`
 
+    def as_they_are(self, z: Array) -> ShootingProblem:
+        """The orbits' problem at z, for what is read off their trajectories."""
+        return self.at(z)
+
     @property
     def _states(self) -> int:
         return self.orbits.count * self.orbits.n

@@ -39,9 +39,10 @@ class GrazingCurve(CurveByShooting):
 
     def at(self, z: Array) -> ShootingProblem:
         """The orbits themselves, without held surfaces."""
-        return replace(self._held(z), held={})
+        return replace(self.as_they_are(z), held={})
 
-    def _held(self, z: Array) -> ShootingProblem:
+    def as_they_are(self, z: Array) -> ShootingProblem:
+        """With held surfaces: without, rounding decides whether the orbit touches, crosses or slides."""
         base = self.orbits.base.copy()
         base[self.second] = z[-2]
         return replace(self.orbits, base=base)
@@ -74,7 +75,7 @@ class GrazingCurve(CurveByShooting):
             self._memory["time"] = found / float(z[self._states])
 
     def linearise(self, z: Array, scale: Array) -> Equations | None:
-        at = Expansion.of(self._held(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
+        at = Expansion.of(self.as_they_are(z), self.second, self.orbit(z), self.orbit(scale), float(scale[-2]))
         special = None if at is None else self.clearance(z, at)
         if special is None or at is None:
             return None
@@ -91,7 +92,7 @@ class GrazingCurve(CurveByShooting):
         Beyond it the surface is crossed, and the tangent is that of the flow without held surfaces.
         """
         orbit, metric, width = self.orbit(z), self.orbit(scale), float(scale[-2])
-        at = Expansion.of(self._held(z), self.second, orbit, metric, width)
+        at = Expansion.of(self.as_they_are(z), self.second, orbit, metric, width)
         special = None if at is None else self.clearance(z, at)
         if special is None or at is None:
             return False
@@ -136,7 +137,7 @@ class GrazingCurve(CurveByShooting):
 
     def _begin(self, z: Array) -> tuple[ShootingProblem, Nodes, float]:
         nodes = Nodes.of(self.orbit(z), self.orbits.n)
-        return self._held(z), nodes, self._segment * nodes.period / nodes.count
+        return self.as_they_are(z), nodes, self._segment * nodes.period / nodes.count
 
     def clearance(self, z: Array, at: Expansion) -> tuple[float, Array] | None:
         """h at its extremum, and its derivative by (u, T, q, p) in the model's units; None where there is none."""
