@@ -22,7 +22,7 @@ from contin.bvp.two_point import TwoPoint
 from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation import Equations
@@ -198,13 +198,13 @@ class BoundaryProblem:
     def watch(self, type_: str) -> int | None:
         return {"LP": 0, "BP": 1}[type_]
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return special.verify(self, type_, near, frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special.verify_compound(self, a, b, frame)
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
         return None
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

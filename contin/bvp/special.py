@@ -14,7 +14,7 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.condensed import residual_at
 from contin.bvp.on_mesh import OnMesh
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import norm
 from contin.problems.orbits.layout import make_scale
@@ -35,7 +35,7 @@ REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
 WITHIN = 3.0  # errors of a coefficient within which it is zero
-NOTHING = np.zeros(0, complex)
+NO_VALUES = np.zeros(0, complex)
 ROUNDING = 64.0 * float(np.finfo(float).eps)  # of a sum over the nodes
 
 
@@ -47,25 +47,25 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("LP",) if fold else ()
 
 
-def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """The point of this type near a sample, to full precision; a string says why there is none."""
+def verify(problem: BoundaryProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The point of this type near a sample, to full precision."""
     mesh = OnMesh(problem, problem.profile(near.z).h)
     here = _in_unknowns(mesh, near)
     local = Frame(mesh.unknowns(frame.scale))
     found = (_fold if type_ == "LP" else _branch_point)(mesh, here, local)
-    if isinstance(found, str):
+    if isinstance(found, Rejected):
         return found
     x, residual, scatter, form, vectors = found
     other = _on_finer_mesh(problem, type_, near, frame, mesh, x)
     if other is None:
-        return f"{type_} not verified: it is not there on a mesh of twice as many intervals"
+        return unverified(type_, "it is not there on a mesh of twice as many intervals")
     if type_ == "BP":
         form = _decided(mesh, x, form, scatter + abs(other - float(x[-1])))
     error = scatter + ORDER * abs(other - float(x[-1])) + ROUNDING * abs(float(x[-1]))
-    return Verified(type_, mesh.full(x), residual, error, NOTHING, 0, form, vectors)
+    return Verified(type_, mesh.full(x), residual, error, NO_VALUES, 0, form, vectors)
 
 
-def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+def verify_compound(problem: BoundaryProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Several changes at one place: a branch point, else a fold."""
     types = [t for t, k in (("BP", 1), ("LP", 0)) if a.tests[k] * b.tests[k] < 0.0]
     return [verify(problem, types[0], a, frame)] if types else []
@@ -76,17 +76,17 @@ Found = tuple[Array, float, float, Fields, Fields]  # x, residual, error, normal
 
 def _in_unknowns(mesh: OnMesh, sample: Sample) -> Sample:
     t = mesh.unknowns(sample.tangent)
-    return Sample(mesh.unknowns(sample.z), t / norm(t), sample.tests, 0, NOTHING)
+    return Sample(mesh.unknowns(sample.z), t / norm(t), sample.tests, 0, NO_VALUES)
 
 
-def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | str:
+def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     found = secant(mesh, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
-        return "LP not verified: the parameter does not turn at one point of the curve"
+        return unverified("LP", "the parameter does not turn at one point of the curve")
     at, left, error, _ = found
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT:
-        return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     q = at.tangent[:-1] * frame.scale[:-1]
     return at.z, residual, error, forms.fold(mesh, at.z, q), {}
 
@@ -119,20 +119,20 @@ def reduction(mesh: OnMesh, x: Array, tangent: Array, scale: Array) -> tuple[Red
     return Reduced(mesh, rows, left / norm(left)), q
 
 
-def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | str:
+def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     reduced, _ = reduction(mesh, near.z, near.tangent, frame.scale)
     found = reduced.branch_point(near.z)
     if found is None:
-        return "BP not verified: Newton on the reduced equation did not converge"
+        return unverified("BP", "Newton on the reduced equation did not converge")
     x, mu, gradient = found
     residual = max(float(np.max(np.abs(mesh.residual(x)))), abs(mu), float(np.max(np.abs(gradient))))
     if not residual < RESIDUAL_LIMIT:
-        return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
     shift = np.random.default_rng(3).uniform(-1.0, 1.0, x.size) / np.sqrt(x.size)
     again = reduced.branch_point(x + PERTURBATION * frame.scale * shift)
     scatter = np.inf if again is None else 4.0 * abs(float(again[0][-1] - x[-1]))
     if not np.isfinite(scatter):
-        return "BP not verified: its place is not determined to any accuracy"
+        return unverified("BP", "its place is not determined to any accuracy")
     return x, residual, scatter, forms.branch_point(mesh, x, null_vector(mesh, x)), {"kernel": 1}
 
 
@@ -162,9 +162,9 @@ def _on_finer_mesh(
     scale = finer.unknowns(make_scale(h, problem.points, sizes, 1.0, float(frame.scale[-1])))
     raw = mesh.unknowns(near.tangent) * mesh.unknowns(frame.scale)
     t = np.append(mesh.profile(raw).on_mesh(h).u.ravel(), raw[-1]) / scale
-    start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NOTHING)
+    start = Sample(np.append(old.u.ravel(), x[-1]), t / norm(t), near.tests, 0, NO_VALUES)
     found = (_fold if type_ == "LP" else _branch_point)(finer, start, Frame(scale))
-    return None if isinstance(found, str) else float(found[0][-1])
+    return None if isinstance(found, Rejected) else float(found[0][-1])
 
 
 def tangents(problem: BoundaryProblem, z: Array, scale: Array) -> list[Array]:

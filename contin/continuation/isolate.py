@@ -20,7 +20,18 @@ from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
 from contin.continuation.looking_again import is_clear, is_linear, points_between, rounding, solved, told_apart
 from contin.continuation.march import is_dip
-from contin.continuation.problem import Jump, Sample, Verified, is_adaptive, is_planar
+from contin.continuation.problem import (
+    NOTHING,
+    Jump,
+    Nothing,
+    Outcome,
+    Rejected,
+    Sample,
+    Verified,
+    is_adaptive,
+    is_planar,
+    unverified,
+)
 from contin.continuation.sameness import same_point
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
@@ -73,17 +84,17 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
             yield from companions
             if len(companions) == 1 and not verified.point.touches and not is_planar(stretch.problem):
                 yield from _beside(stretch, a, b, verified, depth)
-        elif verified == "":  # a change that is no event, such as a neutral saddle
+        elif isinstance(verified, Nothing):  # a change that is no event, such as a neutral saddle
             yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
-            together = list(_compound(stretch, low, high, verified))
+            together = list(_compound(stretch, low, high, verified.reason))
             yield from together
             yield from isolate(stretch, high, b, DEPTH)
             if len(together) == 1 and isinstance(together[0], Found) and is_adaptive(stretch.problem):
                 yield from _beside(stretch, a, b, together[0], depth)
         else:
-            yield Note(_where(stretch, low, verified))
+            yield Note(_where(stretch, low, verified.reason))
         return
     if width <= COINCIDENT or depth >= DEPTH:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
@@ -183,29 +194,29 @@ def _rest(
         yield Note(_where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
 
 
-def _verified(stretch: Stretch, type_: str, near: Sample) -> Verified | str:
+def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
     """The problem's verification; one that fails with an error loses the label, not the branch."""
     errors: list[str] = []
-    outcome: Verified | str = ""
+    outcome: Outcome = NOTHING
     with contained(errors.append):
         outcome = stretch.problem.verify(type_, near, stretch.frame)
-    return f"{type_} not verified: {errors[0]}" if errors else outcome
+    return unverified(type_, errors[0]) if errors else outcome
 
 
-def _together(stretch: Stretch, a: Sample, b: Sample) -> list[Verified | str]:
+def _together(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
     """Events that coincide between a and b; one that fails with an error loses the labels, not the branch."""
     errors: list[str] = []
-    items: list[Verified | str] = []
+    items: list[Outcome] = []
     with contained(errors.append):
         items = list(stretch.problem.verify_compound(a, b, stretch.frame))
-    return [f"not verified: {errors[0]}"] if errors else items
+    return [Rejected(f"not verified: {errors[0]}", suspect=True)] if errors else items
 
 
 def _where(stretch: Stretch, a: Sample, text: str) -> str:
     return f"{text} near {stretch.problem.parameters[0]} = {a.z[-1]:.10g}"
 
 
-def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | str]:
+def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Rejected | Nothing]:
     """One simple event: bracket its test, then verify. Returns the bracket and the point, or why it is none."""
     problem = stretch.problem
     index = problem.watch(type_)
@@ -217,7 +228,8 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
 
     width = stretch.distance(a, b)
     s_a, s_b = stretch.length_of(a), stretch.length_of(b)
-    low, high, outcome = a, b, ""
+    low, high = a, b
+    outcome: Rejected | Nothing = NOTHING
     for accuracy in (NARROW * width, COINCIDENT):
         low, high = stretch.zero(value, low, high, accuracy)
         if accuracy == COINCIDENT:  # Newton starts as close as it can: what it finds is the event
@@ -234,10 +246,10 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             slack += other
             if moved <= 0.2 * width + other + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
                 return low, high, Found(length, _anchored(verified, a), _at_point(stretch, near, verified))
-            outcome = f"{type_} not verified: Newton on its defining system left the neighbourhood"
+            outcome = unverified(type_, "Newton on its defining system left the neighbourhood")
         else:
             outcome = verified
-            if verified == "":
+            if isinstance(verified, Nothing):
                 break
     return low, high, outcome
 
@@ -301,8 +313,8 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
             yield Found(length, _anchored(item, stretch.base), _at_point(stretch, a, item))
         elif isinstance(item, Jump):
             yield Note(_where(stretch, a, item.text), jump=stretch.length_of(b))
-        elif item:
-            yield Note(_where(stretch, a, item), "not verified" in item)
+        elif isinstance(item, Rejected):
+            yield Note(_where(stretch, a, item.reason), item.suspect)
 
 
 def dips(stretch: Stretch, a: Sample, here: Sample, b: Sample) -> list[int]:
@@ -405,7 +417,7 @@ def _pair(
     if not alike:
         yield from items
         return
-    together: list[Verified | str] = []
+    together: list[Outcome] = []
     if not is_adaptive(stretch.problem) and not is_planar(stretch.problem):
         together = _together(stretch, replace(low, z=points[0].z), replace(high, z=points[-1].z))
     touching = [item for item in together if isinstance(item, Verified) and item.touches]
@@ -429,21 +441,21 @@ def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sa
         turned = high.tests.copy()
         turned[test] = -np.copysign(1.0, low.tests[test])
         low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
-        items = [item for item in _together(stretch, low, replace(high, tests=turned)) if item]  # '' : no event
-        if any(isinstance(item, str) or _is_seen_by(stretch, item.type, test) for item in items):
+        items = [i for i in _together(stretch, low, replace(high, tests=turned)) if not isinstance(i, Nothing)]
+        if any(isinstance(item, Rejected) or _is_seen_by(stretch, item.type, test) for item in items):
             yield Note(_where(stretch, low, TOUCHES))
         else:  # it is part of a point of another type
             for item in items:
                 assert isinstance(item, Verified)
                 yield _found(stretch, low, item, anchor)
         return
-    items = _together(stretch, low, high)
+    together = _together(stretch, low, high)
     scale = stretch.frame.scale[-1]
     points = [
-        item for item in items if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
+        item for item in together if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
     ]
     yield from (_found(stretch, low, point, anchor) for point in points)
-    if not points and (items or test == 0):
+    if not points and (together or test == 0):
         yield Note(_where(stretch, low, TOUCHES))
 
 

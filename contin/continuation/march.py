@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, is_planar
+from contin.continuation.problem import Chunk, Failure, Frame, Sample, Stop, is_planar
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
@@ -85,8 +85,8 @@ Again = Callable[[Linearisation, Array], Linearisation | None]  # the same matri
 def correct(
     problem: Correctable, z0: Array, tangent: Array, length: float, y: Array, scale: Array, tolerance: float,
     again: Again | None = None, before: Linearisation | None = None,
-) -> Corrected | str:  # fmt: skip
-    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; a string says why it failed.
+) -> Corrected | Failure:  # fmt: skip
+    """Newton on [F(z0 + scale y); tangent . y - length] = 0 from the guess y; or why it failed.
 
     With `again`, matrices serve twice: that of the last step (`before`) for the first iteration, and the first new one
     for what is left to correct after it. The result's own matrix is from within `CLOSE` of the point.
@@ -102,16 +102,16 @@ def correct(
         if now is None:
             now, fresh = problem.linearisation(z, tangent, scale), True
         if now is None:
-            return "not finite"
+            return Failure.NOT_FINITE
         if now.sign == 0:
-            return "singular"
+            return Failure.SINGULAR
         step = now.solve(np.append(-now.residual, length - dot(tangent, y)))
         size = norm(step)
         if not fresh and not size < FAR:  # too far for the old matrix
             here = None
             continue
         if not size < 1e3:
-            return "diverged"
+            return Failure.DIVERGED
         here = here if chord else now
         y = y + step
         first = size if first == 0.0 else first
@@ -120,15 +120,15 @@ def correct(
         done = size <= tolerance or (size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
         if not done and compare and ratio > 0.5:
             if not (size < STAGNATION and first > size):
-                return "no contraction"
+                return Failure.NO_CONTRACTION
             done = True
         if done:
             last = here if fresh and here is not None else problem.linearisation(z0 + scale * y, tangent, scale)
             if last is None:
-                return "not finite"
+                return Failure.NOT_FINITE
             return Corrected(z0 + scale * y, y, last, first, iteration - int(before is not None))
         size_before, compare = size, fresh
-    return "too many iterations"
+    return Failure.NO_CONVERGENCE
 
 
 def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
@@ -149,7 +149,7 @@ def probe(
     """`Problem.probe` in terms of linearisations."""
     y = (guess - base.z) / frame.scale
     found = correct(problem, base.z, base.tangent, length, y, frame.scale, min(settings.tolerance, 1e-9))
-    return None if isinstance(found, str) else measure(problem, found, frame.reference)
+    return None if isinstance(found, Failure) else measure(problem, found, frame.reference)
 
 
 def march(
@@ -247,12 +247,12 @@ def _step(
         found = correct(
             problem, last.z, last.tangent, h, guess, scale, settings.newton_tolerance, again, again and nearest
         )  # fmt: skip
-        if not isinstance(found, str) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
-            found = "not the curve that the step set out on"
-        if isinstance(found, str):
+        if not isinstance(found, Failure) and norm(found.y) > 2.0 * h + 10.0 * settings.newton_tolerance:
+            found = Failure.ELSEWHERE
+        if isinstance(found, Failure):
             evaluations += 1
             if h <= settings.min_step:
-                return _Refused(Stop.NOT_FINITE if found == "not finite" else Stop.CORRECTOR, h, evaluations)
+                return _Refused(Stop.NOT_FINITE if found is Failure.NOT_FINITE else Stop.CORRECTOR, h, evaluations)
             h = max(0.5 * h, settings.min_step)
             continue
         evaluations += found.iterations

@@ -113,6 +113,42 @@ class Verified:
     crowded: bool = False  # other eigenvalues are critical here too: more than this type may happen
 
 
+@dataclass(frozen=True)
+class Rejected:
+    """No such point, and why; `suspect` where its defining system should have a solution and has none.
+
+    A jump to another branch would explain that: the step is tried again with half the length.
+    """
+
+    reason: str
+    suspect: bool = False
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """What changed is no event, such as a neutral saddle: nothing to label, and nothing to say."""
+
+
+NOTHING: Final = Nothing()
+Outcome = Verified | Rejected | Nothing
+
+
+def unverified(type_: str, reason: str) -> Rejected:
+    """The defining system of `type_` has no solution there."""
+    return Rejected(f"{type_} not verified: {reason}", suspect=True)
+
+
+class Failure(Enum):
+    """Why Newton's method gave no point."""
+
+    NOT_FINITE = "not finite"
+    SINGULAR = "singular"
+    DIVERGED = "diverged"
+    NO_CONTRACTION = "no contraction"
+    NO_CONVERGENCE = "no convergence"
+    ELSEWHERE = "not the curve that the step set out on"
+
+
 @dataclass(frozen=True, eq=False)
 class Corner:
     """Where a branch turns sharply because the equations are not smooth, without a surface that anybody has named."""
@@ -277,8 +313,8 @@ class Problem(Protocol):
         no value is NaN; its sign changes nothing.
     6.  `explain` names types only where one of each explains every change between two samples; else it gives None,
         and the engine looks closer.
-    7.  `verify` solves the defining system to full precision. What it returns holds to its `error`; what is no such
-        point is a reason in words, and "" where there is nothing to say.
+    7.  `verify` solves the defining system to full precision. A `Verified` holds to its `error`; what is no such point
+        is `Rejected`, with its reason, and `NOTHING` where there is nothing to say.
     8.  Numerical trouble is never raised by `march`, `probe`, `verify` or `at_parameter`: it is a stop, None, or a
         reason.
     9.  A problem is a frozen value: pickles and copies serve as well as it does. What it remembers makes answers
@@ -331,13 +367,13 @@ class Problem(Protocol):
     def watch(self, type_: str) -> int | None:
         """Index of the test function whose zero locates this type; None: by the change of the unstable count."""
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        """Solve the defining system of `type_` from a nearby sample; a string says why it is no such point."""
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        """Solve the defining system of `type_` from a nearby sample."""
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         """Events that coincide: a and b are indistinguishably close, on either side."""
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
 
     def cross_corner(

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 from contin.problems.equilibrium import EquilibriumProblem
 
@@ -59,17 +59,17 @@ class AlgebraicProblem(EquilibriumProblem):
             return ("BP",)
         return ("LP",) if fold else ()
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return _still(super().verify(type_, near, frame))
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = [_still(item) for item in super().verify_compound(a, b, frame)]
-        return [item for item in found if isinstance(item, str) or item.type in ("LP", "BP")]
+        return [item for item in found if not isinstance(item, Verified) or item.type in ("LP", "BP")]
 
 
-def _still(found: Verified | str) -> Verified | str:
+def _still(found: Outcome) -> Outcome:
     """Without eigenvalues, and without the word for whose stability the new branch takes over."""
-    if isinstance(found, str):
+    if not isinstance(found, Verified):
         return found
     form = {k: v for k, v in found.normal_form.items() if k != "criticality" or v == "degenerate"}
     return replace(found, eigenvalues=NONE, unstable=0, normal_form=form)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Jump, Sample, Stop, Verified
+from contin.continuation.problem import NOTHING, Chunk, Frame, Jump, Outcome, Sample, Stop, Verified
 from contin.continuation.settings import Settings
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ APART = 1e-6  # two surfaces crossed in one step are told apart where they are t
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
-def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
     """A fold at a corner between a and b: f = 0 on the switching surface, with the parameter turning there.
 
     a and b are so close that only a switching function can separate them. None where no switching function changes sign
@@ -49,7 +49,7 @@ def verify_corner(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fram
             return Verified("LP", z, residual, error, a.eigenvalues, stable, {"kind": "nonsmooth"}, {"switch": int(k)})
         if a.unstable != b.unstable:
             return Jump("the number of unstable eigenvalues jumps at a corner of the equations; the branch goes on")
-        return ""
+        return NOTHING
     return None
 
 

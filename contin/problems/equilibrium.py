@@ -13,7 +13,20 @@ from numpy.typing import NDArray
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.metric import far_from_zero
-from contin.continuation.problem import STOPS, Chunk, Corner, Floor, Frame, Jump, Renewal, Sample, Stop, Verified
+from contin.continuation.problem import (
+    STOPS,
+    Chunk,
+    Corner,
+    Floor,
+    Frame,
+    Jump,
+    Outcome,
+    Rejected,
+    Renewal,
+    Sample,
+    Stop,
+    Verified,
+)
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels import algebraic as kernel
@@ -353,27 +366,27 @@ class EquilibriumProblem:
     def watch(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return self._described(self._turning(special.verify(self, type_, near, frame), near, frame), frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = (self._turning(item, a, frame) for item in special.verify_compound(self, a, b, frame))
         return [self._described(item, frame) for item in found]
 
-    def _turning(self, found: Verified | str, near: Sample, frame: Frame) -> Verified | str:
+    def _turning(self, found: Outcome, near: Sample, frame: Frame) -> Outcome:
         """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
-        if self.system.jacobian_address != NO_FUNCTION or (not isinstance(found, str) and found.type != "LP"):
+        if self.system.jacobian_address != NO_FUNCTION or (isinstance(found, Verified) and found.type != "LP"):
             return found
-        if isinstance(found, str):
+        if not isinstance(found, Verified):
             return self._corner_beside(near, frame) or found
         here = DenseMarch(self).linearisation(found.z, near.tangent, frame.scale)
         why = no_fold(lambda z: self.linearise(z)[0], here, found.z, frame.scale)
-        return found if why is None else f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
+        return found if why is None else Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
 
-    def _described(self, found: Verified | str, frame: Frame) -> Verified | str:
+    def _described(self, found: Outcome, frame: Frame) -> Outcome:
         return with_normal_form(self, found, frame.scale) if isinstance(found, Verified) else found
 
-    def _corner_beside(self, near: Sample, frame: Frame) -> str | None:
+    def _corner_beside(self, near: Sample, frame: Frame) -> Rejected | None:
         """What a corner of a user's function does at a sample; None where there is none."""
         if self.system.jacobian_address != NO_FUNCTION or self.system.n_switches:
             return None
@@ -382,13 +395,15 @@ class EquilibriumProblem:
             return None
         place = f"near {self.parameters[0]} = {corner.z[-1]:.10g}, where the function is not smooth"
         turns = corner.before[-1] * corner.beyond[-1] < 0.0
-        return f"the parameter turns at a corner {place}" if turns else f"the branch bends at a corner {place}"
+        return Rejected(
+            f"the parameter turns at a corner {place}" if turns else f"the branch bends at a corner {place}"
+        )
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
-        words = self._corner_beside(a, frame)
-        if words is None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
+        found = self._corner_beside(a, frame)
+        if found is None:
             return corners.verify_corner(self, a, b, frame)
-        return words if a.unstable == b.unstable else Jump(words)
+        return found if a.unstable == b.unstable else Jump(found.reason)
 
     def columns(self, z: Array) -> dict[str, Array]:
         n, names = self.n, self.system.parameter_names

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
 from contin.problems import defining
@@ -61,8 +61,8 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     return None
 
 
-def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
+def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """Solve the defining system of a simple event; NOTHING where there is nothing to report."""
     frame, tangent = _balanced_frame(problem, near, frame)
     y = near.z / frame.scale
     local = problem.scaled(frame.scale).rated(y)
@@ -76,9 +76,9 @@ def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) 
     if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
         if type_ == "neutral":
             return _opposite_zeros(problem, local, y, frame, tangent)
-        return f"{type_}: the two eigenvalues that cross are real"
+        return Rejected(f"{type_}: the two eigenvalues that cross are real")
     if type_ == "neutral":
-        return "a pair of eigenvalues touches the stability boundary without a change of the unstable count"
+        return Rejected("a pair of eigenvalues touches the stability boundary without a change of the unstable count")
     return _oscillatory(problem, local, y, frame, pair, tangent)
 
 
@@ -98,13 +98,13 @@ def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -
 
 def _opposite_zeros(
     problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, tangent: Array
-) -> Verified | str:
+) -> Outcome:
     """Two real eigenvalues with zero sum: a neutral saddle, or both vanish, crossing zero in opposite senses."""
     here, there = _singular_values(*(local.linearise(at)[1] for at in (y, y + BESIDE * tangent)))
     if len(here) < 2 or here[-2] > 2e-2 * there[-2]:
-        return ""
+        return NOTHING
     found = _branch_point(problem, local, y, frame, 2, tangent)
-    return found if isinstance(found, Verified) else ""
+    return found if isinstance(found, Verified) else NOTHING
 
 
 def nearest_pair(values: Vector, is_map: bool) -> complex | None:
@@ -122,10 +122,10 @@ def nearest_pair(values: Vector, is_map: bool) -> complex | None:
 def _oscillatory(
     problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, pair: complex, tangent: Array,
     corank: int = 1
-) -> Verified | str:  # fmt: skip
+) -> Outcome:  # fmt: skip
     """A Hopf point (pair = +-i w) or a Neimark-Sacker point (pair = exp(+-i w)); corank pairs may coincide."""
     if _critical_throughout(problem, local, y, pair, tangent, corank):
-        return ""
+        return NOTHING
     if problem.is_map:
         angle = float(elementary.angle(pair))
         solved = defining.critical_pair(
@@ -136,10 +136,10 @@ def _oscillatory(
         solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, angle, corank)
     type_ = "NS" if problem.is_map else "HB"
     if solved is None:
-        return f"{type_} not verified: Newton on its defining system did not converge"
+        return unverified(type_, "Newton on its defining system did not converge")
     frequency = abs(float(solved.extra[0]))
     if abs(frequency - angle) > 0.3 * angle:
-        return f"{type_} not verified: the frequency moved from {angle:.3g} to {frequency:.3g}"
+        return unverified(type_, f"the frequency moved from {angle:.3g} to {frequency:.3g}")
     target = elementary.exp(1j * frequency) if problem.is_map else 1j * frequency
     accepted = _accept(
         problem, type_, frame, solved, lambda values: _nearest(values, (target, np.conj(target)) * corank)
@@ -218,7 +218,7 @@ def _critical_throughout(
 
 def _branch_point(
     problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
-) -> Verified | str:
+) -> Outcome:
     solved = defining.branch_point(local, y, corank)
     if solved is not None and not solved.residual <= CONSISTENT * solved.noise:  # with borders of its own
         solved = defining.branch_point(local, solved.y, corank) or solved
@@ -229,7 +229,7 @@ def _branch_point(
 
     converged = solved is not None and solved.residual <= RESIDUAL_LIMIT
     if solved is not None and converged and _singular_throughout(local, solved.y, tangent, corank):
-        return (
+        return Rejected(
             "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
         )
     accepted = _accept(problem, "BP", frame, solved, critical)
@@ -251,14 +251,12 @@ def _nearest(values: Vector, targets: Sequence[complex]) -> list[int]:
     return chosen
 
 
-def _accept(
-    problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Any
-) -> Verified | str:
+def _accept(problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Any) -> Outcome:
     """Turn a solution of a defining system into a point in the user's units."""
     if solved is None:
-        return f"{type_} not verified: Newton on its defining system did not converge"
+        return unverified(type_, "Newton on its defining system did not converge")
     if not solved.residual <= min(RESIDUAL_LIMIT, CONSISTENT * solved.noise):
-        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+        return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     z = solved.y * frame.scale
     values, rates = spectrum(problem.linear_part(z))
     chosen = critical(values)
@@ -280,16 +278,16 @@ def eigenvalues_of(problem: EquilibriumProblem, z: Array) -> Vector:
     return spectrum(problem.linear_part(z))[0]
 
 
-def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Everything that happens at one place: folds, branch points of any corank, several pairs."""
     frame, tangent = _balanced_frame(problem, a, frame)
     y = 0.5 * (a.z + b.z) / frame.scale
     local = problem.scaled(frame.scale).rated(y)
-    found: list[Verified | str] = []
+    found: list[Outcome] = []
     _, jacobian = local.linearise(y)
     _, beside = local.linearise(y + BESIDE * tangent)
     if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(beside))):
-        return ["the equations are not finite here"]
+        return [Rejected("the equations are not finite here")]
     here, there = _singular_values(jacobian, beside)
     size = max(float(here[0]), float(there[0]), 1e-300)
     slopes = there / BESIDE  # a singular value counts that may vanish between a and b
@@ -324,13 +322,13 @@ def _pairs_on_boundary(values: Vector, rates: Array, is_map: bool) -> list[tuple
     return groups
 
 
-def _merge(found: list[Verified | str], frame: Frame) -> list[Verified | str]:
+def _merge(found: list[Outcome], frame: Frame) -> list[Outcome]:
     """A fold with a Hopf point on it is one label: LP, also ZH (the degenerate line of symmetric averaged pairs)."""
     points = [f for f in found if isinstance(f, Verified)]
     real = next((p for p in points if p.type in ("LP", "BP")), None)
     if real is None:
         return found
-    merged: list[Verified | str] = []
+    merged: list[Outcome] = []
     also: list[str] = []
     for item in found:
         near = isinstance(item, Verified) and np.linalg.norm((item.z - real.z) / frame.scale) < 1e-6

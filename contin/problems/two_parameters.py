@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.scales import parameter_width
@@ -120,7 +120,7 @@ class TwoParameterProblem(ABC):
 
     # -- what does not happen -----------------------------------------------------------------------------------------
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
         return None
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

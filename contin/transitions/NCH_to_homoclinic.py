@@ -16,7 +16,7 @@ from contin.abi import Array
 from contin.continuation import march as python_march
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.problem import Failure, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
@@ -45,7 +45,7 @@ def through_non_central(problem: ConnectionProblem, point: SpecialPoint, paramet
     scale = other.scale_for(profile.h, sizes, *(float(widths[name]) for name in parameters))
     tangent = np.asarray(other.tangents(z, scale)[0])
     found = python_march.correct(other, z, tangent, 0.0, np.zeros(z.size), scale, NEWTON)
-    if isinstance(found, str):
+    if isinstance(found, Failure):
         raise InputError(f"{source}: Newton for the other curve of homoclinic orbits did not converge")
     z = found.z
     tangent = np.asarray(other.tangents(z, scale)[0])

@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Frame, Sample
+from contin.continuation.problem import Frame, Rejected, Sample
 from contin.problems.codim2 import crossing
 from contin.problems.codim2.functions import function_of
 from contin.problems.symmetry import symmetry_names
@@ -32,7 +32,7 @@ def hopf_curves(seed: Seed, point: SpecialPoint, own: bool) -> list[Seed]:
     values = np.asarray(point.eigenvalues)
     near = Sample(z, np.zeros(len(z)), np.zeros(1), 0, values)
     function = function_of(problem, "ZH", near)
-    if not own and not isinstance(function, str):
+    if not own and not isinstance(function, Rejected):
         met = crossing.solve(problem, function, near, Frame(scale))
         z = z if met is None else met.y * scale
     tangents = crossing.other_tangents(problem, z, scale, point.tangent if own else None)

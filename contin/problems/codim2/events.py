@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Rejected, Sample, Stop, Verified, unverified
 from contin.problems.codim2 import crossing, degenerate
 from contin.problems.codim2.fold_ends import at_fold
 from contin.problems.codim2.forms import described
@@ -87,22 +87,22 @@ def _orientation_jumps(a: Sample, b: Sample) -> bool:
     return bool(np.all(np.abs(first + second) <= JUMP * np.maximum(np.abs(first), np.abs(second))))
 
 
-def verify(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """Solve the defining system of a type from a nearby point of the curve; '' where there is nothing to report."""
+def verify(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """Solve the defining system of a type from a nearby point of the curve."""
     if type_ == "neutral":
-        return ""
+        return NOTHING
     if type_ == "double zero":  # the curve passes through; worth a label only where a third eigenvalue vanishes too
-        return triple_zero(problem, near, frame) or ""
+        return triple_zero(problem, near, frame) or NOTHING
     verified = _verified(problem, type_, near, frame)
     if isinstance(verified, Verified) and type_ not in ("BT", "ZH"):
         return verified
     return triple_zero(problem, near, frame) or verified
 
 
-def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     function = function_of(problem, type_, near)
-    if isinstance(function, str):
-        return f"{type_} not verified: {function}"
+    if isinstance(function, Rejected):
+        return unverified(type_, function.reason)
     if type_ == "ZH" and problem.locus == "HB" and crossing.is_forced(problem, near.z, frame.scale):
         met = crossing.solve(problem, function, near, frame)
         if met is not None and met.residual <= RESIDUAL_LIMIT and met.error <= ILL_CONDITIONED:
@@ -115,11 +115,13 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
         if touching is not None:
             return touching
     if solved is None:
-        return f"{type_} not verified: Newton on its defining system did not converge"
+        return unverified(type_, "Newton on its defining system did not converge")
     if not solved.residual <= RESIDUAL_LIMIT:
-        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+        return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     if not solved.error <= ILL_CONDITIONED:
-        return f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
+        return Rejected(
+            f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
+        )
     return _point(problem, type_, solved, frame)
 
 
@@ -139,15 +141,15 @@ def _solved(
     return replace(solved, y=found / frame.scale)
 
 
-def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) -> Verified | str:
-    """The point with its eigenvalues and normal form; '' for a neutral saddle, a sentence where it is another type."""
+def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) -> Outcome:
+    """The point with its eigenvalues and normal form; NOTHING for a neutral saddle."""
     z = solved.y * frame.scale
     if is_neutral(problem, type_, z) or (type_ == "DP" and _is_double_zero(problem, z)):
-        return ""
+        return NOTHING
     values = eigenvalues(problem, z)
     critical = critical_indices(problem, type_, z, values)
     if critical is None:
-        return f"{type_} not verified: the critical eigenvalues are real"
+        return unverified(type_, "the critical eigenvalues are real")
     others = np.delete(values, critical)
     unstable = int(np.sum(np.abs(others) > 1.0 if problem.system.kind == "map" else others.real > 0.0))
     error = solved.error * float(frame.scale[-1]) + 0.5 * np.finfo(float).eps * abs(float(z[-1]))
@@ -188,11 +190,11 @@ def is_neutral(problem: LocusProblem, type_: str, z: Array) -> bool:
     return bool(scalar <= 0.0 if problem.locus == "HB" else abs(scalar) >= 1.0)
 
 
-def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Events that coincide on the curve: each of the types whose test changes sign, verified from between."""
     is_map = problem.system.kind == "map"
     events = signs_of_points(problem.locus, is_map)
-    found: list[Verified | str] = []
+    found: list[Outcome] = []
     for index, (type_, _) in events.items():
         if a.tests[index] * b.tests[index] < 0.0:
             if type_ == "GH" and any(_is_crossing(item) for item in found):
@@ -201,5 +203,5 @@ def verify_compound(problem: LocusProblem, a: Sample, b: Sample, frame: Frame) -
     return found
 
 
-def _is_crossing(item: Verified | str) -> bool:
+def _is_crossing(item: Outcome) -> bool:
     return isinstance(item, Verified) and bool(item.vectors.get("plane"))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Rejected, Sample, Verified
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.degenerate import APART
 from contin.problems.codim2.forms import branching_form
@@ -89,7 +89,7 @@ def _solved(branching: _BranchPoints, scale: Array) -> tuple[Array, float, float
             break
     near = Sample(branching.start, np.zeros(len(scale)), np.zeros(1), 0, np.zeros(1, complex))
     function = function_of(other, "DP", near)
-    solved = None if isinstance(function, str) else solve(other, function, near, scale)
+    solved = None if isinstance(function, Rejected) else solve(other, function, near, scale)
     if solved is None or solved.residual > RESIDUAL_LIMIT or solved.error > ILL_CONDITIONED:
         return None
     return solved.y * scale, solved.residual, solved.error

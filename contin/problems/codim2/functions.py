@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import NO_FUNCTION, Array
-from contin.continuation.problem import Sample
+from contin.continuation.problem import Rejected, Sample
 from contin.kernels.lyapunov import lyapunov_terms
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf
@@ -31,7 +31,7 @@ Function = Callable[[Array], float]
 REAL = 1e-9  # an eigenvalue with less imaginary part (relative) is real
 
 
-def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | str:
+def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:
     """The function whose zero on the curve is a point of this type; a string says why there is none."""
     locus = problem.locus
     if type_ == "BT" and locus == "HB":
@@ -132,7 +132,7 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: 
     return value if not beyond_error or abs(value) > float(form.errors["d"]) else 0.0
 
 
-def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | str:
+def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
     own = own_critical(problem, near.z, values)  # type: ignore[arg-type]
@@ -143,11 +143,11 @@ def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Fun
     target = _real_target(problem, type_)
     if target is not None:
         if not real_ones.size:
-            return "no other real eigenvalue is near the stability boundary"
+            return Rejected("no other real eigenvalue is near the stability boundary")
         reference = complex(real_ones[int(np.argmin(np.abs(real_ones - target)))])
         return lambda z: (_followed(problem, z, reference).real - target) / size
     if not complex_ones.size:
-        return "the other critical eigenvalues are real"
+        return Rejected("the other critical eigenvalues are real")
     if problem.system.kind == "map":
         reference = complex(complex_ones[int(np.argmin(np.abs(np.abs(complex_ones) - 1.0)))])
         return lambda z: abs(_followed(problem, z, reference)) - 1.0

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import STOPS, Chunk, Frame, Sample, Verified
+from contin.continuation.problem import STOPS, Chunk, Frame, Outcome, Sample
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels import locus as kernel
@@ -161,10 +161,10 @@ class LocusProblem(TwoParameterProblem):
     def watch(self, type_: str) -> int | None:
         return events.watch(self.locus, type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return events.verify_compound(self, a, b, frame)
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:

@@ -19,7 +19,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Jump, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.machine import elementary
@@ -107,7 +107,7 @@ class CycleProblem:
     def _inner_sample(self, sample: Sample) -> Sample:
         return replace(sample, z=self.first(sample.z), tangent=self.first(sample.tangent))
 
-    def _lifted(self, found: Verified | str) -> Verified | str:
+    def _lifted(self, found: Outcome) -> Outcome:
         return replace(found, z=self.lift(found.z)) if isinstance(found, Verified) else found
 
     # evaluation -------------------------------------------------------------------------------------------------------
@@ -176,17 +176,17 @@ class CycleProblem:
     def watch(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         try:
             return self._lifted(self.inner.verify(type_, self._inner_sample(near), self._inner_frame(frame)))
         except np.linalg.LinAlgError:  # a point from which the iterates escape
-            return "the iterates beside this point are not finite"
+            return Rejected("the iterates beside this point are not finite")
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         sides = self._inner_sample(a), self._inner_sample(b)
         return [self._lifted(item) for item in self.inner.verify_compound(*sides, self._inner_frame(frame))]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         sides = self._inner_sample(a), self._inner_sample(b)
         found = self.inner.verify_corner(*sides, self._inner_frame(frame))
         return found if found is None or isinstance(found, Jump) else self._lifted(found)

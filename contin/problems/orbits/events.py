@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems import special
 from contin.problems.orbits import planar
@@ -100,7 +100,7 @@ def _distance_from_one(sample: Sample) -> float:
     return float(np.min(np.abs(others - 1.0))) if others.size and np.all(np.isfinite(others)) else np.inf
 
 
-def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     """Solve the defining system of a simple event; a string says why it is none, '' that there is nothing to report."""
     theta, width = 0.0, float(frame.scale[-1])
     flat = type_ == "flat"
@@ -109,14 +109,14 @@ def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Ver
     if type_ in ("NS", "neutral"):
         pair = special.nearest_pair(nontrivial(problem, near.eigenvalues), True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
-            return "" if type_ == "neutral" else "NS: the two multipliers that cross are real"
+            return NOTHING if type_ == "neutral" else Rejected("NS: the two multipliers that cross are real")
         if type_ == "neutral":
-            return "a pair of multipliers touches the unit circle without a change of the unstable count"
+            return Rejected("a pair of multipliers touches the unit circle without a change of the unstable count")
         theta = float(elementary.angle(pair))
     if type_ in ("LPC", "BPC") and _at_rest(problem, near.z, frame):
-        return ""
+        return NOTHING
     if type_ == "PD" and _orientable(problem, near.z):
-        return ""
+        return NOTHING
     solve = flat_fold if flat else partial(solve_special, type_=type_, theta=theta)
     solved = solve(problem, z=near.z, scale=frame.scale)
     blurred = solved is None or not solved.confirmed or solved.error > BLURRED * width
@@ -125,26 +125,28 @@ def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Ver
         if pitchfork is not None and (solved is None or _one(solved, pitchfork, frame)):
             solved, type_ = pitchfork, "BPC"
     if solved is None and flat:
-        return "no folds are labelled where the parameter is constant to rounding and multipliers are not resolved"
+        return Rejected(
+            "no folds are labelled where the parameter is constant to rounding and multipliers are not resolved"
+        )
     if solved is None:
-        return f"{type_} not verified: Newton on its defining system did not converge"
+        return unverified(type_, "Newton on its defining system did not converge")
     if not solved.residual <= RESIDUAL_LIMIT:
-        return f"{type_} not verified: its defining system has no solution nearby (residual {solved.residual:.1e})"
+        return unverified(type_, f"its defining system has no solution nearby (residual {solved.residual:.1e})")
     if type_ == "NS" and abs(solved.theta - theta) > 0.3:
-        return f"NS not verified: the angle moved from {theta:.3g} to {solved.theta:.3g}"
+        return unverified("NS", f"the angle moved from {theta:.3g} to {solved.theta:.3g}")
     if type_ in ("LPC", "BPC") and _at_rest(problem, solved.z, frame):
-        return ""  # the family passes through a Hopf point and comes back
+        return NOTHING  # the family passes through a Hopf point and comes back
     if type_ == "LPC" and is_at_birth(problem, solved.z, solved.error, frame):
-        return ""
+        return NOTHING
     if type_ == "LPC" and not solved.confirmed:
-        return (
+        return Rejected(
             f"{type_} not confirmed: it is not there on a mesh of half the lengths, so the parameter is constant to "
             "its error"
         )
     values = problem.multipliers(solved.z)
     gap = distance(nontrivial(problem, values), critical(type_, solved.theta))
     if not gap < UNCLEAR:
-        return f"{type_} not labelled: the multipliers are not resolved there"
+        return Rejected(f"{type_} not labelled: the multipliers are not resolved there")
     others = without(nontrivial(problem, values), critical(type_, solved.theta))
     rounding = np.finfo(float).eps * (abs(float(solved.z[-1])) + CANCELLED * width)
     point = Verified(
@@ -196,9 +198,9 @@ def _at_rest(problem: OrbitProblem, z: Array, frame: Frame) -> bool:
     return problem.autonomous and extent < NO_ORBIT
 
 
-def verify_compound(problem: OrbitProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+def verify_compound(problem: OrbitProblem, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
-    found: list[Verified | str] = []
+    found: list[Outcome] = []
     folds, branches, _, flips = (bool(x) for x in a.tests * b.tests < 0.0)
     if branches:
         found.append(verify(problem, "BPC", a, frame))

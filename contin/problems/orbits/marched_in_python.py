@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample
+from contin.continuation.problem import Chunk, Failure, Frame, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
@@ -66,7 +66,7 @@ class MarchedInPython(OrbitCurveProblem):
         z0 = guess.copy()
         z0[index] = value
         found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             return None
         z = found.z.copy()
         z[index] = value

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
@@ -154,13 +154,13 @@ class OrbitProblem(FamilyOfOrbits):
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return explain(a, b, stands_at_birth(self, a.z) and stands_at_birth(self, b.z))
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return verify(self, type_, near, frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return verify_compound(self, a, b, frame)
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
         return None
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified
 from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
@@ -179,10 +179,10 @@ class OfOnePeriod(OfPeriodicOrbits):
     def watch(self, type_: str) -> int | None:
         return None
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
-        return ""
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        return NOTHING
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return ()
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.problem import Failure, Rejected
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, family_tangents, null_space
@@ -27,12 +28,14 @@ PATIENCE = 3  # ... of which so many in succession improved nothing, are roundin
 NEWTON = 30
 
 
-def locate_branch_point(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+def locate_branch_point(
+    problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array
+) -> Located | Rejected:
     """As `_interpolated`, from orbits as far away as they exist, then nearer ones until the place stays the same.
 
     The further away, the less rounding matters; but another branch point may lie between.
     """
-    found: Located | str = "an orbit beside it is lost"
+    found: Located | Rejected = Rejected("an orbit beside it is lost")
     if problem.fixed is not None:  # the family itself is regular where only a symmetry breaks
         found = locate(problem, type_, z, tangent, scale)
         if isinstance(found, Located) and len(family_tangents(problem, found.z, scale)) > 1:
@@ -40,7 +43,7 @@ def locate_branch_point(problem: ShootingProblem, type_: str, z: Array, tangent:
     best: Located | None = None
     for apart in APART:
         found = _interpolated(problem, type_, z if best is None else best.z, tangent, scale, apart)
-        if isinstance(found, str):
+        if isinstance(found, Rejected):
             if best is not None:
                 break
             continue
@@ -58,7 +61,7 @@ def locate_branch_point(problem: ShootingProblem, type_: str, z: Array, tangent:
 
 def _interpolated(
     problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array, apart: float
-) -> Located | str:
+) -> Located | Rejected:
     """The branch point on the family through z, by interpolation between orbits at a distance from it.
 
     The orbits at +-d and +-2 d along the family are accurate; polynomials through them give the arclength at which the
@@ -66,29 +69,29 @@ def _interpolated(
     """
     t = _direction(problem, z, tangent, scale, apart)
     if t is None:
-        return "the family cannot be followed through it"
+        return Rejected("the family cannot be followed through it")
     base = z
     for distance in (apart, apart):
         lengths, orbits, values = [], [], []
         for s in distance * np.array([-2.0, -1.0, 1.0, 2.0]):
             orbit = _beside(problem, base, t, s, scale)
-            if isinstance(orbit, str):
-                return f"an orbit beside it is lost ({orbit})"
+            if isinstance(orbit, Failure):
+                return Rejected(f"an orbit beside it is lost ({orbit.value})")
             lengths.append(s)
             orbits.append(orbit)
             values.append(scalar(type_, nontrivial(problem, problem.multipliers(orbit)), t))
         roots = np.roots(np.polyfit(lengths, values, 3))
         real = roots.real[np.abs(roots.imag) < 1e-9 * distance]
         if not real.size or float(np.abs(real).min()) > 3.0 * distance:
-            return "the multiplier does not pass 1 nearby"
+            return Rejected("the multiplier does not pass 1 nearby")
         step = float(real[np.argmin(np.abs(real))])
         weights = [np.prod([(step - b) / (a - b) for b in lengths if b != a]) for a in lengths]
         base = np.array(weights) @ np.array(orbits)
     refined = on_curve(problem, type_, base, t, scale)
-    return "the orbit is lost" if refined is None else Located(refined[0], refined[2])
+    return Rejected("the orbit is lost") if refined is None else Located(refined[0], refined[2])
 
 
-def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Array) -> Array | str:
+def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Array) -> Array | Failure:
     """The orbit at arclength s from base along t, by Newton until rounding: near the point that is not very small.
 
     On a piecewise linear map (two oscillators that cross a surface together, in either order) Newton's steps may shrink
@@ -99,21 +102,21 @@ def _beside(problem: ShootingProblem, base: Array, t: Array, s: float, scale: Ar
         z = base + scale_of(y, scale)
         here = problem.linearisation(z, t, scale)
         if here is None:
-            return "not finite"
+            return Failure.NOT_FINITE
         if here.sign == 0.0:
-            return "singular"
+            return Failure.SINGULAR
         miss = float(np.linalg.norm(np.append(here.residual, s - float(t @ y))))
         since = 0 if miss < 0.5 * least else since + 1
         if miss < least:
             best, least = z, miss
         if size < SETTLED or (size < CONVERGED and since >= PATIENCE):
-            return best if best is not None else "not finite"
+            return best if best is not None else Failure.NOT_FINITE
         step = here.solve(np.append(-here.residual, s - float(t @ y)))
         size = float(np.linalg.norm(step))
         if not size < 0.1:
-            return "diverged"
+            return Failure.DIVERGED
         y = y + step
-    return "no convergence"
+    return Failure.NO_CONVERGENCE
 
 
 def _direction(problem: ShootingProblem, z: Array, tangent: Array, scale: Array, apart: float) -> Array | None:
@@ -128,10 +131,11 @@ def _direction(problem: ShootingProblem, z: Array, tangent: Array, scale: Array,
         if size == 0.0:
             continue
         t = guess / size
-        sides = [_beside(problem, z, t, s, scale) for s in (apart, -apart)]
-        if any(isinstance(side, str) for side in sides):
+        found = (_beside(problem, z, t, s, scale) for s in (apart, -apart))
+        sides = [side for side in found if not isinstance(side, Failure)]
+        if len(sides) < 2:
             continue
-        ahead, behind = (np.where(t == 0.0, 0.0, (side - z) / scale) for side in sides)  # type: ignore[operator]
+        ahead, behind = (np.where(t == 0.0, 0.0, (side - z) / scale) for side in sides)
         chord = ahead - behind
         length = float(np.linalg.norm(chord))
         if length > 1.9 * float(np.linalg.norm(ahead)) and length > 1.9 * float(np.linalg.norm(behind)):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Jump, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Jump, Outcome, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.shooting.grazing import grazing
 from contin.problems.shooting.layout import moving
@@ -28,7 +28,7 @@ BACK = 1e-3  # (arclength) how far before it the search for a corner begins
 JUMPS = "the number of unstable multipliers jumps where the orbit touches a switching surface; the family goes on"
 
 
-def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
     """A fold at a corner between a and b, which are very close; None where they cross the same surfaces."""
     if not problem.system.n_switches:
         return None
@@ -39,7 +39,7 @@ def verify_corner(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) 
         near, arm, other = (a, before, after) if len(before) < len(after) else (b, after, before)
         corner, width = grazing(problem, near, arm, other, frame) or _locate(problem, a, before, frame, b)
         return _fold(problem, corner, a, min(a.unstable, b.unstable), width, frame)
-    return Jump(JUMPS) if a.unstable != b.unstable else ""
+    return Jump(JUMPS) if a.unstable != b.unstable else NOTHING
 
 
 def at_corner(problem: ShootingProblem, z: Array, tangent: Array, scale: Array) -> bool:

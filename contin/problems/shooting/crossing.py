@@ -14,6 +14,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation import march as generic
+from contin.continuation.problem import Failure
 from contin.machine import elementary
 from contin.problems.shooting.linear import family_tangents
 from contin.problems.shooting.sampling import flights, states
@@ -69,7 +70,7 @@ def _orbit_across(
 ) -> Array | None:
     """Scaled offset of the orbit at this length along `across`, which is not one of the family along `own`."""
     found = generic.correct(problem, z, across, length, length * across, scale, 1e-10)
-    if isinstance(found, str):
+    if isinstance(found, Failure):
         return None
     size = float(np.linalg.norm(found.y))
     off = float(np.linalg.norm(found.y - (found.y @ own) * own))

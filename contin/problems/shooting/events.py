@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
@@ -28,24 +28,24 @@ REAL = 1e-4  # imaginary part of multipliers that are real and equal but for rou
 UNCLEAR = 1e-3  # distance of the critical multiplier from its value at which nothing is labelled
 
 
-def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The special orbit next to a sample; a string says why there is none, '' that there is nothing to report."""
     if type_ == "neutral":
         pair = nearest_pair(nontrivial(problem, near.eigenvalues), True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
-            return ""
-        return "a pair of multipliers touches the unit circle without a change of the unstable count"
+            return NOTHING
+        return Rejected("a pair of multipliers touches the unit circle without a change of the unstable count")
 
     if type_ == "NS" and _repeats(problem, near):
         type_ = "BPC"
     find = locate_branch_point if type_ == "BPC" else locate
     found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
-    if isinstance(found, str):
-        return f"{type_} not verified: {found}"
+    if isinstance(found, Rejected):
+        return unverified(type_, found.reason)
     if type_ == "LPC" and is_tangent(problem, found.z, frame.scale):
-        return ""
+        return NOTHING
     if not found.residual <= RESIDUAL_LIMIT:
-        return f"{type_} not verified: no orbit there (residual {found.residual:.1e})"
+        return unverified(type_, f"no orbit there (residual {found.residual:.1e})")
     rough = find(problem.precise(COARSE), type_, found.z, near.tangent, frame.scale)
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)
@@ -53,15 +53,15 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
     if type_ == "NS":
         pair = nearest_pair(others, True)
         if pair is None or abs(pair.imag) <= 1e-9 * abs(pair):
-            return "NS: the two multipliers that cross are real"
+            return Rejected("NS: the two multipliers that cross are real")
         theta = float(elementary.angle(pair))
     targets = critical(type_, theta)
     kernel = int(np.count_nonzero(repeated(others, targets[0]))) if len(targets) == 1 else 1
     gap = distance(others, targets)
     if not gap < UNCLEAR:
-        return f"{type_} not labelled: the critical multiplier is off by {gap:.1e}"
+        return Rejected(f"{type_} not labelled: the critical multiplier is off by {gap:.1e}")
     width = float(frame.scale[-1])
-    error = 1e-12 * width if isinstance(rough, str) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
+    error = 1e-12 * width if isinstance(rough, Rejected) else abs(float(rough.z[-1] - found.z[-1])) + 1e-14 * width
     error = SAFETY * (error + found.error * width)
     point = Verified(
         type_, found.z, found.residual, error, values, int(np.sum(np.abs(without(others, targets * kernel)) > 1.0)),
@@ -76,9 +76,9 @@ def _repeats(problem: ShootingProblem, sample: Sample) -> bool:
     return problem.fixed is not None and pair is not None and abs(pair - 1.0) < UNCLEAR and abs(pair.imag) < REAL
 
 
-def verify_compound(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: ShootingProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """Everything that happens at one place: each kind of change is tried by itself."""
-    found: list[Verified | str] = []
+    found: list[Outcome] = []
     folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
     together = pairs and _repeats(problem, a)
     if branches or (a.unstable != b.unstable and not (folds or flips) and (together or not pairs)):

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.continuation.problem import Rejected
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.shooting.layout import moving
 from contin.problems.shooting.linear import embedded, null_space
@@ -67,7 +68,7 @@ def repeated(values: NDArray[np.complex128], target: complex) -> NDArray[np.bool
     return np.asarray(np.abs(values - nearest) <= ALIKE)
 
 
-def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | str:
+def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale: Array) -> Located | Rejected:
     """Secant iteration in arclength on the curve, from z along `tangent` (scaled)."""
     base = z.copy()
 
@@ -76,14 +77,14 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
 
     here = at(0.0)
     if here is None:
-        return "the orbit is lost"
+        return Rejected("the orbit is lost")
     best, (s0, g0), error = here, (0.0, here[1]), 0.0
     if g0 != 0.0:
         s1 = FIRST
         for _ in range(BUDGET):
             there = at(s1)
             if there is None or not np.isfinite(there[1]):
-                return "the orbit is lost"
+                return Rejected("the orbit is lost")
             if abs(there[1]) <= abs(best[1]):
                 best = there
             g1 = there[1]
@@ -92,7 +93,7 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
             slope = (g1 - g0) / (s1 - s0)
             step, error = -g1 / slope, NOISE * problem.accuracy / abs(slope)
             if abs(s1 + step) > FAR:
-                return "the test function has no zero nearby"
+                return Rejected("the test function has no zero nearby")
             s0, g0, s1 = s1, g1, s1 + step
             if abs(step) < SETTLED:
                 break

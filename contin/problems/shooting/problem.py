@@ -12,7 +12,18 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.problem import Chunk, Frame, Jump, Renewal, Sample, Verified
+from contin.continuation.problem import (
+    NOTHING,
+    Chunk,
+    Failure,
+    Frame,
+    Jump,
+    Outcome,
+    Rejected,
+    Renewal,
+    Sample,
+    Verified,
+)
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.model.evaluate import evaluate
@@ -188,7 +199,7 @@ class ShootingProblem(FamilyOfOrbits):
         z0 = guess.copy()
         z0[-1] = value
         found = generic.correct(self, z0, fixed, 0.0, np.zeros(len(scale)), scale, 1e-11)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             return None
         z = found.z.copy()
         z[-1] = value
@@ -202,22 +213,22 @@ class ShootingProblem(FamilyOfOrbits):
             return None  # a change of formulas may be all that happens: it is told from the rest up close
         return found
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         if type_ == "LPC" and has_shrunk(self, near.z, frame.scale):
-            return ""  # through amplitude zero, to the same orbits half a turn later
+            return NOTHING  # through amplitude zero, to the same orbits half a turn later
         return self._beside_corner([verify(self, type_, near, frame)], near, frame)[0]
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return self._beside_corner(verify_compound(self, a, b, frame), a, frame)
 
-    def _beside_corner(self, found: list[Verified | str], near: Sample, frame: Frame) -> list[Verified | str]:
+    def _beside_corner(self, found: list[Outcome], near: Sample, frame: Frame) -> list[Outcome]:
         """What was found; next to a corner, a test that fails is nothing to report."""
-        failed = self.system.n_switches and any(isinstance(item, str) and item for item in found)
+        failed = self.system.n_switches and any(isinstance(item, Rejected) for item in found)
         if not failed or not at_corner(self, near.z, near.tangent, frame.scale):
             return found
-        return ["" if isinstance(item, str) else item for item in found]
+        return [NOTHING if isinstance(item, Rejected) else item for item in found]
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | Jump | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         return verify_corner(self, a, b, frame)
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.linalg.eigen import Region, Spectrum, followed, leading
 from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
@@ -275,25 +275,25 @@ class LargeProblem:
     def watch(self, type_: str) -> int | None:
         return {"LP": 0, "BP": None, "HB": 2}[type_]
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         self.precisely(near.z)
         try:
             found = special.verify(self, type_, near, frame)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
-            return f"{type_} not verified: {error}"
-        if not isinstance(found, str) and not np.isfinite(found.error):
-            return f"{type_} not verified: its place is not determined to any accuracy"
+            return unverified(type_, str(error))
+        if isinstance(found, Verified) and not np.isfinite(found.error):
+            return unverified(type_, "its place is not determined to any accuracy")
         if type_ == "LP" and isinstance(found, Verified) and self.system.model.written is None:
             here = self.linearisation(found.z, near.tangent, frame.scale)
             why = no_fold(self.residual, here, found.z, frame.scale)
             if why is not None:
-                return f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}"
+                return Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
         return found
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special.verify_compound(self, a, b, frame)
 
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Verified | str | None:
+    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
         return None
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import InputError
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
@@ -67,16 +67,16 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return ("HB",) if moved == 2 and pairs and not fold and not determinant else None
 
 
-def verify(problem: LargeProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """The point of this type near a sample, to full precision; a string says why there is none."""
+def verify(problem: LargeProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The point of this type near a sample, to full precision."""
     if type_ == "BP":
         return _branch_point(problem, near, frame)
     return _fold(problem, near, frame) if type_ == "LP" else _hopf(problem, near, frame)
 
 
-def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -> list[Verified | str]:
+def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -> list[Outcome]:
     """What can be told apart of several events at one place."""
-    found: list[Verified | str] = []
+    found: list[Outcome] = []
     if a.tests[0] * b.tests[0] < 0.0:
         found.append(_fold(problem, a, frame))
     elif (a.unstable - b.unstable) % 2:
@@ -102,7 +102,7 @@ def point_at(problem: CorrectedEquations, base: Sample, length: float, guess: Ar
     """Newton on the plane <base.tangent, (z - base.z)/scale> = length to the attainable accuracy."""
     y = (guess - base.z) / frame.scale
     found = python_march.correct(problem, base.z, base.tangent, length, y, frame.scale, ACCURACY)
-    if isinstance(found, str):
+    if isinstance(found, Failure):
         return None
     t = found.last.solve(np.append(np.zeros(len(found.z) - 1), 1.0))
     residual = problem.residual(found.z) / frame.scale[:-1]
@@ -179,10 +179,10 @@ def _scatter(
 # folds and Hopf points ------------------------------------------------------------------------------------------------
 
 
-def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Verified | str:
+def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
     if found is None:
-        return "LP not verified: the parameter does not turn at one point of the curve"
+        return unverified("LP", "the parameter does not turn at one point of the curve")
     at, left, error, _ = found
     values = problem.spectrum(at.z).values
     others = np.delete(values, int(np.argmin(np.abs(values)))) if values.size else values
@@ -191,7 +191,7 @@ def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Verified | str:
     error += 3.0 * forms.rounding_of_fold(problem, at.z, q)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame):
-        return f"LP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified("LP", f"its defining system has no solution nearby (residual {residual:.1e})")
     return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
 
 
@@ -220,11 +220,11 @@ def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
     return value, q
 
 
-def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
+def _hopf(problem: Any, near: Sample, frame: Frame) -> Outcome:
     spectrum = problem.spectrum(near.z)
     pairs = np.flatnonzero(spectrum.values.imag > 0.0)
     if not pairs.size:
-        return "HB: the two eigenvalues that cross are real"
+        return Rejected("HB: the two eigenvalues that cross are real")
     k = pairs[int(np.argmin(np.abs(spectrum.values[pairs].real) / np.abs(spectrum.values[pairs])))]
     value, q = complex(spectrum.values[k]), spectrum.vectors[:, k]
     frequency = abs(value.imag)
@@ -236,12 +236,12 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Verified | str:
 
     found = secant(problem, near, frame, growth)
     if found is None:
-        return "HB not verified: the real part of the eigenvalue has no zero nearby"
+        return unverified("HB", "the real part of the eigenvalue has no zero nearby")
     at, left, error, slope = found
     omega = abs(value.imag)
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT + _floor(problem, at.z, frame) or abs(omega - frequency) > 0.3 * frequency:
-        return f"HB not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified("HB", f"its defining system has no solution nearby (residual {residual:.1e})")
     q = q if value.imag > 0 else np.conj(q)
     values = problem.spectrum(at.z).values
     critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
@@ -270,15 +270,15 @@ def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Red
     return Reduced(problem, rows, null[:-1] * size), q
 
 
-def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Verified | str:
+def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     reduced, _ = reduction(problem, near.z, near.tangent, frame.scale)
     found = reduced.branch_point(near.z)
     if found is None:
-        return "BP not verified: Newton on the reduced equation did not converge"
+        return unverified("BP", "Newton on the reduced equation did not converge")
     z, mu, _ = found
     residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), abs(mu))
     if not residual < RESIDUAL_LIMIT + _floor(problem, z, frame):
-        return f"BP not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified("BP", f"its defining system has no solution nearby (residual {residual:.1e})")
     generator = np.random.default_rng(3)
     scatter = 0.0
     for _ in range(SAMPLES):

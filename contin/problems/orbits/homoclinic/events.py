@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.problems.orbits.homoclinic.subspaces import Leading, aligned, leading
 from contin.problems.orbits.saddle_node import centrality
@@ -106,20 +106,20 @@ def watch(type_: str) -> int:
     return 2 + tests_of_connections().index(type_)
 
 
-def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test along the curve."""
     index = watch(type_)
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:
-        return f"{type_} not verified: its test function has no zero nearby"
+        return unverified(type_, "its test function has no zero nearby")
     found = zero.sample
     if zero.value > JUMP:
-        return f"{type_} not verified: its test function jumps"
+        return unverified(type_, "its test function jumps")
     if _vanishes(problem, found, frame, index):
-        return ""  # an invariant plane or a skew product: no coupling, all along the curve
+        return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
     moved = problem.discretisation(found, frame, index)
     if moved is None:
-        return f"{type_} not verified: not found again on a mesh of half the lengths"
+        return unverified(type_, "not found again on a mesh of half the lengths")
     error = 10.0 * zero.error * float(frame.scale[-1]) + moved
     return Verified(_named(type_, found.eigenvalues), found.z, zero.value, error, found.eigenvalues, found.unstable)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation_basis import basis
@@ -127,7 +127,7 @@ class ConnectionProblem(MarchedInPython):
     def watch(self, type_: str) -> int | None:
         return events.watch(type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
@@ -142,7 +142,7 @@ class ConnectionProblem(MarchedInPython):
         again = None if start is None else zero_of_test(finer, start.origin, Frame(scale), index)
         return None if again is None else float(np.max(np.abs(again.sample.z[-2:] - found.z[-2:])))
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(tests_of_connections(), changed, strict=True) if c]
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import STOPS, Chunk, Sample
+from contin.continuation.problem import STOPS, Chunk, Failure, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.collocation_basis import basis
 from contin.kernels.special_orbits.march import CORRECT, MARCH, MEASURE, follow_special
@@ -87,8 +87,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     def correct(
         self, z0: Array, tangent: Array, length: float, guess: Array, scale: Array, tolerance: float,
         exact: bool = True, carry: bool = False,
-    ) -> Sample | str:  # fmt: skip
-        """Newton on the plane <tangent, (z - z0) / scale> = length; a string says why it failed.
+    ) -> Sample | Failure:  # fmt: skip
+        """Newton on the plane <tangent, (z - z0) / scale> = length; or why it failed.
 
         `exact` : tangent and multipliers belong to the solution itself, else to the last iterate but one. An infinite
         tolerance only measures at `guess`. `carry` : take the frame and the sense of normals on to the solution.
@@ -99,7 +99,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         controls = np.array([length, 0.0, 0.0, 0.0, tolerance, 0.0, 0.0, float(exact)])
         status = self._follow(MEASURE if carry else CORRECT, work, scale, controls, _NO_WALLS, 1, None, rows)
         if status < 0:
-            return "not finite" if status == NOT_FINITE else "no convergence"
+            return Failure.NOT_FINITE if status == NOT_FINITE else Failure.NO_CONVERGENCE
         return Sample(rows.z[1], rows.t[1], rows.tests[1], int(rows.unstable[1]), rows.re[1] + 1j * rows.im[1])
 
     def march(
@@ -179,7 +179,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
                 frames.set_borders(self.type, work, self._units(z, scale), self.further(z))
             if self.type != "LPC":
                 break
-            if not isinstance(measured, str):
+            if not isinstance(measured, Failure):
                 frames.turn(work.frame, widths, 1.0, -float(work.memory.y[1, work.nodes + 1]))
 
     def _units(self, z: Array, scale: Array) -> Array:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.zero_of_test import zero_of_test
 from contin.special.table import tests_of_orbits
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
-NEUTRAL: Final = ""
 DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
 
@@ -50,30 +49,30 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
     return complex(further + root), complex(further - root)
 
 
-def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """The zero of a test function along the curve, by secants in a bracket; '' where only a neutral pair crosses."""
+def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses."""
     index = watch(problem.locus, type_)
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:
-        return f"{type_} not verified: its test function has no zero nearby"
+        return unverified(type_, "its test function has no zero nearby")
     found = zero.sample
     if type_ == "CPC" and (problem.has_shrunk(found.z, frame.scale) or problem.has_met_half(found.z, frame.scale)):
-        return NEUTRAL  # the curve turns round at its generalised Hopf point or period doubling
+        return NOTHING  # the curve turns round at its generalised Hopf point or period doubling
     if type_ == tests_of_orbits(problem.locus)[0] and not _complex_pair(problem, found):
-        return NEUTRAL
+        return NOTHING
     if type_ in ("LPNS", "PDNS", "NSNS", "R3", "R4") and problem.locus == "NS" and abs(found.z[-3]) > 1.0:
-        return NEUTRAL
+        return NOTHING
     if type_ in ("GPD", "CH"):
         if criticality.is_pole(problem.curve, zero.value):
-            return NEUTRAL  # at a strong resonance
+            return NOTHING  # at a strong resonance
         resolved = criticality.is_zero(problem.curve, zero.value)
     else:
         resolved = zero.value <= RESIDUAL_LIMIT
     if not resolved:
-        return f"{type_} not verified: its test function jumps across zero (residual {zero.value:.1e})"
+        return unverified(type_, f"its test function jumps across zero (residual {zero.value:.1e})")
     moved = _discretisation(problem, found, frame, index)
     if moved is None:
-        return f"{type_} not verified: it is not there on a mesh of half the lengths"
+        return unverified(type_, "it is not there on a mesh of half the lengths")
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
     return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
 

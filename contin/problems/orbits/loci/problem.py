@@ -12,7 +12,7 @@ from contin import lazy
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample
+from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.machine import elementary
@@ -55,7 +55,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         guide = np.zeros(z.size)
         guide[-1] = 1.0
         found = self.curve.correct(z, guide, 0.0, z, scale, np.inf)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             raise InputError(f"the curve of {self.locus} cannot be followed from here: its equations are singular")
         return [found.tangent]
 
@@ -63,9 +63,9 @@ class OrbitLocusProblem(OfSpecialOrbits):
         """The same point with its tests and tangent anew; the frame is carried on from there."""
         self.curve.settle(sample.z, frame.scale)
         found = self.curve.correct(sample.z, sample.tangent, 0.0, sample.z, frame.scale, np.inf, carry=True)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             if not sample.tests.size:
-                raise InputError(f"the curve of {self.locus} cannot be followed from here: {found}")
+                raise InputError(f"the curve of {self.locus} cannot be followed from here: {found.value}")
             return sample
         return replace(found, z=sample.z, tangent=sample.tangent if sample.tests.size else found.tangent)
 
@@ -81,7 +81,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
         found = self.curve.correct(base.z, base.tangent, length, guess, frame.scale, tolerance)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             return None
         wanted = criticality.is_measured(self.curve, base)
         return criticality.measured(self.curve, found, frame.scale) if wanted else found
@@ -92,7 +92,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
         z0 = guess.copy()
         z0[index] = value
         found = self.curve.correct(z0, fixed, 0.0, z0, scale, 1e-12, exact=False)
-        if isinstance(found, str):
+        if isinstance(found, Failure):
             return None
         z = found.z.copy()
         z[index] = value

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
 from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.approach import approached
@@ -36,10 +36,10 @@ class OfSpecialOrbits(OfPeriodicOrbits):
     def watch(self, type_: str) -> int | None:
         return events.watch(self.locus, type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return events.verify(self, type_, near, frame)
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         changed = a.tests[2:] * b.tests[2:] < 0.0
         return [self.verify(t, a, frame) for t, c in zip(tests_of_orbits(self.locus), changed, strict=True) if c]
 

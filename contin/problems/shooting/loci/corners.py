@@ -16,7 +16,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation import march
-from contin.continuation.problem import Chunk, Frame, Sample, Stop, Verified
+from contin.continuation.problem import Chunk, Failure, Frame, Sample, Stop, Verified
 from contin.problems.shooting.grazing import surface
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.loci.grazing import GrazingCurve
@@ -66,7 +66,7 @@ def cross_corner(problem: OfShotOrbits, last: Sample, frame: Frame) -> tuple[Sam
     for depth in DEPTHS:
         length = there + sense * depth
         solved = march.correct(problem, z, deeper, length, length * deeper, scale, TOLERANCE)
-        if isinstance(solved, str) or float(np.linalg.norm(solved.y)) > FAR:
+        if isinstance(solved, Failure) or float(np.linalg.norm(solved.y)) > FAR:
             continue
         beyond = march.measure(problem, solved, frame.reference)
         if sense < 0.0:

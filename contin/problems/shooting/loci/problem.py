@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.tests_of_stability import map_tests
 from contin.problems.orbits.loci import criticality
@@ -62,7 +62,7 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
     ) -> Renewal:
         return self.connected(origin, before, frame) or super().renew(origin, before, loop, frame, settings)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return verify(self, type_, near, frame)
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Outcome, Sample, Verified
 from contin.problems.orbits.loci import events
 from contin.problems.shooting.events import COARSE, FINE
 
@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
 
 
-def verify(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def verify(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test function along the curve, and how much it depends on the accuracy of the trajectories."""
     found = events.verify(problem.precise(FINE), type_, near, frame)
-    if isinstance(found, str):
+    if not isinstance(found, Verified):
         return found
     rough = events.verify(problem.precise(COARSE), type_, near, frame)
-    apart = 0.0 if isinstance(rough, str) else float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
+    apart = 0.0
+    if isinstance(rough, Verified):
+        apart = float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
     return replace(found, error=found.error + apart * float(frame.scale[-1]))

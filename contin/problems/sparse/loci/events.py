@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.errors import NotFiniteError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -101,33 +101,33 @@ def _lyapunov(problem: LargeLocus, z: Array) -> float:
     return float(form["l1"])
 
 
-def verify(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Verified | str:
-    """The point of this type near a sample, to full precision; a string says why there is none."""
+def verify(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The point of this type near a sample, to full precision."""
     try:
         return _verified(problem, type_, near, frame)
     except NotFiniteError as error:
-        return f"{type_} not verified: {error}"
+        return unverified(type_, str(error))
 
 
-def _verified(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Verified | str:
+def _verified(problem: LargeLocus, type_: str, near: Sample, frame: Frame) -> Outcome:
     if type_ == "BT" and problem.locus == "HB":
         return _takens_by_folds(problem, near, frame)
     measure = _measure(problem, type_, near)
-    if isinstance(measure, str):
-        return f"{type_} not verified: {measure}"
+    if isinstance(measure, Rejected):
+        return unverified(type_, measure.reason)
     found = secant(problem, near, frame, measure)
     if found is None:
-        return f"{type_} not verified: its test has no zero on the curve nearby"
+        return unverified(type_, "its test has no zero on the curve nearby")
     at, left, error, _ = found
     residual = max(at.residual, abs(left))
     if not residual < RESIDUAL_LIMIT:
-        return f"{type_} not verified: its defining system has no solution nearby (residual {residual:.1e})"
+        return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     if problem.curve.kappa(at.z) <= 0.0 and problem.locus == "HB":
-        return ""  # a neutral saddle
+        return NOTHING  # a neutral saddle
     return _described(problem, type_, at.z, residual, error)
 
 
-def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], float] | str:
+def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], float] | Rejected:
     curve = problem.curve
 
     if type_ == "CP":
@@ -140,7 +140,7 @@ def _measure(problem: LargeLocus, type_: str, near: Sample) -> Callable[[At], fl
     complex_ = type_ == "HH" or problem.locus == "LP"
     chosen = [k for k in others if (values[k].imag > REAL * abs(values[k])) == complex_ and values[k].imag >= 0.0]
     if not chosen:
-        return "the eigenvalues that cross are of another kind"
+        return Rejected("the eigenvalues that cross are of another kind")
     k = min(chosen, key=lambda k: abs(values[k].real))
     value, q = complex(values[k]), vectors[:, k]
     value, q = (value, q) if complex_ else (complex(value.real), np.real(q).astype(complex))
@@ -165,7 +165,7 @@ def _sized(test: Callable[[At], float], problem: LargeLocus, near: Sample, type_
     return lambda at: test(at) / size
 
 
-def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Verified | str:
+def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Outcome:
     """BT from a curve of Hopf points: on the curve of folds through it, where it is a regular zero."""
     hopf = problem.curve
     folds = LargeCurve("LP", hopf.origin, hopf.first, hopf.second)
@@ -176,10 +176,10 @@ def _takens_by_folds(problem: LargeLocus, near: Sample, frame: Frame) -> Verifie
     scale = np.delete(frame.scale, -3)
     tangents = locus.tangents(z, scale)
     if not tangents:
-        return "BT not verified: the equations are not finite there"
+        return unverified("BT", "the equations are not finite there")
     start = Sample(z, np.asarray(tangents[0]), np.zeros(6), 0, np.empty(0, complex))
     found = verify(locus, "BT", start, Frame(scale))
-    if isinstance(found, str):
+    if not isinstance(found, Verified):
         return found
     placed = np.concatenate([found.z[: problem.n], [0.0], found.z[-2:]])
     return replace(found, z=placed)

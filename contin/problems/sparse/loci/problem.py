@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Sample, Verified
+from contin.continuation.problem import NOTHING, Chunk, Frame, Outcome, Sample, unverified
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.machine import elementary
@@ -133,16 +133,16 @@ class LargeLocus(TwoParameterProblem):
     def watch(self, type_: str) -> int | None:
         return watch(self.locus, type_)
 
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Verified | str:
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         if type_ == "neutral":
-            return ""
+            return NOTHING
         self.curve.precisely(near.z)
         try:
             return events.verify(self, type_, near, frame)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
-            return f"{type_} not verified: {error}"
+            return unverified(type_, str(error))
 
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Verified | str]:
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
