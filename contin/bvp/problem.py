@@ -22,7 +22,7 @@ from contin.bvp.two_point import TwoPoint
 from contin.continuation import march as python_march
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation import Equations
@@ -42,7 +42,7 @@ SAME = 1e-6  # difference of two solutions, relative to their sizes, up to which
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryProblem:
+class BoundaryProblem(Problem):
     """u' = F(u, p, s), g(u(0), u(1), p) = 0 with one parameter varying.
 
     two : the standard form.  base : values of its parameters (m,); entry `active` varies.  points : Gauss points an
@@ -59,6 +59,7 @@ class BoundaryProblem:
     spaces: dict[int, Workspace] = field(default_factory=dict)
 
     kind = "bvp"
+    adaptive = True
     locus = None
     maximum_chunk = LONGEST_CHUNK
     is_map = False
@@ -203,15 +204,6 @@ class BoundaryProblem:
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special.verify_compound(self, a, b, frame)
-
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
 
     def columns(self, z: Array) -> dict[str, Array]:
         return columns_of(self, z)

@@ -22,10 +22,7 @@ from contin.continuation.problem import (
     Sample,
     Stop,
     Verified,
-    is_adaptive,
-    is_foretelling,
     is_planar,
-    is_touching,
 )
 from contin.continuation.targets import Target
 from contin.linalg.vectors import dot
@@ -91,7 +88,7 @@ class Arm:
             self.accepted += len(piece.z)
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None
-            if self.is_over() and not (failed is not None and is_adaptive(problem)):
+            if self.is_over() and not (failed is not None and problem.adaptive):
                 yield from self._foretold(chunk, origin, before, frame)
                 return
             if corner is not None:
@@ -102,7 +99,7 @@ class Arm:
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
-            if is_adaptive(problem):
+            if problem.adaptive:
                 renewal = problem.renew(origin, before, self.loop, frame, settings)
                 if failed is not None and renewal.end is None:
                     if renewal.origin is origin:  # nothing to adapt that might help
@@ -125,7 +122,7 @@ class Arm:
     def _past_touching(self, piece: Piece) -> tuple[Piece, Sample] | None:
         """Where another branch touches this one: the rows up to there, and where it goes on for certain."""
         mark = next((m for m in piece.found if m.point.touches), None)
-        if mark is None or not is_touching(self.problem):
+        if mark is None:
             return None
         sample = self.problem.beyond(mark.point, Frame(self.scale), self.course.settings)
         if sample is None:
@@ -157,7 +154,7 @@ class Arm:
         self, chunk: Chunk, before: Sample | None, event: Behind | None
     ) -> tuple[Chunk, tuple[Sample, Piece] | None, tuple[Piece, End | None]]:
         """What counts of a chunk, the sharp corner beyond it, and its piece with the arm's end, if that is reached."""
-        if is_touching(self.problem):
+        if self.problem.parts_touching:
             chunk = _until_lowest(chunk)
         if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
             chunk = _without_last(chunk)
@@ -195,7 +192,7 @@ class Arm:
 
     def _foretold(self, chunk: Chunk, origin: Sample, before: Sample | None, frame: Frame) -> Iterator[Piece]:
         """Where the corrector has failed, the end that the branch was near instead of that failure."""
-        if chunk.stop is not Stop.CORRECTOR or not is_foretelling(self.problem):
+        if chunk.stop is not Stop.CORRECTOR:
             return
         if len(chunk) > 1:
             origin, before = chunk.sample(-1), chunk.sample(-2)

@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Problem, Sample, is_phased
+from contin.continuation.problem import Sample
 from contin.continuation.sameness import offset, seen, wrapped
 
 CLOSED: Final = 1e-5  # a branch has returned to its start when it passes it closer than this (scaled)
@@ -24,9 +24,9 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
     """
     problem, scale = stretch.problem, stretch.frame.scale
     near = NEAR * stretch.distance(stretch.base, last)
-    if is_phased(problem) and problem.apart(loop.z, last.z, scale) > near:
+    if problem.apart(loop.z, last.z, scale) > near:
         return None
-    start = _in_phase(problem, loop, last, stretch)
+    start = problem.in_phase(loop, last.z, scale)
 
     def along(sample: Sample) -> float:
         return float(start.tangent @ offset(problem, sample.z, start.z, scale))
@@ -36,7 +36,7 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
     if np.linalg.norm(offset(problem, last.z, start.z, scale)) > near:
         return None
     _, high = stretch.zero(along, stretch.base, last, 1e-9)
-    start = _in_phase(problem, loop, high, stretch)
+    start = problem.in_phase(loop, high.z, scale)
     if np.linalg.norm(offset(problem, high.z, start.z, scale)) > CLOSED:
         return None
     winding = (high.z - start.z) - wrapped(problem, high.z - start.z)
@@ -44,8 +44,3 @@ def back_at_start(stretch: Stretch, last: Sample, loop: Sample) -> tuple[Sample,
     z = np.where(seen(problem, np.ones(len(z))) > 0.0, z, high.z)
     where = f"{problem.parameters[0]} = {start.z[-1]:.10g}"
     return replace(high, z=z), End("closed", f"closed loop: back at the start, {where}")
-
-
-def _in_phase(problem: Problem, loop: Sample, near: Sample, stretch: Stretch) -> Sample:
-    """The start, shifted to be as close as it can be to a sample."""
-    return problem.in_phase(loop, near.z, stretch.frame.scale) if is_phased(problem) else loop

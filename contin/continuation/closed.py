@@ -12,7 +12,7 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.piece import Piece
-from contin.continuation.problem import is_adaptive, is_planar
+from contin.continuation.problem import is_planar
 
 BESIDE = 0.3  # of a step's length: how far from its chord the start may be for the step to have passed it
 WIDELY = 3.0  # ... and where only the parameters are looked at, which may change less than the orbit does
@@ -25,7 +25,7 @@ def until_closed(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Pi
     Only curves of orbits in two parameters are looked at: other closed branches are seen by the march itself.
     """
     name = arm.problem.parameters[0]
-    if not (is_adaptive(arm.problem) and is_planar(arm.problem)):
+    if not (arm.problem.adaptive and is_planar(arm.problem)):
         yield from pieces
         return
     loop = _Loop(arm, start)

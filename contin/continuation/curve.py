@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Problem, Sample, is_probing
+from contin.continuation.problem import Frame, Problem, Sample
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 
@@ -35,8 +35,6 @@ class Stretch:
 
     def several(self, a: Sample, b: Sample, fractions: Sequence[float]) -> Sequence[Sample | None]:
         """`between` at several fractions."""
-        if not is_probing(self.problem):
-            return [self.between(a, b, fraction) for fraction in fractions]
         s_a, s_b = self.length_of(a), self.length_of(b)
         x = np.asarray(fractions)
         guesses = self._hermite(a, b, s_b - s_a, x[:, None])

@@ -16,7 +16,7 @@ from contin.continuation.isolate import Found, isolate
 from contin.continuation.last_step import Course
 from contin.continuation.own_tests import own_tests
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar, is_unfolding
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Wanted
 from contin.errors import InputError, NotFiniteError
@@ -117,7 +117,7 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
     try:
         start, here = _first_sample(seed, scale, settings)
     except NotFiniteError:
-        unfolded = problem.unfolded(seed.z, Frame(scale)) if is_unfolding(problem) else None
+        unfolded = problem.unfolded(seed.z, Frame(scale))
         if unfolded is None:
             raise
         start, point, beside = unfolded

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.piece import Piece, Row
-from contin.continuation.problem import Floor, Problem, is_floored
+from contin.continuation.problem import Floor, Problem
 
 SMALL: Final = 1e-6  # of its scale: an unknown this near to its floor lies on it
 
@@ -22,7 +22,7 @@ def above_floors(problem: Problem, pieces: Iterable[Piece], arm: Arm, start: Arr
     A branch that lies on a floor, or begins there and rises, goes on. A labelled point on the floor is the last row,
     unless the equations are singular there.
     """
-    floors = problem.floors if is_floored(problem) else ()
+    floors = problem.floors
     before = start
     for piece in pieces:
         cut = _first_fall(floors, before, piece)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.isolate import Found
-from contin.continuation.problem import Problem, is_terminating
+from contin.continuation.problem import Problem
 
 HALF_PERIOD = "half a period"  # the symmetry of doubled orbits, see `contin.problems.orbits.symmetry`
 
@@ -60,7 +60,7 @@ def _end_at(problem: Problem, f: Found, scale: Array, stop_at: Sequence[str]) ->
         return End("joined", f"three eigenvalues vanish at {where}: curves of several types meet there")
     if f.point.type in stop_at:
         return End(f.point.type.lower(), f"{f.point.type} at {where}, where the run was asked to stop")
-    return problem.end_at(f.point) if is_terminating(problem) else None
+    return problem.end_at(f.point)
 
 
 def _reverses(problem: Problem, f: Found, scale: Array, symmetries: Sequence[str]) -> bool:

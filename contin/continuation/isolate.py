@@ -28,7 +28,6 @@ from contin.continuation.problem import (
     Rejected,
     Sample,
     Verified,
-    is_adaptive,
     is_planar,
     unverified,
 )
@@ -91,7 +90,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
             together = list(_compound(stretch, low, high, verified.reason))
             yield from together
             yield from isolate(stretch, high, b, DEPTH)
-            if len(together) == 1 and isinstance(together[0], Found) and is_adaptive(stretch.problem):
+            if len(together) == 1 and isinstance(together[0], Found) and stretch.problem.adaptive:
                 yield from _beside(stretch, a, b, together[0], depth)
         else:
             yield Note(_where(stretch, low, verified.reason))
@@ -134,7 +133,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
     """The rest of the step, on both sides of a located point: what it hid, or a note where it is not a simple zero."""
     point = replace(found.sample, z=found.point.z)
     crossing = a.tests * b.tests < 0.0
-    close = CLOSE_ADAPTIVE if is_adaptive(stretch.problem) else CLOSE
+    close = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE
     simple = True
     for far in (a, b):
         width = stretch.distance(point, far)
@@ -148,7 +147,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
     if not simple:
         text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"
-        yield Note(_where(stretch, point, text), hides=is_adaptive(stretch.problem))
+        yield Note(_where(stretch, point, text), hides=stretch.problem.adaptive)
 
 
 def next_to_event(
@@ -174,12 +173,12 @@ def _rest(
     stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int
 ) -> Iterator[Found | Note]:
     """Events between `near`, next to a located zero at `centre`, and `far`."""
-    if depth >= DEPTH or is_clear(stretch, near, far, centre, crossing, is_adaptive(stretch.problem)):
+    if depth >= DEPTH or is_clear(stretch, near, far, centre, crossing, stretch.problem.adaptive):
         return
     noise = rounding(stretch, near, far)
     points = points_between(stretch, near, far, centre, crossing, noise)
     unclear = None
-    for sample in points if is_adaptive(stretch.problem) else ():
+    for sample in points if stretch.problem.adaptive else ():
         if np.any((np.abs(sample.tests) <= noise)[crossing]):
             unclear = sample
     for a, b in pairwise(points):
@@ -288,7 +287,7 @@ def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
     length = float(base.tangent @ chord)
     expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
     expected = expected / np.linalg.norm(expected)
-    if point.type != "BP" and not point.touches and not is_adaptive(stretch.problem):  # one branch, and a regular point
+    if point.type != "BP" and not point.touches and not stretch.problem.adaptive:  # one branch, and a regular point
         sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
         if sample is not None and dot(sample.tangent, expected) > ALIGNED:
             return replace(near, tangent=sample.tangent)
@@ -332,7 +331,7 @@ def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int)
     """
     items = list(_minimum(stretch, a, here, b, test))
     yield from items
-    if items or is_adaptive(stretch.problem) or is_planar(stretch.problem) or test != stretch.problem.watch("BP"):
+    if items or stretch.problem.adaptive or is_planar(stretch.problem) or test != stretch.problem.watch("BP"):
         return
     low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
     for item in _together(stretch, a, b):
@@ -418,7 +417,7 @@ def _pair(
         yield from items
         return
     together: list[Outcome] = []
-    if not is_adaptive(stretch.problem) and not is_planar(stretch.problem):
+    if not stretch.problem.adaptive and not is_planar(stretch.problem):
         together = _together(stretch, replace(low, z=points[0].z), replace(high, z=points[-1].z))
     touching = [item for item in together if isinstance(item, Verified) and item.touches]
     if touching:

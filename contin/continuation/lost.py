@@ -15,7 +15,7 @@ from contin.continuation.arm import Arm
 from contin.continuation.branch import End
 from contin.continuation.digits import unresolved
 from contin.continuation.piece import Piece
-from contin.continuation.problem import Problem, is_adaptive, is_planar
+from contin.continuation.problem import Problem, is_planar
 from contin.machine import elementary
 
 DECADES: Final = 10  # a state has grown by so many powers of ten beyond its scale (a near miss of two branches: 8)
@@ -40,7 +40,7 @@ def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piec
 
     Periodic orbits have ends of their own; a locus may well run along a line of constant parameter.
     """
-    if is_adaptive(arm.problem):
+    if arm.problem.adaptive:
         yield from pieces
         return
     record = _Record(arm, start.copy(), arm.scale[:-1].copy(), last=start)

@@ -7,10 +7,11 @@ between two of them. Lengths and angles are measured in scaled unknowns z / scal
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Final, Protocol, TypeGuard, runtime_checkable
+from typing import TYPE_CHECKING, Final, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -176,20 +177,16 @@ class Renewal:
     point: Verified | None = None  # a label for the last row: HOM
 
 
-@runtime_checkable
-class Adaptive(Protocol):
-    """A problem whose unknowns change their meaning along a branch (a mesh that follows the solution)."""
+@dataclass(frozen=True)
+class Floor:
+    """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
 
-    def renew(
-        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
-    ) -> Renewal:
-        """Called after every chunk: see whether the branch ends, and adapt metric and mesh."""
-
-    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
-        """True where two points of one type, found perhaps on different meshes, are the same to their errors."""
+    index: int
+    lowest: float
+    text: str  # what to say there
+    singular: bool = False
 
 
-@runtime_checkable
 class Planar(Protocol):
     """A problem with two varying parameters: the second one, an unknown too, has bounds of its own."""
 
@@ -208,297 +205,204 @@ class Planar(Protocol):
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with unknown `index` fixed at `value`, to full precision."""
 
-    def remarks(self, z: Array) -> Sequence[str]:
-        """What is to be said of the whole curve, whose rows are z."""
 
-
-@runtime_checkable
-class Remarking(Protocol):
-    """A problem that has something to say of a whole branch."""
-
-    def remarks(self, z: Array) -> Sequence[str]:
-        """Notes on the branch with rows z."""
-
-
-@runtime_checkable
-class Constrained(Protocol):
-    """A problem some of whose eigenvalues are of its method of solution, and say nothing of its solutions."""
-
-    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        """Eigenvalues (multipliers) of the solution z without these."""
-
-
-@dataclass(frozen=True)
-class Floor:
-    """Unknown `index` must stay above `lowest`; `singular` where the equations have no value on the floor itself."""
-
-    index: int
-    lowest: float
-    text: str  # what to say there
-    singular: bool = False
-
-
-@runtime_checkable
-class Floored(Protocol):
-    """A problem whose equations lose their meaning where an unknown falls to a value."""
-
-    @property
-    def floors(self) -> Sequence[Floor]:
-        """Every such unknown."""
-
-
-@runtime_checkable
-class Limited(Protocol):
-    """A problem whose equations may be an approximation."""
-
-    def left_reach(self, z: Array) -> tuple[int, str] | None:
-        """The first of the rows z at which they do not hold, and why; None where they hold at all."""
-
-
-@runtime_checkable
-class Guessing(Protocol):
-    """A problem whose metric may rest on nothing for some unknowns."""
-
-    def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
-        """The columns of unknowns whose scale at the start z is a mere 1."""
-
-    def guess_note(self, columns: Sequence[str]) -> str:
-        """What to say of such columns, where they turn out not to stay 0."""
-
-
-@runtime_checkable
-class Touching(Protocol):
-    """A problem whose branches may touch: beyond such a point Newton's method does not tell them apart."""
-
-    def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
-        """The branch's own continuation beyond a point with `touches`, where it can be told from the other one."""
-
-
-@runtime_checkable
-class Unfolding(Protocol):
-    """A problem that may be started at a point at which the leading terms of its equations tell no branch."""
-
-    def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
-        """The start with a branch's tangent, its label, and a point on the branch by arm; None where there is none."""
-
-
-@runtime_checkable
-class Terminating(Protocol):
-    """A problem whose equations mean something else beyond some of its special points."""
-
-    def end_at(self, point: Verified) -> End | None:
-        """The end of a curve that has come to this labelled point, its last row; None where it goes on."""
-
-
-@runtime_checkable
-class Foretelling(Protocol):
-    """A problem that may know where a branch was going whose corrector fails."""
-
-    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
-        """The end that the branch was near, from its last points; None where there is no sign of one."""
-
-
-class Problem(Protocol):
+class Problem(ABC):
     """What a problem offers to the engine; `contin.problems.equilibrium` is the model answer.
 
     Rules for implementers:
 
-    1.  z = (state unknowns, varying parameter) has N components, F(z) = 0 has N - 1; both vary along a branch only
-        where the problem is `Adaptive`.
-    2.  Tangents are unit vectors in scaled unknowns z / scale; `Sample.tangent` keeps its sense along an arm.
-    3.  Row 0 of a chunk repeats `origin`. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was
+    1.  Derive from this class. What is abstract here is asked of everybody; the rest is optional, and what stands here
+        is right for a problem that has no such thing.
+    2.  z = (state unknowns, varying parameter) has N components, F(z) = 0 has N - 1; both vary along a branch only
+        where the problem is `adaptive`. Problems with a `locus` have two varying parameters, and are `Planar`.
+    3.  Tangents are unit vectors in scaled unknowns z / scale; `Sample.tangent` keeps its sense along an arm.
+    4.  Row 0 of a chunk repeats `origin`. On EVENT, DIP, BOUND, LOOP and CORNER the last row lies beyond what was
         seen; on all other stops every row is accepted.
-    4.  `march` accepts at most `limit` rows, takes no step below `settings.min_step`, and lasts about 50 ms at most.
-    5.  Tests have one meaning and one order along a branch: `watch` gives the index of a type's test. A test that has
+    5.  `march` accepts at most `limit` rows, takes no step below `settings.min_step`, and lasts about 50 ms at most.
+    6.  Tests have one meaning and one order along a branch: `watch` gives the index of a type's test. A test that has
         no value is NaN; its sign changes nothing.
-    6.  `explain` names types only where one of each explains every change between two samples; else it gives None,
+    7.  `explain` names types only where one of each explains every change between two samples; else it gives None,
         and the engine looks closer.
-    7.  `verify` solves the defining system to full precision. A `Verified` holds to its `error`; what is no such point
+    8.  `verify` solves the defining system to full precision. A `Verified` holds to its `error`; what is no such point
         is `Rejected`, with its reason, and `NOTHING` where there is nothing to say.
-    8.  Numerical trouble is never raised by `march`, `probe`, `verify` or `at_parameter`: it is a stop, None, or a
+    9.  Numerical trouble is never raised by `march`, `probe`, `verify` or `at_parameter`: it is a stop, None, or a
         reason.
-    9.  A problem is a frozen value: pickles and copies serve as well as it does. What it remembers makes answers
-        cheaper, not different.
-    10. What is born at a point is not the problem's: `contin.transitions` has a table for it. Optional parts are the
-        protocols above (`Adaptive`, `Planar`, `Floored`, ...), asked for with `is_adaptive` and so on.
+    10. A problem is a frozen value: pickles and copies serve as well as it does. What it remembers makes answers
+        cheaper, not different. What is born at a point is not the problem's: `contin.transitions` has a table for it.
     """
 
-    @property
-    def kind(self) -> str:
-        """equilibrium | fixed-point | orbit | bvp | locus"""
+    adaptive = False  # its unknowns change their meaning along a branch: a mesh that follows the solution
+    parts_touching = False  # it tells branches apart that touch, where Newton's method does not (`beyond`)
 
-    @property
-    def locus(self) -> str | None:
-        """For curves in two parameters: the type of the points on it."""
+    if TYPE_CHECKING:  # fields of one problem, properties of another
 
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """The varying one(s), the last unknown first."""
+        @property
+        def kind(self) -> str:
+            """equilibrium | fixed-point | orbit | bvp | locus"""
 
-    @property
-    def angle_periods(self) -> Array:
-        """(N - 1,), 0 for unknowns that are not angles."""
+        @property
+        def locus(self) -> str | None:
+            """For curves in two parameters: the type of the points on it."""
 
-    @property
-    def maximum_chunk(self) -> int:
-        """Most points a march may accept before it returns, so that a chunk lasts about 50 ms at most."""
+        @property
+        def parameters(self) -> tuple[str, ...]:
+            """The varying one(s), the last unknown first."""
 
+        @property
+        def angle_periods(self) -> Array:
+            """(N - 1,), 0 for unknowns that are not angles."""
+
+        @property
+        def maximum_chunk(self) -> int:
+            """Most points a march may accept before it returns, so that a chunk lasts about 50 ms at most."""
+
+    # -- the curve ----------------------------------------------------------------------------------------------------
+
+    @abstractmethod
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         """Scale of every unknown at the start of a run."""
 
+    @abstractmethod
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """Unit tangents (scaled) of the branches through z: one at a regular point, more at a branch point."""
 
+    @abstractmethod
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         """Follow the curve along origin.tangent; `before` is the row before origin, `length` away (None at a start)."""
 
+    @abstractmethod
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """The point with <base.tangent, (z - base.z)/scale> = length, from a guess; None where Newton fails."""
 
+    def probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        """`probe` at lengths (k,) from guesses (k, N), which may be overwritten; faster than one by one, perhaps."""
+        pairs = zip(lengths.tolist(), guesses, strict=True)
+        return [self.probe(base, length, guess, frame, settings) for length, guess in pairs]
+
+    @abstractmethod
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with the varying parameter fixed at `value`, to full precision."""
 
+    # -- special points -----------------------------------------------------------------------------------------------
+
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         """Types of the simple events that explain all changes between a and b, or None where one of each does not."""
+        return ()
 
     def watch(self, type_: str) -> int | None:
         """Index of the test function whose zero locates this type; None: by the change of the unstable count."""
+        return None
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """Solve the defining system of `type_` from a nearby sample."""
+        return NOTHING
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         """Events that coincide: a and b are indistinguishably close, on either side."""
+        return ()
 
     def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | Jump | None:
         """A point where the equations change formula; None where nothing turns or changes stability there."""
+        return None
 
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings
     ) -> tuple[Sample, Verified | Corner | None] | None:
         """Where a march failed at a corner of piecewise equations: a point beyond it and the fold on it, if any."""
+        return None
+
+    def beyond(self, point: Verified, frame: Frame, settings: Settings) -> Sample | None:
+        """The branch's own continuation beyond a point with `touches`, where it can be told from the other one."""
+        return None
+
+    def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
+        """At a start at which the leading terms of the equations tell no branch: that start with a branch's tangent,
+        its label, and a point on the branch by arm; None where there is none."""
+        return None
+
+    # -- ends ---------------------------------------------------------------------------------------------------------
+
+    @property
+    def floors(self) -> Sequence[Floor]:
+        """Unknowns that must stay above a value, below which the equations lose their meaning."""
+        return ()
+
+    def left_reach(self, z: Array) -> tuple[int, str] | None:
+        """The first of the rows z at which the equations, an approximation, do not hold, and why."""
+        return None
+
+    def end_at(self, point: Verified) -> End | None:
+        """The end of a curve that has come to this labelled point, its last row; None where it goes on."""
+        return None
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        """The end that a branch was near whose corrector fails, from its last points; None where there is no sign."""
+        return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         """True where one of these symmetries keeps z and turns the (raw) tangent round."""
+        return False
 
+    # -- unknowns that change along a branch, or have a phase ---------------------------------------------------------
+
+    def renew(
+        self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
+    ) -> Renewal:
+        """Of `adaptive` problems, after every chunk: see whether the branch ends, and adapt metric and mesh."""
+        return Renewal(frame.scale, origin, before, loop)
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        """Of `adaptive` ones: two points of one type, found perhaps on different meshes, are one to their errors."""
+        raise NotImplementedError(f"{type(self).__name__} is adaptive: it must tell which of its points are one")
+
+    def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
+        """The start, shifted in time to be as close to `near` as it can be."""
+        return start
+
+    def apart(self, start: Array, near: Array, scale: Array) -> float:
+        """A distance (scaled) that no shift in time brings the two closer than; cheap beside `in_phase`."""
+        return 0.0
+
+    # -- words and columns --------------------------------------------------------------------------------------------
+
+    @abstractmethod
     def columns(self, z: Array) -> dict[str, Array]:
         """Named columns of rows of unknowns: varying parameter(s), states, observables."""
 
+    @abstractmethod
     def constants(self) -> dict[str, float]:
         """Every model parameter's value (a varying one's is that of the start)."""
 
+    @abstractmethod
     def describe_failure(self, z: Array) -> str:
         """Why Newton may fail at z, in words, with what to try."""
 
-
-@runtime_checkable
-class Probing(Protocol):
-    """A problem that finds several points near one faster than each by itself."""
-
-    def probes(
-        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
-    ) -> Sequence[Sample | None]:
-        """`Problem.probe` at lengths (k,) from guesses (k, N), which may be overwritten."""
-
-
-@runtime_checkable
-class Recording(Protocol):
-    """A problem that can say why a column has no value at a point."""
-
     def explain_columns(self, z: Array) -> str | None:
         """The first observable that is not finite at z, and why."""
+        return None
 
+    def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Eigenvalues (multipliers) of the solution z, without those that are of its method of solution alone."""
+        return values
 
-@runtime_checkable
-class Phased(Protocol):
-    """A problem whose solutions may be shifted in time: a branch may come back to its start with another phase."""
+    def remarks(self, z: Array) -> Sequence[str]:
+        """Notes on the whole branch with rows z."""
+        return ()
 
-    def in_phase(self, start: Sample, near: Array, scale: Array) -> Sample:
-        """The start, shifted to be as close to `near` as it can be."""
+    def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:
+        """The columns of unknowns whose scale at the start z is a mere 1, for want of anything to take it from."""
+        return ()
 
-    def apart(self, start: Array, near: Array, scale: Array) -> float:
-        """A distance (scaled) that no shift brings the two closer than; cheap beside `in_phase`."""
-
-
-_offered: dict[tuple[type, type], bool] = {}
-
-
-def _offers(problem: object, protocol: type) -> bool:
-    """isinstance for protocols, asked once a class: the standard check goes through every attribute each time."""
-    key = (type(problem), protocol)
-    if key not in _offered:
-        _offered[key] = isinstance(problem, protocol)
-    return _offered[key]
-
-
-def is_adaptive(problem: object) -> TypeGuard[Adaptive]:
-    """True for problems that renew their unknowns along a branch."""
-    return _offers(problem, Adaptive)
-
-
-def is_probing(problem: object) -> TypeGuard[Probing]:
-    """True for problems that find several points at once."""
-    return _offers(problem, Probing)
+    def guess_note(self, columns: Sequence[str]) -> str:
+        """What to say of such columns, where they turn out not to stay 0."""
+        return ""
 
 
 def is_planar(problem: object) -> TypeGuard[Planar]:
     """True for problems in two varying parameters."""
-    return _offers(problem, Planar)
-
-
-def is_floored(problem: object) -> TypeGuard[Floored]:
-    """True for problems with floors under unknowns."""
-    return _offers(problem, Floored)
-
-
-def is_constrained(problem: object) -> TypeGuard[Constrained]:
-    """True for problems that tell eigenvalues of their own from those of solutions."""
-    return _offers(problem, Constrained)
-
-
-def is_limited(problem: object) -> TypeGuard[Limited]:
-    """True for problems that know how far their equations hold."""
-    return _offers(problem, Limited)
-
-
-def is_guessing(problem: object) -> TypeGuard[Guessing]:
-    """True for problems that know where their metric is a guess."""
-    return _offers(problem, Guessing)
-
-
-def is_touching(problem: object) -> TypeGuard[Touching]:
-    """True for problems that tell branches apart that touch."""
-    return _offers(problem, Touching)
-
-
-def is_unfolding(problem: object) -> TypeGuard[Unfolding]:
-    """True for problems that find the branches at a start that is a degenerate point."""
-    return _offers(problem, Unfolding)
-
-
-def is_phased(problem: object) -> TypeGuard[Phased]:
-    """True for problems whose solutions have a phase."""
-    return _offers(problem, Phased)
-
-
-def is_recording(problem: object) -> TypeGuard[Recording]:
-    """True for problems that explain missing observables."""
-    return _offers(problem, Recording)
-
-
-def is_foretelling(problem: object) -> TypeGuard[Foretelling]:
-    """True for problems that may know where a branch was going whose corrector fails."""
-    return _offers(problem, Foretelling)
-
-
-def is_remarking(problem: object) -> TypeGuard[Remarking]:
-    """True for problems that speak of whole branches."""
-    return _offers(problem, Remarking)
-
-
-def is_terminating(problem: object) -> TypeGuard[Terminating]:
-    """True for problems whose curves end at some of their special points."""
-    return _offers(problem, Terminating)
+    return isinstance(problem, Problem) and problem.locus is not None

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Problem, Verified, is_adaptive, is_planar
+from contin.continuation.problem import Problem, Verified, is_planar
 
 SAME_POINT: Final = 1e-8  # two verified points of one type closer than this (scaled) are one
 SAME_FREQUENCY: Final = 1e-6  # relative
@@ -19,7 +19,7 @@ def same_point(problem: Problem, a: Verified, b: Verified, scale: Array) -> bool
     """One type at one place and, for oscillations, one frequency."""
     if a.type != b.type:
         return False
-    if is_adaptive(problem):
+    if problem.adaptive:
         return problem.same_point(a, b, scale)
     u, v = a.vectors.get("omega", 0.0), b.vectors.get("omega", 0.0)
     distance = float(np.linalg.norm(offset(problem, a.z, b.z, scale)))

@@ -25,11 +25,7 @@ from contin.continuation.problem import (
     Problem,
     Sample,
     Verified,
-    is_constrained,
-    is_guessing,
     is_planar,
-    is_recording,
-    is_remarking,
 )
 from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
@@ -186,9 +182,8 @@ def _assemble(
             rows.add_piece(piece)
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: Fields = dict(problem.columns(z))
-    if is_remarking(problem):
-        with contained(notes.append):
-            notes.extend(problem.remarks(z))
+    with contained(notes.append):
+        notes.extend(problem.remarks(z))
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
@@ -197,15 +192,14 @@ def _assemble(
     changes = [] if told else unexplained(unstable, labels, born, rows.jumps)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
-    if seed.scale is None and is_guessing(problem):
+    if seed.scale is None:
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
     if problem.kind not in WITHOUT_STABILITY:
         columns["unstable"] = unstable
         columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
-    if is_constrained(problem):
-        eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
+    eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
     effort = {
         "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
         "steps": sum(r.accepted for r in records.values()),
@@ -252,7 +246,7 @@ def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:
             continue
         row = int(bad[0])
         where = ", ".join(f"{p} = {columns[p][row]:.6g}" for p in problem.parameters if p in columns and p != name)
-        reason = problem.explain_columns(z[row]) if is_recording(problem) else None
+        reason = problem.explain_columns(z[row])
         first = f"first at {where}" if where else f"first in row {row}"
         notes.append(
             f"{name} has no value in {bad.size} of {len(column)} rows, {first}" + (f": {reason}" if reason else "")
@@ -302,7 +296,7 @@ def _label(
                 values=values,
                 residual=float(v.residual),
                 error=float(v.error),
-                eigenvalues=problem.finite(v.z, v.eigenvalues) if is_constrained(problem) else v.eigenvalues,
+                eigenvalues=problem.finite(v.z, v.eigenvalues),
                 normal_form=v.normal_form,
                 vectors=v.vectors,
                 also=v.also,

@@ -21,6 +21,7 @@ from contin.continuation.problem import (
     Frame,
     Jump,
     Outcome,
+    Problem,
     Rejected,
     Renewal,
     Sample,
@@ -64,7 +65,7 @@ NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not m
 
 
 @dataclass(frozen=True, eq=False)
-class EquilibriumProblem:
+class EquilibriumProblem(Problem):
     """F(u, p) = f(u, p) = 0 (flow) or f(u, p) - u = 0 (map), one parameter free.
 
     `base` holds all parameter values (m,); entry `active` varies. The compiled system is held here: the addresses that
@@ -78,6 +79,7 @@ class EquilibriumProblem:
     sliding: Sliding | None = None  # of pseudo-equilibria: the surface that they lie on
 
     locus = None
+    parts_touching = True
 
     def __post_init__(self) -> None:
         if self.angle_periods.size == 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Outcome, Sample, Verified
-from contin.continuation.settings import Settings
+from contin.continuation.problem import Problem
 from contin.errors import InputError
 from contin.problems.scales import parameter_width
 
@@ -45,11 +44,10 @@ class TwoParameterCurve(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class TwoParameterProblem(ABC):
-    """The part of `contin.continuation.problem.Problem` and `Planar` that follows from z = (..., q, p) alone.
+class TwoParameterProblem(Problem):
+    """The part of `Problem` and `Planar` that follows from z = (..., q, p) alone.
 
-    A subclass adds the metric, the march and the events of its curve. The equations have no corners that anyone looks
-    for,.
+    A subclass adds the metric, the march and the events of its curve.
     """
 
     curve: Any  # a `TwoParameterCurve`
@@ -117,15 +115,6 @@ class TwoParameterProblem(ABC):
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return self.at_unknown(-1, guess, value, scale)
-
-    # -- what does not happen -----------------------------------------------------------------------------------------
-
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
-
 
 def indices(system: System, parameters: Sequence[str]) -> tuple[int, int]:
     """Places of two parameters among those of the system."""

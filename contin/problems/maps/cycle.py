@@ -19,7 +19,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Rejected, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Problem, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.machine import elementary
@@ -37,7 +37,7 @@ SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class CycleProblem:
+class CycleProblem(Problem):
     """Cycles of period k of a map; `inner` is the problem of fixed points of its k-th iterate."""
 
     inner: EquilibriumProblem
@@ -190,9 +190,6 @@ class CycleProblem:
         sides = self._inner_sample(a), self._inner_sample(b)
         found = self.inner.verify_corner(*sides, self._inner_frame(frame))
         return found if found is None or isinstance(found, Jump) else self._lifted(found)
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         if HALF_PERIOD in symmetries and self._halves(z, tangent):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
-from contin.continuation.problem import Frame, Sample, Verified
+from contin.continuation.problem import Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of
@@ -36,7 +36,7 @@ def alike(one: Profile, other: Profile) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyOfOrbits:
+class FamilyOfOrbits(Problem):
     """Orbits of one compiled model in one parameter, the last unknown.
 
     system : the compiled model, held because kernels get addresses in it.  base : all parameter values (m_p,); entry
@@ -49,6 +49,7 @@ class FamilyOfOrbits:
     winding: Array
 
     kind = "orbit"
+    adaptive = True
     locus = None
 
     @property

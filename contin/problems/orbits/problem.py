@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.abi import Array
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
@@ -159,12 +159,6 @@ class OrbitProblem(FamilyOfOrbits):
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return verify_compound(self, a, b, frame)
-
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         """True at an orbit at which the family meets its own image."""

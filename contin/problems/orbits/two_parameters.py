@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified
+from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
@@ -82,6 +81,8 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
 class OrbitCurveProblem(TwoParameterProblem):
     """Curves whose unknowns follow a mesh: their number changes, so masks over them name none but the last."""
 
+    adaptive = True
+
     @abstractmethod
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem`."""
@@ -103,9 +104,6 @@ class OrbitCurveProblem(TwoParameterProblem):
     def growing(self) -> NDArray[np.bool_]:
         return np.zeros(2, bool)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
-
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""
         return first_to_leave(self.system, len(z), lambda row: self._states(z[row]))
@@ -117,9 +115,6 @@ class OrbitCurveProblem(TwoParameterProblem):
         p[:, : len(self.base)] = self.base
         p[:, self.curve.first], p[:, self.curve.second] = point[-1], point[-2]
         return u, p
-
-    def remarks(self, z: Array) -> Sequence[str]:
-        return ()
 
 
 class OfPeriodicOrbits(OrbitCurveProblem):
@@ -172,18 +167,6 @@ class OfOnePeriod(OfPeriodicOrbits):
         """No tests; the number of unstable multipliers, and all of them."""
         values = self.multipliers(z)
         return np.empty(0), int(np.sum(np.abs(values[1:]) > 1.0)), values
-
-    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return ()
-
-    def watch(self, type_: str) -> int | None:
-        return None
-
-    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        return NOTHING
-
-    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        return ()
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         return bool(np.all(np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= ALIKE * scale[[-1, -2]]))

@@ -234,9 +234,6 @@ class ShootingProblem(FamilyOfOrbits):
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
         return cross_corner(self, last, frame, settings)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
-
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.linalg.eigen import Region, Spectrum, followed, leading
 from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
@@ -79,7 +79,7 @@ class Workspace:
 
 
 @dataclass(frozen=True, eq=False)
-class LargeProblem:
+class LargeProblem(Problem):
     """F(u, p) = 0 with one parameter free; `base` holds all parameters, entry `active` varies."""
 
     system: FunctionSystem
@@ -292,12 +292,6 @@ class LargeProblem:
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special.verify_compound(self, a, b, frame)
-
-    def verify_corner(self, a: Sample, b: Sample, frame: Frame) -> Outcome | None:
-        return None
-
-    def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
-        return None
 
     def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
         return any(name in symmetries for name in reversing_symmetries(self, z, tangent))

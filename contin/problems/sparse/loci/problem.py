@@ -145,9 +145,6 @@ class LargeLocus(TwoParameterProblem):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return [self.verify(type_, a, frame) for type_ in events.crossed(self.locus, a, b)]
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return False
-
     def columns(self, z: Array) -> dict[str, Array]:
         n = self.n
         rows = [self.curve.branch(row) for row in z]
