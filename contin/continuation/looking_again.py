@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.problem import Sample, is_adaptive
+from contin.continuation.problem import Sample
 
 STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
 FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
@@ -123,7 +123,7 @@ def solved(stretch: Stretch, row: Sample, other: Sample) -> Sample:
     The march stops at its tolerance and takes the tangent from the last Jacobian, so that its tests are off by the last
     correction: 3e-8 in a canard explosion, where dp/ds is 1e-7. Tests of probes are compared with tests of probes only.
     """
-    if not is_adaptive(stretch.problem):
+    if not stretch.problem.adaptive:
         return row
     return stretch.between(row, other, 0.0) or row
 
