@@ -6,7 +6,7 @@ is the problem's own linear algebra, which it offers as a `Linearisation` at a p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
-from contin.continuation.problem import Chunk, Failure, Frame, Sample, Stop, is_planar
+from contin.continuation.problem import Chunk, Failure, Frame, Planar, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
@@ -155,10 +155,10 @@ def probe(
 def march(
     problem: Marchable, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
     bounds: tuple[float, float], settings: Settings, loop: Sample | None, again: Again | None = None,
+    planar: Planar | None = None,
 ) -> Chunk:  # fmt: skip
-    """`Problem.march` in terms of linearisations; `again` where a matrix is dear, see `correct`."""
+    """`Problem.march` in terms of linearisations; `again`: see `correct`; `planar` where a second parameter varies."""
     scale = frame.scale
-    n = len(scale) - 1
     target_angle = np.radians(settings.max_angle) / 2.5
     evaluations = 1
     here = problem.linearisation(origin.z, origin.tangent, scale)
@@ -181,7 +181,7 @@ def march(
         return chunk(Stop.NOT_FINITE, step)
     if here.sign == 0:
         return chunk(Stop.CORRECTOR, step)
-    first = measure(problem, Corrected(origin.z, np.zeros(n + 1), here, 0.0, 1), reference)
+    first = measure(problem, Corrected(origin.z, np.zeros(len(scale)), here, 0.0, 1), reference)
     if first.tests[1] != 0.0:
         reference += float(elementary.log(abs(first.tests[1])))
         first.tests[1] = np.sign(first.tests[1])
@@ -205,7 +205,8 @@ def march(
         if found.iterations > 3:
             factor = min(factor, 3.0 / found.iterations)
         h_used, h = h, min(max(h * max(factor, 0.3), settings.min_step), settings.max_step)
-        stop, dipped = _what_happened(problem, old, last, sample, h_previous, h_used, bounds, loop, scale, corner)
+        happened = _what_happened(problem, old, last, sample, h_previous, h_used, bounds, planar, loop, scale, corner)
+        stop, dipped = happened
         if stop is not None:
             return chunk(stop, h, dipped)
         old, h_previous, nearest = last, h_used, found.last
@@ -280,14 +281,13 @@ def _step(
 
 def _what_happened(
     problem: Marchable, old: Sample | None, last: Sample, sample: Sample, h_previous: float, h: float,
-    bounds: tuple[float, float], loop: Sample | None, scale: Array, corner: bool,
+    bounds: tuple[float, float], planar: Planar | None, loop: Sample | None, scale: Array, corner: bool,
 ) -> tuple[Stop | None, int]:  # fmt: skip
     if corner:
         return Stop.CORNER, 0
-    periods, grows = problem.angle_periods, problem.angle_periods == 0
-    walls: Sequence[tuple[int, float, float]] = [(-1, *bounds)]
-    if is_planar(problem):
-        walls, grows = problem.walls, problem.growing[:-1]
+    periods = problem.angle_periods
+    grows = periods == 0 if planar is None else planar.growing[:-1]
+    walls = [(-1, *bounds)] if planar is None else planar.walls
     if any(not lowest <= sample.z[index] <= highest for index, lowest, highest in walls):
         return Stop.BOUND, 0
     crossed = (sample.tests * last.tests < 0.0) | ((sample.tests == 0.0) != (last.tests == 0.0))

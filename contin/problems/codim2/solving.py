@@ -22,6 +22,8 @@ POLE = 0.1  # part of its values next to a point up to which a function has a ze
 FREE = 1e-12  # relative: singular values up to which a direction costs nothing
 DIFFERENCE = 1e-6  # scaled step of the derivative of the additional function
 
+Residual = Callable[[Array], tuple[Array, Array]]  # residuals of a square system, Jacobian without its last row
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -61,7 +63,34 @@ def solve(
         f, jacobian = curve.linearise(y * scale, parameters)
         return np.append(f / rows, function(y * scale) / size), jacobian * scale / rows[:, None]
 
-    y, before, lacking = near.z / scale, np.inf, 0.0
+    found = _newton(residual, gradient, near.z / scale, turning)
+    if found is None:
+        return None
+    y, lacking = found
+    g, jacobian = residual(y)
+    try:
+        matrix = np.vstack([jacobian, gradient])
+        inverse = np.linalg.pinv(matrix, rcond=FREE) if turning else np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:  # not verified, in words
+        return None
+    generator = np.random.default_rng(12345)
+    estimates = []
+    for _ in range(defining.SAMPLES):
+        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
+        estimates.append(shift - inverse @ residual(y + shift)[0])
+    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
+    g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
+    along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
+    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
+    if with_poles and abs(float(g[-1])) * size > POLE * beside:
+        return None
+    drift = (float(np.max(scatter)) + lacking) * along
+    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
+
+
+def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tuple[Array, float] | None:
+    """The solution, until rounding decides, and what is still lacking of its last unknown where Newton stalls."""
+    before, lacking = np.inf, 0.0
     for _ in range(defining.NEWTON_BUDGET):
         g, jacobian = residual(y)
         matrix = np.vstack([jacobian, gradient])
@@ -84,22 +113,4 @@ def solve(
         before = length
     else:
         return None
-    g, jacobian = residual(y)
-    try:
-        matrix = np.vstack([jacobian, gradient])
-        inverse = np.linalg.pinv(matrix, rcond=FREE) if turning else np.linalg.inv(matrix)
-    except np.linalg.LinAlgError:  # not verified, in words
-        return None
-    generator = np.random.default_rng(12345)
-    estimates = []
-    for _ in range(defining.SAMPLES):
-        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
-        estimates.append(shift - inverse @ residual(y + shift)[0])
-    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
-    g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
-    along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
-    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
-    if with_poles and abs(float(g[-1])) * size > POLE * beside:
-        return None
-    drift = (float(np.max(scatter)) + lacking) * along
-    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
+    return y, lacking

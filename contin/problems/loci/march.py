@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,25 +29,6 @@ class LocusMarch:
     def angle_periods(self) -> Array:
         return np.asarray(self.problem.angle_periods)
 
-    @property
-    def walls(self) -> Any:
-        return self.problem.walls
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.asarray(self.problem.identifying)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.asarray(self.problem.growing)
-
-    def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        found: Array | None = self.problem.at_unknown(index, guess, value, scale)
-        return found
-
-    def remarks(self, z: Array) -> list[str]:
-        return list(self.problem.remarks(z))
-
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
         f, jacobian = self.problem.curve.linearise(z)
         return dense_linearisation(f, jacobian, tangent, scale)
@@ -62,7 +43,8 @@ def march(
 ) -> Chunk:  # fmt: skip
     """`Problem.march`; the borders were renewed at origin."""
     bounds = problem.walls[-1][1:]
-    return python_march.march(LocusMarch(problem), origin, before, length, frame, step, limit, bounds, settings, loop)
+    march = LocusMarch(problem)
+    return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop, planar=problem)
 
 
 def probe(

@@ -55,7 +55,7 @@ class MarchedInPython(OrbitCurveProblem):
     ) -> Chunk:  # fmt: skip
         self.settle(origin.z, frame.scale)
         limit = min(limit, self.maximum_chunk)
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, None)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, None, planar=self)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)

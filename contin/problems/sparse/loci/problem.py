@@ -99,7 +99,7 @@ class LargeLocus(TwoParameterProblem):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         self.curve.settle(origin.z, origin.tangent * frame.scale)
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop, planar=self)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)
