@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.arm import Arm
@@ -44,7 +45,7 @@ class Seed:
     symmetries: tuple[str, ...] = ()  # declared symmetries that map one half of the new branch onto the other
     reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
     beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
-    measured: tuple[int, Any] | None = None  # unstable count and eigenvalues at z, where the seed knows them
+    measured: tuple[int, NDArray[np.complex128]] | None = None  # unstable count and eigenvalues at z, where known
 
     @property
     def born(self) -> bool:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.accounting import MET, unexplained
@@ -227,7 +227,7 @@ def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> l
     return [f"{v.remark} near {name} = {v.z[-1]:.10g}" for _, v, _ in labelled if v.remark]
 
 
-def _changes(rows: list[int], unstable: Any, z: Array, problem: Problem) -> list[str]:
+def _changes(rows: list[int], unstable: NDArray[np.int64], z: Array, problem: Problem) -> list[str]:
     """A note for every change of `unstable` that no label explains."""
     name = problem.parameters[0]
     return [
@@ -264,7 +264,7 @@ def _distinct(notes: list[str]) -> tuple[str, ...]:
     )
 
 
-def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, Any]:
+def _start_measured(seed: Seed, start: Sample, problem: Problem) -> tuple[int, NDArray[np.complex128]]:
     if not seed.born:
         return start.unstable, start.eigenvalues
     if seed.measured is not None:

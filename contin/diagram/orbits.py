@@ -16,6 +16,7 @@ from contin.transitions.registry import Explored
 if TYPE_CHECKING:
     from contin.continuation.branch import Parent
     from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.orbits.layout import Profile
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
 LONG = 0.4  # part of the period at the end of a family from which its orbits are long
@@ -115,7 +116,7 @@ def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> t
 
 def copies(problem: EquilibriumProblem, z: Array) -> int:
     """How many different orbits the declared symmetries make of one."""
-    distinct: list[Any] = []
+    distinct: list[Profile] = []
     for profile in _variants(problem, z):
         if not any(_same(profile, one) for one in distinct):
             distinct.append(profile)
@@ -126,14 +127,14 @@ def _birth(parent: Parent) -> tuple[str, str]:
     return parent.branch, parent.label
 
 
-def _variants(problem: Any, z: Array) -> Iterator[Any]:
+def _variants(problem: Any, z: Array) -> Iterator[Profile]:
     yield problem.profile(z)
     if hasattr(problem, "moved"):
         for name in symmetry_names(problem):
             yield problem.profile(apply_symmetry(problem, name, z)[0])
 
 
-def _same(a: Any, b: Any) -> bool:
+def _same(a: Profile, b: Profile) -> bool:
     """One period and, as sets, one orbit."""
     if abs(a.period - b.period) > SAME_PERIOD * b.period:
         return False
@@ -145,7 +146,7 @@ def _same(a: Any, b: Any) -> bool:
     return bool(max(apart.min(axis=0).max(), apart.min(axis=1).max()) <= grain + SAME_ORBIT * size)
 
 
-def _points(profile: Any) -> Array:
+def _points(profile: Profile) -> Array:
     return np.asarray(profile.at(np.linspace(0.0, 1.0, SAMPLES)))
 
 

@@ -12,11 +12,16 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 
-class InOneParameter(Protocol):
-    """Solutions of a system with parameter values `base`, of which entry `active` varies."""
+class HasSystem(Protocol):
+    """Solutions of a system."""
 
     @property
     def system(self) -> System: ...
+
+
+class InOneParameter(HasSystem, Protocol):
+    """Solutions of a system with parameter values `base`, of which entry `active` varies."""
+
     @property
     def base(self) -> Array: ...
     @property
@@ -25,6 +30,17 @@ class InOneParameter(Protocol):
     def angle_periods(self) -> Array: ...
     def full_parameters(self, z: Array) -> Array:
         """All parameter values at z."""
+
+
+class DenseInOneParameter(InOneParameter, Protocol):
+    """Such solutions with a matrix whose eigenvalues decide stability."""
+
+    @property
+    def n(self) -> int: ...
+    @property
+    def is_map(self) -> bool: ...
+    def linear_part(self, z: Array) -> Array:
+        """(n, n)"""
 
 
 class Probing(Protocol):

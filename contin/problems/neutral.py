@@ -13,7 +13,7 @@ from cmath import isfinite
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,12 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
+
+if TYPE_CHECKING:
+    from contin.problems.contracts import DenseInOneParameter
+    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.shooting.problem import ShootingProblem
 
 Values = NDArray[np.complex128]
 
@@ -58,7 +64,7 @@ def is_suspect(values: Values, is_map: bool) -> bool:
     return any(abs(a + b) < SUSPECT * max(abs(a) + abs(b), 1e-300) for a, b in combinations(listed, 2))
 
 
-def errors_of(problem: Any, z: Array, values: Values, scale: Array) -> Array:
+def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> Array:
     """Errors of the eigenvalues of f_u at z, (n,): of rounding in the formulas, and in the eigenvalues themselves."""
     matrix = problem.linear_part(z)
     shift = STEP * scale * np.where(np.arange(len(z)) % 2, -1.0, 1.0)
@@ -116,7 +122,7 @@ def paired(values: Values, errors: Array, is_map: bool) -> Values:
 class NeutralMarch:
     """A dense problem, as the Python march takes it, whose pairs of eigenvalues are exact."""
 
-    problem: Any
+    problem: EquilibriumProblem
     scale: Array
 
     @property
@@ -136,7 +142,7 @@ class NeutralMarch:
         return tests[2:], count, values
 
 
-def is_neutral(problem: Any, z: Array, values: Values, scale: Array) -> bool:
+def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> bool:
     """True where eigenvalues are pairs to their errors, and these are more than the compiled tests allow for.
 
     values : at z, where they are known.
@@ -151,7 +157,7 @@ def is_neutral(problem: Any, z: Array, values: Values, scale: Array) -> bool:
     return bool(np.any(errors[taken] > CLEAR * SAFETY * KNOWN * np.abs(values).max()))
 
 
-def remarks(problem: Any, z: Array, scale: Array) -> Sequence[str]:
+def remarks(problem: DenseInOneParameter, z: Array, scale: Array) -> Sequence[str]:
     """That pairs of eigenvalues stay on the stability boundary along the branch (rows z)."""
     rows = _looked_at(z)
     fewest = problem.n if len(rows) else 0
@@ -164,7 +170,7 @@ def remarks(problem: Any, z: Array, scale: Array) -> Sequence[str]:
     return _words(fewest, problem.is_map)
 
 
-def remarks_on_orbits(problem: Any, z: Array) -> Sequence[str]:
+def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array) -> Sequence[str]:
     """The same of the multipliers of a family of orbits (rows z, padded with NaN)."""
     fewest = problem.n if len(z) >= LOOKS else 0
     for row in _looked_at(z):

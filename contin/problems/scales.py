@@ -10,7 +10,6 @@ length over which the equations bend (a pressure near 1e5 whose changes matter),
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -88,7 +87,7 @@ def _motion(jacobian: Array, parameter_scale: float) -> Array:
     return np.asarray(np.where(np.isfinite(motion) & (motion > noise), motion, 0.0))
 
 
-def parameter_width(model: Any, name: str, value: float, bounds: tuple[float, float]) -> float:
+def parameter_width(model: object, name: str, value: float, bounds: tuple[float, float]) -> float:
     """Scale of a parameter: the width of its range; of an endless one its own scale or range, its size, or 1."""
     width = bounds[1] - bounds[0]
     if np.isfinite(width):

@@ -11,7 +11,7 @@ from contin.abi import Array
 from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
-    from contin.problems.contracts import InOneParameter
+    from contin.problems.contracts import HasSystem, InOneParameter
 
 STEP = 1e-4  # of the finite difference along a direction (relative to the direction's own length)
 CYCLE_STEP = 1e-6  # the same of a cycle's points, which iterates drive apart
@@ -26,7 +26,7 @@ class OrbitMaps(Protocol):
         """Images of rows z."""
 
 
-def symmetry_names(problem: InOneParameter) -> tuple[str, ...]:
+def symmetry_names(problem: HasSystem) -> tuple[str, ...]:
     """The declared symmetries, then their products in pairs (`a*b`: first b, then a), which are symmetries too."""
     declared = tuple(s.name for s in problem.system.model.symmetries)
     return declared + tuple(f"{a}*{b}" for a in declared for b in declared if a != b)

@@ -22,7 +22,7 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import indices
 from contin.transitions.registry import born
-from contin.transitions.small_cycles import follows_cycles
+from contin.transitions.small_cycles import compiled, follows_cycles
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -34,7 +34,7 @@ ALIKE = 0.5  # how far (relative to its extent) the orbit may lie from its predi
 
 
 @born(LocusProblem, "BT", "the curve of homoclinic orbits", parameters=2, order=1)
-def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of homoclinic orbits that leaves a Bogdanov-Takens point; none where the prediction does not hold."""
     if not follows_cycles(problem):
         return []
@@ -50,7 +50,7 @@ def homoclinic_at_bogdanov_takens(problem: Any, point: SpecialPoint, parameters:
     for relative in EPS:
         eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
         try:
-            seed = _seed(problem.system, u, p, (first, second), unfolding, eps, parent)
+            seed = _seed(compiled(problem), u, p, (first, second), unfolding, eps, parent)
         except (InputError, ZeroDivisionError, np.linalg.LinAlgError):  # by zero: a nearly degenerate point
             continue
         return [_away(seed, np.array([p[second], p[first]]), problem, parameters, point)]

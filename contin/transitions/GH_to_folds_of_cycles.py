@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -14,11 +13,11 @@ from contin.normalforms.hopf import lpc_predictor
 from contin.problems.loci.problem import LocusProblem
 from contin.transitions.locus_to_loci import loci_through
 from contin.transitions.registry import born
-from contin.transitions.small_cycles import Place, follows_cycles, seed_of_cycles
+from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
 @born(LocusProblem, "GH", "the curve of folds of cycles", parameters=2)
-def folds_at_generalised_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def folds_at_generalised_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of folds of cycles (LPC) that ends at a generalised Hopf (Bautin) point."""
     if not follows_cycles(problem):
         return loci_through(problem, point, parameters)
@@ -30,4 +29,4 @@ def folds_at_generalised_hopf(problem: Any, point: SpecialPoint, parameters: Seq
             f"{point.branch}.{point.label}: the curve of folds that ends here could not be predicted; the two "
             "parameters do not unfold the point"
         ) from None
-    return [seed_of_cycles("LPC", problem.system, place, cycles, 0.0, Parent(point.branch, point.label))]
+    return [seed_of_cycles("LPC", compiled(problem), place, cycles, 0.0, Parent(point.branch, point.label))]

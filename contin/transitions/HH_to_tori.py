@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,11 +12,11 @@ from contin.machine import elementary
 from contin.normalforms.hopf_hopf import torus_predictors
 from contin.problems.loci.problem import LocusProblem
 from contin.transitions.registry import born
-from contin.transitions.small_cycles import Place, follows_cycles, seed_of_cycles
+from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
 @born(LocusProblem, "HH", "the curves of tori", parameters=2, order=1)
-def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def tori_at_double_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The two curves of tori (NS) at a double Hopf point: of the cycles of one pair, the other being critical."""
     if not follows_cycles(problem):
         return []
@@ -29,6 +28,6 @@ def tori_at_double_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[
         return []  # without a normal form, which the point's own remark tells
     parent = Parent(point.branch, point.label)
     return [
-        seed_of_cycles("NS", problem.system, place, cycles, float(elementary.cos(angle)), parent)
+        seed_of_cycles("NS", compiled(problem), place, cycles, float(elementary.cos(angle)), parent)
         for cycles, angle in found
     ]

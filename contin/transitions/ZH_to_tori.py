@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,11 +12,11 @@ from contin.machine import elementary
 from contin.normalforms.zero_hopf import torus_predictor
 from contin.problems.loci.problem import LocusProblem
 from contin.transitions.registry import born
-from contin.transitions.small_cycles import Place, follows_cycles, seed_of_cycles
+from contin.transitions.small_cycles import Place, compiled, follows_cycles, seed_of_cycles
 
 
 @born(LocusProblem, "ZH", "the curve of tori", parameters=2, order=1)
-def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def tori_at_zero_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of tori (NS) at a zero-Hopf point; none where its cycles are neutral saddles, or it is degenerate."""
     if point.vectors.get("plane") or not follows_cycles(problem):
         return []
@@ -32,4 +31,4 @@ def tori_at_zero_hopf(problem: Any, point: SpecialPoint, parameters: Sequence[st
     if rate == 0.0:
         return []
     bend = -(elementary.square(2.0 * np.pi * rate / cycles.omega))  # cos(2 pi rate rho / omega)
-    return [seed_of_cycles("NS", problem.system, place, cycles, 1.0, Parent(point.branch, point.label), bend)]
+    return [seed_of_cycles("NS", compiled(problem), place, cycles, 1.0, Parent(point.branch, point.label), bend)]

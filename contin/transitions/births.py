@@ -12,10 +12,10 @@ from contin.errors import InputError
 from contin.transitions.registry import Explored, at_point, known_labels
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.continuation.problem import Problem
 
 
-def switch(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
+def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that start at a point of this problem's branch, with `parameter` free."""
     rows = at_point(problem, point.type, 1)
     if not rows:
@@ -26,7 +26,7 @@ def switch(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> 
     return [seed for row in rows for seed in row.make(problem, point, parameter)]
 
 
-def loci(problem: EquilibriumProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seeds of the curves in two parameters that pass through a point of this problem's branch."""
     rows = at_point(problem, point.type, 2)
     if not rows:
@@ -36,14 +36,14 @@ def loci(problem: EquilibriumProblem, point: SpecialPoint, parameters: Sequence[
     return [seed for row in rows for seed in row.make(problem, point, tuple(parameters))]
 
 
-def explored(problem: EquilibriumProblem, point: SpecialPoint) -> Explored | None:
+def explored(problem: Problem, point: SpecialPoint) -> Explored | None:
     """What the explorer does about a point; None where it leaves it alone."""
     rows = [row for row in at_point(problem, point.type, 1) if row.explored is not None]
     rule = rows[0].explored if rows else None
     return None if rule is None or (rule.when is not None and not rule.when(problem)) else rule
 
 
-def departures(problem: EquilibriumProblem, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
+def departures(problem: Problem, point: SpecialPoint, parameter: str, orbits: bool) -> list[Seed]:
     """Everything that is born at a labelled point, for the explorer."""
     rule = explored(problem, point)
     if rule is None or (rule.orbits and not orbits):
@@ -55,6 +55,6 @@ def departures(problem: EquilibriumProblem, point: SpecialPoint, parameter: str,
     return []
 
 
-def _where(problem: EquilibriumProblem, parameters: int) -> str:
+def _where(problem: Problem, parameters: int) -> str:
     labels = known_labels(problem, parameters)
     return f"; {', '.join(labels)} have" if labels else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.branch import Parent
@@ -12,10 +12,13 @@ from contin.problems.loci.curves import curve_of
 from contin.problems.loci.problem import LocusProblem
 from contin.problems.two_parameters import indices
 
+if TYPE_CHECKING:
+    from contin.systems.protocol import System
+
 
 def seed_of(
-    system: Any, type_: str, parameters: Sequence[str], u: Array, p: Array, sizes: Array, periods: Array, scalar: float,
-    parent: Parent | None,
+    system: System, type_: str, parameters: Sequence[str], u: Array, p: Array, sizes: Array, periods: Array,
+    scalar: float, parent: Parent | None,
 ) -> Seed:  # fmt: skip
     """The curve of points of a type through (u, p); scalar: kappa of HB, cos theta of NS."""
     first, second = indices(system, parameters)

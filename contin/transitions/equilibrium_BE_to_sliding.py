@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def switched(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
     return [_sliding(problem, point, upper)]
 
 
-def _sliding(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
+def _sliding(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> Seed:
     n, z = problem.n, point.z
     jump = jumps_of(problem.system)[int(point.vectors["jump"])]
     p = problem.full_parameters(z)
@@ -55,17 +55,19 @@ def _sliding(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
     largest = float(np.abs(np.asarray(point.eigenvalues)).max(initial=0.0)) or crossing
     rate = float(f"{FASTER * largest / crossing:.{DIGITS}g}")
     system = compile_system(sliding_model(jump.model, jump.surface, rate), regular=True)
-    beyond = replace(problem, system=system, sliding=Sliding(problem, jump))
+    sliding = Sliding(problem, jump)
+    beyond = replace(problem, system=system, sliding=sliding)
     along = _tangent(beyond, z, point.scale)
     step = STEP * along * point.scale
-    low, high = beyond.sliding.weights(beyond, np.stack([z - step, z + step]))
+    low, high = sliding.weights(beyond, np.stack([z - step, z + step]))
     if not (np.isfinite(low) and np.isfinite(high)) or low == high:
         raise InputError(f"{point.branch}.{point.label}: the sliding motion is not defined beside this point")
     inward = (high < low) if upper else (high > low)
     return _seed(beyond, point, along if inward else -along)
 
 
-def _beside(problem: Any, point: SpecialPoint, upper: bool) -> Seed:
+def _beside(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> Seed:
+    assert problem.sliding is not None
     jump, n, z = problem.sliding.jump, problem.n, point.z
     regular = replace(problem.sliding.regular, base=problem.base, active=problem.active)
     along = _tangent(replace(regular, system=jump.side(upper)), z, point.scale)
@@ -79,6 +81,6 @@ def _tangent(problem: EquilibriumProblem, z: Array, scale: Array) -> Array:
     return np.asarray(np.linalg.svd(matrix * scale / scale[:-1, None])[2][-1])
 
 
-def _seed(problem: Any, point: SpecialPoint, direction: Array) -> Seed:
+def _seed(problem: EquilibriumProblem, point: SpecialPoint, direction: Array) -> Seed:
     parent = Parent(point.branch, point.label)
     return Seed(problem, point.z, direction, None, point.scale, (1,), parent)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from contin.problems.orbits.problem import OrbitProblem
 from contin.transitions import births
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.abi import Array
+    from contin.continuation.problem import Problem
+    from contin.problems.orbits.loci.special import OfSpecialOrbits
 
 AWAY: Final = (0.01, 0.03)  # of the range of a parameter: how far the lines are from the point
 REACH: Final = 0.25  # of the range of the other one: how far they go in both directions
@@ -31,11 +33,11 @@ WORK: Final = 4_000_000  # accepted points times unknowns, until the search is g
 POINT: Final = 30  # a special point costs as much as so many others
 
 
-def tori_beside(problem: EquilibriumProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+def tori_beside(problem: OfSpecialOrbits, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """The curve of NS that passes nearest to the point; raises InputError where none is found."""
     here = np.array([point.values[name] for name in problem.parameters])
     widths = np.abs(point.scale[[-1, -2]])
-    best: tuple[float, Any, SpecialPoint] | None = None
+    best: tuple[float, Problem, SpecialPoint] | None = None
     for family in _lines(problem, point, widths):
         for found in family.points:
             if found.type == "NS":
@@ -59,7 +61,7 @@ def quick(orbits: OrbitProblem) -> Settings:
     return replace(QUICK, method="collocation") if isinstance(orbits, OrbitProblem) else QUICK
 
 
-def _lines(problem: Any, point: SpecialPoint, widths: Any) -> Iterator[Any]:
+def _lines(problem: OfSpecialOrbits, point: SpecialPoint, widths: Array) -> Iterator[Branch]:
     """Families along one parameter, through orbits that have the other one moved."""
     done = 0
     orbits, orbit = problem.curve.at(point.z), problem.curve.orbit(point.z)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -12,10 +12,13 @@ from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.shooting.start import orbit_from_return
 
+if TYPE_CHECKING:
+    from contin.problems.shooting.problem import ShootingProblem
+
 SAMPLES: Final = 400  # of half the orbit
 
 
-def halved(problem: Any, z: Array) -> Seed:
+def halved(problem: OrbitProblem | ShootingProblem, z: Array) -> Seed:
     """A start on the family of half the period at the orbit z, which runs through one of its orbits twice.
 
     Raises NoSolutionError where Newton does not find that one.

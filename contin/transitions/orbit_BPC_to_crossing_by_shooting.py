@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
@@ -17,7 +15,7 @@ from contin.transitions.registry import born
 
 
 @born(ShootingProblem, "BPC", "the family that crosses", explored=CROSSING)
-def crossing_by_shooting(problem: Any, point: SpecialPoint, parameter: str) -> list[Seed]:
+def crossing_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the family that crosses, along its own parameter."""
     along_own_parameter(problem, point, parameter)
     raw = np.where(point.tangent == 0.0, 0.0, point.tangent / point.scale)

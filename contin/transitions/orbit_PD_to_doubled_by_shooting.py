@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,19 +17,20 @@ from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import born
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.family import FamilyOfOrbits
+    pass
 
 
 @born(ShootingProblem, "PD", "the orbits of twice the period", explored=CASCADE)
-def doubled_by_shooting(problem: FamilyOfOrbits, point: SpecialPoint, parameter: str) -> list[Seed]:
+def doubled_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seed of the doubled orbits, with any parameter free that moves the point."""
     return [_doubled(*in_another(problem, point, parameter))]
 
 
-def _doubled(problem: Any, point: SpecialPoint) -> Seed:
+def _doubled(problem: ShootingProblem, point: SpecialPoint) -> Seed:
     """The doubled orbits: twice the segments, along the eigenvector of the multiplier -1."""
     nodes, n = Nodes.of(point.z, problem.n), problem.n
     segments = problem.segments(point.z)
+    assert segments is not None  # the orbit was just computed
     monodromy = np.eye(n)
     for matrix in segments.transitions:
         monodromy = matrix @ monodromy
@@ -46,8 +47,8 @@ def _doubled(problem: Any, point: SpecialPoint) -> Seed:
     direction = np.zeros(len(scale))
     direction[: u.size] = np.vstack([half, -half]).ravel() / scale[: u.size]
     direction /= np.linalg.norm(direction)
-    twice = {"count": 2 * nodes.count, "winding": 2.0 * problem.winding, "multiple": 2 * problem.multiple}
-    family = replace(problem.free(), **twice)
+    free, multiple = problem.free(), 2 * problem.multiple
+    family = replace(free, count=2 * nodes.count, winding=2.0 * problem.winding, multiple=multiple)
     return Seed(
         family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
         measured=(unstable_count(point), elementary.square(np.asarray(point.eigenvalues))),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -12,10 +12,14 @@ from contin.errors import InputError
 from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
+    from contin.continuation.problem import Problem
     from contin.problems.orbits.family import FamilyOfOrbits
 
 
-def along_own_parameter(problem: Any, point: SpecialPoint, parameter: str) -> None:
+Family = TypeVar("Family", bound="FamilyOfOrbits")
+
+
+def along_own_parameter(problem: Problem, point: SpecialPoint, parameter: str) -> None:
     """Raises InputError where another parameter is asked for than the one along which the point was found."""
     if parameter != problem.parameters[0]:
         raise InputError(
@@ -24,7 +28,7 @@ def along_own_parameter(problem: Any, point: SpecialPoint, parameter: str) -> No
         )
 
 
-def in_another(problem: FamilyOfOrbits, point: SpecialPoint, parameter: str) -> tuple[Any, SpecialPoint]:
+def in_another(problem: Family, point: SpecialPoint, parameter: str) -> tuple[Family, SpecialPoint]:
     """The same orbit with another parameter free: the doubled orbits are born along every one that moves the point."""
     if parameter == problem.parameters[0]:
         return problem, point

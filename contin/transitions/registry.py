@@ -29,7 +29,7 @@ from contin.continuation.departure import Seed
 from contin.special.table import codes
 
 if TYPE_CHECKING:
-    from contin.problems.equilibrium import EquilibriumProblem
+    from contin.continuation.problem import Problem
 
 GROUP: Final = "contin.transitions"
 KINDS: Final = {  # of branches, by the word of FORMATS, and how file names call them
@@ -95,7 +95,7 @@ def born(
     return register
 
 
-def at_point(problem: EquilibriumProblem, label: str, parameters: int) -> list[Transition]:
+def at_point(problem: Problem, label: str, parameters: int) -> list[Transition]:
     """What is born at points of this type on the branches of a problem, in order.
 
     Of the classes of the problem the first one decides for which anything is registered; a row that names the label
@@ -113,13 +113,13 @@ def at_point(problem: EquilibriumProblem, label: str, parameters: int) -> list[T
     return []
 
 
-def known_labels(problem: EquilibriumProblem, parameters: int) -> tuple[str, ...]:
+def known_labels(problem: Problem, parameters: int) -> tuple[str, ...]:
     """The types of points at which anything is registered for the branches of a problem."""
     rows = [row for row in everything() if row.parameters == parameters and isinstance(problem, row.problem)]
     return tuple(dict.fromkeys(label for row in rows for label in row.labels))
 
 
-def families_at(problem: Any) -> tuple[str, ...]:
+def families_at(problem: Problem) -> tuple[str, ...]:
     """The types of points at which another family of orbits is born on one of this problem."""
     found = {code: at_point(problem, code, 1) for code in codes(problem.kind)}
     return tuple(code for code, rows in found.items() if any(r.explored and r.explored.generation for r in rows))

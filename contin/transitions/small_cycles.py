@@ -12,6 +12,7 @@ from contin.abi import NO_FUNCTION, Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
+from contin.lowering.system import CompiledSystem
 from contin.machine import elementary
 from contin.normalforms.sources import compiled_jet
 from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
@@ -21,6 +22,7 @@ from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
     from contin.problems.two_parameters import TwoParameterProblem
     from contin.systems.protocol import System
 
@@ -37,7 +39,7 @@ class Place:
     widths: tuple[float, float]
 
     @classmethod
-    def of(cls, problem: Any, point: SpecialPoint, parameters: Sequence[str]) -> Place:
+    def of(cls, problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> Place:
         first, second = indices(problem.system, parameters)
         widths = dict(zip(problem.parameters, (float(x) for x in point.scale[[-1, -2]]), strict=True))
         chosen = [widths.get(name, 1.0) for name in parameters]
@@ -49,7 +51,7 @@ class Place:
 
 
 def seed_of_cycles(
-    type_: str, system: Any, place: Place, cycles: Any, further: float, parent: Parent, further2: float = 0.0
+    type_: str, system: CompiledSystem, place: Place, cycles: Any, further: float, parent: Parent, further2: float = 0.0
 ) -> Seed:
     """A curve of orbits that shrink to the point, from the second-order predictor of small cycles.
 
@@ -76,6 +78,12 @@ def seed_of_cycles(
     k = k - float(k @ d) * d
     z = curve.join(rest.vector(), float(place.p[place.second]), further)
     return Seed(OrbitLocusProblem(curve), z, d, k, scale, (1,), parent)
+
+
+def compiled(problem: TwoParameterProblem) -> CompiledSystem:
+    """The compiled model of such a curve."""
+    assert isinstance(problem.system, CompiledSystem)
+    return problem.system
 
 
 def follows_cycles(problem: TwoParameterProblem) -> bool:

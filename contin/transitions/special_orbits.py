@@ -17,6 +17,7 @@ from contin.transitions.found_beside import tori_beside
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
+    from contin.problems.orbits.loci.special import OfSpecialOrbits
 
 
 def seed_of(
@@ -36,8 +37,8 @@ def seed_of(
 
 
 def seeds_through(
-    curve_of: Callable[[str, Any, int], Any], problem_of: Callable[[Any], Any], problem: Any, point: SpecialPoint,
-    parameters: Sequence[str],
+    curve_of: Callable[[str, Any, int], Any], problem_of: Callable[[Any], Any], problem: OfSpecialOrbits,
+    point: SpecialPoint, parameters: Sequence[str],
 ) -> list[Seed]:  # fmt: skip
     """The curves of other types through a point where two meet; its own where there is no other.
 
@@ -61,7 +62,7 @@ def meeting(point: str, locus: str) -> list[str]:
     return others if others and point != "NSNS" else [locus]
 
 
-def further_through(problem: Any, point: SpecialPoint, type_: str) -> float:
+def further_through(problem: OfSpecialOrbits, point: SpecialPoint, type_: str) -> float:
     """cos theta of the curve of tori through the point; 0 for other types."""
     if type_ != "NS":
         return 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from contin.continuation.problem import Frame, Rejected, Sample
 from contin.problems.codim2 import crossing
 from contin.problems.codim2.functions import function_of
 from contin.problems.symmetry import symmetry_names
+
+if TYPE_CHECKING:
+    from contin.problems.loci.problem import LocusProblem
 
 KEPT = 1e-6  # relative: what a symmetry leaves as it is
 
@@ -42,7 +45,7 @@ def hopf_curves(seed: Seed, point: SpecialPoint, own: bool) -> list[Seed]:
     ]
 
 
-def _arms(problem: Any, z: Array, direction: Array) -> tuple[int, ...]:
+def _arms(problem: LocusProblem, z: Array, direction: Array) -> tuple[int, ...]:
     """One arm where a declared symmetry maps the other one onto it."""
     n, system = problem.n, problem.system
     u, d = z[:n], direction[:n]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def _slope(problem: LocusProblem, u: Array, p: Array, frame: Frame) -> float:
 class _BranchPoints:
     """The curve of branch points next to (u, p): its problem and a point of it, from which Newton starts."""
 
-    problem: Any
+    problem: LocusProblem
     start: Array
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:

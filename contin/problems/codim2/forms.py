@@ -35,7 +35,7 @@ def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Any
 
 
 def described(
-    problem: Any, point: Verified, critical: Any, plane: bool = False, drift: Array | None = None
+    problem: LocusProblem, point: Verified, critical: Any, plane: bool = False, drift: Array | None = None
 ) -> Verified:
     """The point with its normal form; with a remark in place of it, where the point is more degenerate than its type.
 

@@ -33,7 +33,7 @@ OFF = 0.05  # sine of the angle to the family's own tangent below which the orbi
 class Crossing:
     """One half of a family at a branch point: unit direction, curvature (scaled), and one of its orbits."""
 
-    problem: Any  # of its orbits, with the symmetries they have left
+    problem: ShootingProblem  # of its orbits, with the symmetries they have left
     direction: Array
     curvature: Array
     orbit: Array

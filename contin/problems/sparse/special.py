@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,9 +195,16 @@ def _fold(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     return Verified("LP", at.z, residual, float(error), values, int(np.sum(others.real > 0.0)), form)
 
 
-def _floor(problem: Any, z: Array, frame: Frame) -> float:
+def linear_at(problem: LargeProblem, z: Array) -> Linear:
+    """F_u at a point of the curve, where it is finite."""
+    linear = problem.linear(z)
+    assert linear is not None
+    return linear
+
+
+def _floor(problem: LargeProblem, z: Array, frame: Frame) -> float:
     """The residual that rounding leaves (scaled): it grows with the size of the Jacobian's entries."""
-    size = float(np.max(problem.linear(z).magnitude(np.ones(problem.n))))
+    size = float(np.max(linear_at(problem, z).magnitude(np.ones(problem.n))))
     return 100.0 * EPSILON * size * float(np.abs(z[:-1]).max(initial=0.0)) / float(np.min(frame.scale[:-1]))
 
 
@@ -220,7 +227,7 @@ def refine(linear: Linear, value: complex, q: Vector) -> tuple[complex, Vector]:
     return value, q
 
 
-def _hopf(problem: Any, near: Sample, frame: Frame) -> Outcome:
+def _hopf(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     spectrum = problem.spectrum(near.z)
     pairs = np.flatnonzero(spectrum.values.imag > 0.0)
     if not pairs.size:
@@ -231,7 +238,7 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Outcome:
 
     def growth(at: At) -> float:
         nonlocal value, q
-        value, q = refine(problem.linear(at.z), value, q)
+        value, q = refine(linear_at(problem, at.z), value, q)
         return value.real / frequency
 
     found = secant(problem, near, frame, growth)
@@ -247,7 +254,7 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Outcome:
     critical = [int(np.argmin(np.abs(values - target))) for target in (1j * omega, -1j * omega)] if values.size else []
     others = np.delete(values, critical)
     form = forms.hopf(problem, at.z, q, omega)
-    error += 3.0 * forms.rounding(problem.linear(at.z), 1j * omega, q) / frequency / abs(slope)
+    error += 3.0 * forms.rounding(linear_at(problem, at.z), 1j * omega, q) / frequency / abs(slope)
     unstable = int(np.sum(others.real > 0.0))
     return Verified("HB", at.z, residual, float(error), values, unstable, form, {"omega": omega, "q": q})
 
@@ -255,7 +262,7 @@ def _hopf(problem: Any, near: Sample, frame: Frame) -> Outcome:
 # branch points --------------------------------------------------------------------------------------------------------
 
 
-def reduction(problem: Any, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
+def reduction(problem: LargeProblem, z: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
     """The reduced equation at z, bordered by the eigenvector to the eigenvalue nearest to zero (raw, returned too)."""
     spectrum = problem.spectrum(z)
     q = np.real(spectrum.vectors[:, int(np.argmin(np.abs(spectrum.values)))])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Sliding:
     """The surface that pseudo-equilibria lie on, and the problem of the equilibria beside it."""
 
-    regular: Any
+    regular: EquilibriumProblem
     jump: Jump
 
     def weights(self, problem: EquilibriumProblem, z: Array) -> Array:
