@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from contin.abi import Array
 from contin.bvp.start import BoundaryGuess, boundary_guess
@@ -12,8 +11,8 @@ from contin.model.model import Model
 
 def boundary_problem(
     model: Model,
-    start: str | Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    start: str | Mapping[str, object] | None = None,
+    parameters: Mapping[str, object] | None = None,
     *,
     free: Sequence[str] = (),
     samples: tuple[Array, Array] | None = None,

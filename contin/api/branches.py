@@ -68,7 +68,7 @@ def continuation(
 
 
 def walk(
-    start: Any,
+    start: object,
     parameter: str,
     range: Range | None = None,
     *,

@@ -19,7 +19,7 @@ NO_PARAMETER: Final = "no_parameter"  # stands where a model has none: nothing d
 AUTO: Final = "auto"
 
 
-def for_branches(model: Any) -> Any:
+def for_branches(model: object) -> Any:
     """The model whose solutions are isolated as far as linear conserved quantities are concerned.
 
     A model without parameters gets one that nothing depends on: its solutions can be found, if not followed.

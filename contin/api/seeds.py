@@ -90,7 +90,7 @@ def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> t
     return replace(seed, problem=seed.problem.within(first, second)), first  # type: ignore[attr-defined]
 
 
-def as_seed(start: Any, parameter: str) -> Seed:
+def as_seed(start: object, parameter: str) -> Seed:
     """What can start a continuation, as a seed with `parameter` free."""
     if isinstance(start, list) and start and all(isinstance(s, Seed) for s in start):
         return as_seed(start[0], parameter)
@@ -124,7 +124,7 @@ def bounds_of(problem: Any, parameter: str, given: Range | None) -> tuple[float,
     return lo, hi
 
 
-def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
+def targets_of(problem: object, values: Mapping[str, Sequence[float]] | None) -> list[Target]:
     """User values as targets; every name must be a column of the branch."""
     known = _column_names(problem)
     targets = []
@@ -135,7 +135,7 @@ def targets_of(problem: Any, values: Mapping[str, Sequence[float]] | None) -> li
     return targets
 
 
-def extrema_of(problem: Any, columns: Sequence[str]) -> list[Extremum]:
+def extrema_of(problem: object, columns: Sequence[str]) -> list[Extremum]:
     """Columns to be labelled where they turn; each must be a column of the branch."""
     known = _column_names(problem)
     for column in columns:

@@ -32,7 +32,7 @@ class _Printed:
 class _Hook:
     """A render hook of rich's consoles."""
 
-    def process_renderables(self, renderables: list[Any]) -> list[Any]:
+    def process_renderables(self, renderables: list[object]) -> list[Any]:
         from rich.control import Control
 
         return [part if isinstance(part, Control) else _Printed(part) for part in renderables]

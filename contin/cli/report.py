@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import Final
 
 from rich.console import Console
 from rich.table import Table
@@ -55,7 +55,7 @@ def _print_regions(phase: Record, console: Console) -> None:
         console.print(Text(f"  {line}"))
 
 
-def _print_simulated(document: Mapping[str, Any], console: Console) -> None:
+def _print_simulated(document: Mapping[str, object], console: Console) -> None:
     found = lazy.module("simulated").lines(document)
     if found:
         console.print()

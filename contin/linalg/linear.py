@@ -119,7 +119,7 @@ class KrylovLinear:
         self._apply, self._precondition, self._shift = apply, precondition, shift
         self.precise, self.exact, self.matrix = precise, exact, matrix
         # Borders and bordered factors by the number of borders, shared with later points.
-        self.borders: dict[int, tuple[Vector, Any]] = {}
+        self.borders: dict[int, tuple[Vector, object]] = {}
         self.iterations = 0  # of the worst solve so far: when it grows, the preconditioner is out of date
 
     def apply(self, x: Vector) -> Vector:

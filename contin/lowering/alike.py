@@ -55,8 +55,8 @@ class Shape:
 def shapes_of(formulas: Sequence[Expression], names: Sequence[str]) -> list[Shape]:
     """The shapes of formulas in the states `names`; every other symbol is a parameter."""
     number = {name: k for k, name in enumerate(names)}
-    nodes: dict[tuple[Any, ...], list[Expression]] = {}
-    found: dict[tuple[Any, ...], list[tuple[int, list[int], list[float]]]] = {}
+    nodes: dict[tuple[object, ...], list[Expression]] = {}
+    found: dict[tuple[object, ...], list[tuple[int, list[int], list[float]]]] = {}
     for row, formula in enumerate(formulas):
         key, order, states, constants = _key(formula, number)
         nodes.setdefault(key, order)
@@ -68,7 +68,7 @@ def _key(formula: Expression, number: Mapping[str, int]) -> tuple[Any, list[Expr
     """What formulas of one shape have in common; the nodes, and the states and constants in the slots."""
     order = postorder([formula])
     place: dict[Expression, int] = {}
-    parts: list[Any] = []
+    parts: list[object] = []
     states: list[int] = []
     constants: list[float] = []
     exponents = {node.args[1] for node in order if node.op == "pow"}

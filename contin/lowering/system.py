@@ -349,7 +349,7 @@ def _multilinear(form: Callable[[Sequence[Array]], Array], vectors: Sequence[Vec
     distinct: list[Array] = []
     parts = [_parts(v, distinct) for v in vectors]
     known: dict[tuple[int, ...], Array] = {}
-    total: Any = 0.0j
+    total: object = 0.0j
     for choice in itertools.product(*parts):
         key = tuple(sorted(index for index, _ in choice))
         if key not in known:

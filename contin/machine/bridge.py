@@ -312,7 +312,7 @@ def make_call(name: str, entry: Address, plan: Plan) -> Callable[..., Any]:
     new = ctypes.pythonapi.PyCFunction_NewEx
     new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)
     _alive.append(definition)
-    made: Callable[..., Any] = new(ctypes.addressof(definition), data, None)
+    made: Callable[..., object] = new(ctypes.addressof(definition), data, None)
     return made
 
 

@@ -15,7 +15,7 @@ class Engine:
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
-        self._engine: Any = None
+        self._engine: object = None
         self._defined: set[str] = set()
 
     def define(self, symbol: str, address: Address) -> None:

@@ -157,7 +157,7 @@ class _Builder:
         reader = _StartReader(self.formulas, self.states, self.parameters, self.problems, time)
         self.constants, self.guesses = reader.constants, reader.scope
         numbers = FunctionalReader(self.formulas, self.states, time or TIME, self.problems)
-        parts: dict[str, Any] = {
+        parts: dict[str, object] = {
             "name": entry.name,
             "kind": entry.kind,
             "title": entry.title,

@@ -49,7 +49,7 @@ def directional(
     """
     roots = list(expressions)
     values = node_values(roots, env, lib)
-    slopes: dict[Expression, Any] = {}
+    slopes: dict[Expression, object] = {}
     for node in postorder(roots):
         if node.op == "symbol":
             slopes[node] = direction.get(str(node.value), 0.0)

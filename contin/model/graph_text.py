@@ -45,7 +45,7 @@ def to_graph_text(model: Model) -> str:
     roots: list[Expression] = []
     _collect([getattr(model, f.name) for f in fields(model)], roots)
     places: dict[Expression, int] = {}
-    rows: list[list[Any]] = []
+    rows: list[list[object]] = []
     for node in postorder(roots):
         places[node] = len(rows)
         rows.append(_row(node, places))

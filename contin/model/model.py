@@ -225,7 +225,7 @@ class Model:
         return u, np.array([values[name] for name in self.parameter_names], dtype=float)
 
     def start_functions(
-        self, start: Any = None, parameters: Mapping[str, Override] | None = None, points: int = 101
+        self, start: object = None, parameters: Mapping[str, Override] | None = None, points: int = 101
     ) -> tuple[dict[str, float], Array, Array]:
         """Parameter values, points t (K,) of the interval, and the states there, (K, n), of a boundary-value problem.
 

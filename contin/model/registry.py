@@ -50,7 +50,7 @@ class Provider:
 
     def load(self) -> AnyModel | Family:
         """What the entry point stands for; raises whatever the package raises."""
-        target: Any = self.entry.load()
+        target: object = self.entry.load()
         if callable(target) and not isinstance(target, AnyModel):
             target = target()
         if isinstance(target, AnyModel):

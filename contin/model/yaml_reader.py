@@ -113,9 +113,9 @@ class _Reader:
         self.source = YamlSource(filename, text, self.marks)
         self.problems = Problems(self.source)
         self.stack: list[_Open] = []
-        self.anchors: dict[str, tuple[Any, int]] = {}
+        self.anchors: dict[str, tuple[object, int]] = {}
         self.values = 0
-        self.root: Any = None
+        self.root: object = None
         self.documents = 0
 
     def run(self) -> Any:
@@ -208,7 +208,7 @@ class _Reader:
         except UnicodeDecodeError:
             self.fail(span, "half of a character: a \\u escape between \\ud800 and \\udfff without its partner")
 
-    def open(self, event: Json, span: Span, container: Fields | list[Any]) -> None:
+    def open(self, event: Json, span: Span, container: Fields | list[object]) -> None:
         if event.tag is not None:
             self.fail(span, f"the tag {event.tag} is not allowed; write the plain value")
         if self.expects_key():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -216,7 +216,7 @@ class _address_of:
     def __init__(self, system: System) -> None:
         self.system = system
         self.error: BaseException | None = None
-        self._keep: Callable[..., Any] | None = None
+        self._keep: Callable[..., object] | None = None
 
     def __enter__(self) -> Address:
         if self.system.jacobian_address != NO_FUNCTION:

@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.errors import ContinError
 from contin.model.advice import closest
@@ -102,7 +102,7 @@ def _function(name: str) -> Callable[..., Model]:
     return found
 
 
-def _options_fit(function: Callable[..., Any], name: str, options: object, path: Path, problems: Problems) -> bool:
+def _options_fit(function: Callable[..., object], name: str, options: object, path: Path, problems: Problems) -> bool:
     if options is None:
         return True
     if not isinstance(options, Mapping):

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -227,7 +227,7 @@ def _taken(connection: sqlite3.Connection, count: int) -> list[Kept]:
 def packed(chunk: Chunk) -> tuple[Fields, bytes]:
     """A chunk as JSON-ready scalars (with the arrays' types and shapes) and the arrays' bytes, one after the other."""
     scalars: Fields = {}
-    arrays: dict[str, list[Any]] = {}
+    arrays: dict[str, list[object]] = {}
     data = []
     for field in fields(chunk):
         value = getattr(chunk, field.name)

@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -100,7 +100,7 @@ def _sign(connection: sqlite3.Connection, part: str, *content: str | bytes | int
     connection.execute("INSERT OR REPLACE INTO checksum VALUES (?, ?)", (part, parts_digest(part, *content)))
 
 
-def _packed(column: list[Any]) -> tuple[str, bytes]:
+def _packed(column: list[object]) -> tuple[str, bytes]:
     if column and all(isinstance(value, bool) for value in column):
         kind = "b"
     elif column and all(isinstance(value, int) and not isinstance(value, bool) for value in column):

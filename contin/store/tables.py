@@ -62,6 +62,6 @@ def _dataset(branch: Record, xarray: Any) -> Json:
     return xarray.Dataset({**columns, "label": ("row", labels)}, attrs=attributes)
 
 
-def _filled(column: list[Any]) -> list[Any]:
+def _filled(column: list[object]) -> list[Any]:
     nan = float("nan")
     return [nan if value is None else int(value) if isinstance(value, bool) else value for value in column]

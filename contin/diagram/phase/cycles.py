@@ -70,7 +70,7 @@ def is_one(problem: Any, z: Array, other: Array) -> bool:
     )
 
 
-def is_shorter(problem: Any, z: Array) -> bool:
+def is_shorter(problem: object, z: Array) -> bool:
     """True where z repeats a cycle of fewer steps, as beside a period doubling."""
     if not isinstance(problem, CycleProblem):
         return False

@@ -83,7 +83,7 @@ def _is_at(point: SpecialPoint, branch: Branch, value: float, width: float) -> b
     return point.type == "UZ" and abs(point.values[branch.parameters[0]] - value) <= MARKED * width
 
 
-def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple[Any, Array]]) -> list[State]:
+def _orbits_on(branch: Branch, value: float, width: float, known: Sequence[tuple[object, Array]]) -> list[State]:
     """The orbits marked by user values on a family, without those that are known."""
     problem = branch.problem
     names = [name for name in problem.column_names() if name != branch.parameters[0]]

@@ -95,5 +95,5 @@ def source(name: str) -> Callable[..., Any]:
     """The function as it is written in Python."""
     if name not in FUNCTIONS:
         raise KeyError(f"no elementary function {name!r}; there are {', '.join(FUNCTIONS)}")
-    found: Callable[..., Any] = getattr(import_module(f"{__package__}.{FUNCTIONS[name]}"), name)
+    found: Callable[..., object] = getattr(import_module(f"{__package__}.{FUNCTIONS[name]}"), name)
     return found

@@ -80,7 +80,7 @@ Value = tuple[str, str]
 """(LLVM type, name or literal)"""
 
 
-def module_text(exported: Sequence[Callable[..., Any]], loops: Sequence[Callable[..., Any]] = ()) -> str:
+def module_text(exported: Sequence[Callable[..., object]], loops: Sequence[Callable[..., object]] = ()) -> str:
     """A module that exports `contin_NAME` for each function, and for each of `loops` `contin_NAME_many` over arrays.
 
     contin_NAME_many(n, x, out) sets out[i] = NAME(x[i]) for i < n, contin_NAME_many(n, x, y, out) likewise.
@@ -133,12 +133,12 @@ def _elements(structure: str) -> list[str]:
 class _Function:
     """One function's text; `called` and `tables` are what it needs from the module."""
 
-    def __init__(self, function: Callable[..., Any], public: Collection[str]) -> None:
+    def __init__(self, function: Callable[..., object], public: Collection[str]) -> None:
         self.function, self.public = function, public
         self.globals: Fields = vars(sys.modules[function.__module__])
         self.tree = _tree(function)
         self.tables: dict[str, str] = {}
-        self.called: list[Callable[..., Any]] = []
+        self.called: list[Callable[..., object]] = []
         self.lines: list[str] = []
         self.variables: dict[str, str] = {}
         self.count = 0

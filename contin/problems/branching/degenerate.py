@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -58,7 +58,7 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
     if found is None:
         text = "BP: its leading terms do not tell the branches, and no sphere around it does: some may not be followed"
         return _with(point, text)
-    form: dict[str, Any] = {**point.normal_form, "branches": len(found.curves)}
+    form: dict[str, object] = {**point.normal_form, "branches": len(found.curves)}
     if corank > 1:
         return _with(point, "", form, touches=False)
     contact = found.contact()
@@ -78,7 +78,7 @@ def described(problem: EquilibriumProblem, point: Verified, scale: Array) -> Ver
     return replace(touching, error=max(point.error, 2.0 * abs(float(contact.off[-1])) * float(scale[-1])))
 
 
-def _with(point: Verified, remark: str, form: dict[str, Any] | None = None, touches: bool = False) -> Verified:
+def _with(point: Verified, remark: str, form: dict[str, object] | None = None, touches: bool = False) -> Verified:
     return replace(point, remark=remark, normal_form=form or point.normal_form, touches=touches)
 
 

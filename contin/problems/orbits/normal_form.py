@@ -65,7 +65,7 @@ def normal_form(problem: OrbitProblem, point: Verified, solved: SolvedOrbit) -> 
     name, value, error = NAMES[point.type], coarse.value, coarse.error(fine)
     if not coarse.is_known(error):
         return replace(point, remark=f"{point.type}: {UNKNOWN}")
-    form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
+    form: dict[str, object] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
     if point.type != "LPC":
         form["criticality"] = sense(value.real, error)
     return replace(point, normal_form={**form, "errors": {name: error}})

@@ -17,7 +17,7 @@ by differences with steps h and 2 h, whose distance is its error.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def with_normal_form(problem: ShootingProblem, point: Verified, scale: Array) ->
     name, value, error_ = NAMES[point.type], complex(fine.value), fine.error(coarse)
     if not fine.is_known(error_):
         return replace(point, remark=f"{point.type}: {UNKNOWN}")
-    form: dict[str, Any] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
+    form: dict[str, object] = {name: [value.real, value.imag] if point.type == "NS" else value.real}
     if point.type != "LPC":
         form["criticality"] = sense(value.real, error_)
     return replace(point, normal_form={**form, "errors": {name: error_}})

@@ -282,7 +282,7 @@ def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expressio
 
     omega = to_sympy(setting.omega, setting.positive)
     x, y, r = sympy_symbol(X), sympy_symbol(Y), sympy_symbol(RADIUS, positive=True)
-    sums: list[list[tuple[Expression, Any]]] = [[], []]
+    sums: list[list[tuple[Expression, object]]] = [[], []]
     needs: set[str] = set()
     for formula in dict.fromkeys(arc.formula for arc in arcs):
         own = [arc for arc in arcs if arc.formula is formula]
@@ -297,7 +297,7 @@ def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expressio
                 total.append((coefficient, fold * value / (2 * sympy.pi)))
     results = []
     for total in sums:
-        collected: dict[Expression, Any] = {}
+        collected: dict[Expression, object] = {}
         for coefficient, value in total:
             factor, rest = (coefficient, ONE) if not coefficient.is_number else (ONE, coefficient)
             collected[factor] = collected.get(factor, 0) + value * to_sympy(rest)
@@ -315,7 +315,7 @@ def _closed(arcs: Sequence[Arc], setting: Setting, fold: int) -> tuple[Expressio
     return results[0], results[1], sorted(needs)
 
 
-def _presumed(sympy: ModuleType, value: Any, r: Any) -> set[str]:
+def _presumed(sympy: ModuleType, value: object, r: object) -> set[str]:
     """Parameters under roots, logarithms and arc tangents: there their sign was used."""
     names: set[str] = set()
     for node in sympy.preorder_traversal(value):

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def sample(expressions: Iterable[Expression], env: Record) -> list[Array]:
     """Values where the symbols are numbers or arrays of one shape; NaN and infinities as in machine code."""
     roots = list(expressions)
-    values: dict[Expression, Any] = {}
+    values: dict[Expression, object] = {}
     with np.errstate(all="ignore"):
         for node in postorder(roots):
             if node.op == "symbol":

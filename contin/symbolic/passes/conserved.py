@@ -28,7 +28,7 @@ from contin.symbolic.passes.holding import holds
 SMALLEST: Final = 1e-6  # part of the largest |c x| that counts for a state that is zero at the start
 
 
-def without_conserved(model: Any) -> Any:
+def without_conserved(model: object) -> Any:
     """The model at fixed totals, made once: itself where it has none, declares `conserved: false` or is a function."""
     if not isinstance(model, Model) or not model.conserved or model.totals or model.rotation:
         return model
@@ -41,12 +41,12 @@ def reduce_conserved(model: Model) -> Model:
     return _reduced(model, laws) if 0 < len(laws) < len(model.states) else model
 
 
-def conserved_notes(model: Any) -> list[str]:
+def conserved_notes(model: object) -> list[str]:
     """What a report says of the totals of a reduced model."""
     return total_lines(getattr(model, "totals", ()))
 
 
-def with_named_totals(model: Any, names: Iterable[str]) -> Any:
+def with_named_totals(model: object, names: Iterable[str]) -> Any:
     """The model at fixed totals where one of these names is such a total; else the model as it is."""
     if not isinstance(model, Model) or all(name in model.parameter_names for name in names):
         return model

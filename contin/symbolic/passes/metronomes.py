@@ -30,7 +30,7 @@ def metronomes(
     escapement: str = ESCAPEMENT,
     parameters: Record | None = None,
     platforms: object = None,
-    places: Sequence[Any] | None = None,
+    places: Sequence[object] | None = None,
     spring: float = 0.1,
 ) -> Model:
     """Equations of motion of `count` metronomes, ready for `contin.average`.

@@ -178,5 +178,5 @@ class GrazingCurve(CurveByShooting):
             names = [*self.system.state_names, *self.system.parameter_names]
             h = self.system.pieces.functions[self.touch.surface]
             self._memory["formulas"] = [h, *(derivative(h, name) for name in names)]
-        known: list[Any] = self._memory["formulas"]
+        known: list[object] = self._memory["formulas"]
         return known
