@@ -10,3 +10,4 @@ from typing import Any, TypeAlias
 Record: TypeAlias = Mapping[str, Any]  # read only
 Fields: TypeAlias = dict[str, Any]
 Json: TypeAlias = Any  # a document's value: number, text, true or false, null, list or mapping of these
+Sympy: TypeAlias = Any  # an expression of sympy, which has no types

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final
+from typing import Final
 
-from contin.model.evaluate import node_values
+from contin.model.evaluate import Value, node_values
 from contin.model.expression import COMPARISONS, LOGICAL, Expression, postorder
 from contin.records import Record
 
 # Derivative at x of a function of one argument whose value there is y, with the elementary functions of `m`
-_DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
+_DERIVATIVES: Final[dict[str, Callable[[Value, Value, Value], Value]]] = {
     "sin": lambda m, x, y: m.cos(x),
     "cos": lambda m, x, y: -m.sin(x),
     "tan": lambda m, x, y: 1 + y * y,
@@ -41,7 +41,7 @@ _DERIVATIVES: Final[dict[str, Callable[[Any, Any, Any], Any]]] = {
 
 def directional(
     expressions: Iterable[Expression], env: Record, direction: Record, lib: object = math
-) -> list[Any]:
+) -> list[Value]:
     """d/dh of each expression at env + h*direction, h = 0; symbols that `direction` lacks stay fixed. O(nodes).
 
     Where a function has no derivative (abs at 0, a jump) one of the one-sided ones, or 0, is taken; NaN where the
@@ -63,7 +63,7 @@ def directional(
     return [slopes[root] for root in roots]
 
 
-def _slope(node: Expression, values: Mapping[Expression, Any], d: list[Any], lib: Any) -> Any:
+def _slope(node: Expression, values: Mapping[Expression, Value], d: list[Value], lib: Value) -> Value:
     op = node.op
     x = [values[a] for a in node.args]
     if op == "if":

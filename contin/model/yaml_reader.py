@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path as FilePath
-from typing import Any, Final, NoReturn
+from typing import Final, NoReturn
 
 from contin.errors import InputError
 from contin.limits import is_finite
@@ -34,7 +34,7 @@ _CONSTANTS: Final[Fields] = {
 class Document:
     """`data` (dicts with text keys, lists, texts, numbers, booleans, None) and where it came from."""
 
-    data: Any
+    data: Json
     source: YamlSource
 
 
@@ -94,7 +94,7 @@ class _NotHeldError(Exception):
 class _Open:
     """A mapping or list whose end has not come yet."""
 
-    container: Fields | list[Any]
+    container: Fields | list[Json]
     path: Path
     span: Span
     key: str | None = None  # that waits for its value
@@ -118,7 +118,7 @@ class _Reader:
         self.root: object = None
         self.documents = 0
 
-    def run(self) -> Any:
+    def run(self) -> Json:
         for event in self.events():
             kind = type(event).__name__
             start, end = event.start_mark.index, event.end_mark.index
@@ -137,7 +137,7 @@ class _Reader:
                 self.alias(event.anchor, span)
         return self.root
 
-    def events(self) -> Iterator[Any]:
+    def events(self) -> Iterator[Json]:
         """The parser's events; everything it may raise becomes one InputError with a place."""
         from ruamel.yaml import YAML
         from ruamel.yaml.error import MarkedYAMLError

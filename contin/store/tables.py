@@ -6,7 +6,6 @@ import csv
 import io
 import json
 from pathlib import Path
-from typing import Any
 
 from contin.errors import InputError
 from contin.records import Json, Record
@@ -52,7 +51,7 @@ def write_netcdf(document: Record, path: Path) -> None:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
 
 
-def _dataset(branch: Record, xarray: Any) -> Json:
+def _dataset(branch: Record, xarray: Json) -> Json:
     columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
     labels = [""] * len(next(iter(branch["columns"].values()), []))
     for point in branch["points"]:
@@ -62,6 +61,6 @@ def _dataset(branch: Record, xarray: Any) -> Json:
     return xarray.Dataset({**columns, "label": ("row", labels)}, attrs=attributes)
 
 
-def _filled(column: list[object]) -> list[Any]:
+def _filled(column: list[object]) -> list[Json]:
     nan = float("nan")
     return [nan if value is None else int(value) if isinstance(value, bool) else value for value in column]

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from contin.errors import InputError
 from contin.records import Json, Record
@@ -65,7 +65,7 @@ def _in_mapping(value: Record, schema: Record, where: str) -> Iterator[Mistake]:
             yield from _mistakes(entry, inner, f"{where}.{key}".lstrip("."))
 
 
-def _in_list(value: list[Any], schema: Record, where: str) -> Iterator[Mistake]:
+def _in_list(value: list[Json], schema: Record, where: str) -> Iterator[Mistake]:
     if not schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)):
         yield where, f"should have {schema.get('minItems', 0)} to {schema.get('maxItems', 'many')} entries"
     inner = schema.get("items")
@@ -108,7 +108,7 @@ def _allowed(schema: Record) -> frozenset[type] | None:
     return frozenset().union(*(_TYPES[name] for name in ([written] if isinstance(written, str) else written)))
 
 
-def _named(written: Any) -> str:
+def _named(written: Json) -> str:
     return str(written) if isinstance(written, str) else " or ".join(written)
 
 

@@ -11,12 +11,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, substitute
 from contin.model.printing import to_text
+from contin.records import Sympy
 from contin.symbolic.averaging.switching_lines import (
     PLANE,
     Circle,
@@ -32,7 +33,6 @@ from contin.symbolic.calculus.sympy_bridge import from_sympy, sympy_symbol, to_s
 if TYPE_CHECKING:
     from types import ModuleType
 
-Sympy = Any
 Presumption = tuple[Expression, str]  # a margin that is negative where it does not hold, and in words
 SAME = 1e-9  # radii and angles closer than this are one
 RADIUS = "@r"
@@ -190,7 +190,7 @@ def _arcs(
 ) -> tuple[Arc, ...]:
     cuts = _cuts(lines, omega, radius, values, positive)
     w = number_of(to_sympy(omega, positive), values)
-    pieces: list[list[Any]] = []
+    pieces: list[list[Sympy]] = []
     for start, stop in zip(cuts, [*cuts[1:], _shifted(cuts[0])], strict=True):
         middle = 0.5 * (start.number + stop.number)
         point = {**values, X: radius * elementary.cos(middle), Y: -w * radius * elementary.sin(middle)}

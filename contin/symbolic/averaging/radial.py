@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -36,6 +36,7 @@ from contin.model.expression import (
 )
 from contin.model.parts import Limit
 from contin.model.printing import to_text
+from contin.records import Sympy
 from contin.symbolic.averaging.cells import RADIUS, SAME, Arc, Region, assumptions, quarter, regions
 from contin.symbolic.averaging.gauss_rule import (
     Array,
@@ -229,7 +230,7 @@ def _segment(arc: Arc, setting: Setting) -> Segment:
     return Segment(start, stop, integrand)
 
 
-def _lies_inside(region: Region, radii: Any, values: Mapping[str, float]) -> bool:
+def _lies_inside(region: Region, radii: Sympy, values: Mapping[str, float]) -> bool:
     """True where the radii lie inside the region at other values of the parameters too."""
     low, high = region.numbers_at(values)
     return bool(low < radii[0] and radii[-1] < high)

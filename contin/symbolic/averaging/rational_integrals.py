@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from contin.records import Sympy
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-Sympy = Any
 
 
 def odd_integral(function: Sympy, u: Sympy) -> Sympy:

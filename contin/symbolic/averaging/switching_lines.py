@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
 from contin.model.expression import COMPARISONS, Expression, mask_of, postorder, sub
 from contin.model.printing import to_text
+from contin.records import Sympy
 from contin.symbolic.calculus.guards import is_guard
 from contin.symbolic.calculus.sympy_bridge import from_sympy, sympy_symbol, to_sympy
 
@@ -22,7 +23,6 @@ Y: Final = "@y"
 PLANE: Final = mask_of((X, Y))
 """Position and velocity of the oscillator in `one-oscillator functions`: no model can use these names."""
 
-Sympy = Any
 
 
 @dataclass(frozen=True)

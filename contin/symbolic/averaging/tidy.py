@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
+
+from contin.records import Sympy
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -10,7 +12,7 @@ if TYPE_CHECKING:
 LIMIT: Final = 400  # operations; longer formulas are only expanded
 
 
-def tidy(value: object, variable: object) -> Any:
+def tidy(value: object, variable: object) -> Sympy:
     """An equal formula with as few operations as cheap rewritings find.
 
     value : a sympy expression; nothing else is taken, least of all text, which sympy would evaluate.
@@ -35,7 +37,7 @@ def tidy(value: object, variable: object) -> Any:
     return min(candidates, key=lambda c: (_weight(sympy, c), sympy.default_sort_key(c)))
 
 
-def _roots_together(sympy: Any, value: Any) -> Any:
+def _roots_together(sympy: ModuleType, value: Sympy) -> Sympy:
     """sqrt(2) sqrt(a)/sqrt(b) as sqrt(2 a/b), term by term, and sqrt(r^2 - c^2)/r as sqrt(1 - c^2/r^2) stays."""
     terms = []
     for term in sympy.Add.make_args(value):
@@ -53,5 +55,5 @@ def _roots_together(sympy: Any, value: Any) -> Any:
     return sympy.Add(*terms)
 
 
-def _weight(sympy: ModuleType, value: Any) -> int:
+def _weight(sympy: ModuleType, value: Sympy) -> int:
     return int(sympy.count_ops(value)) + 2 * sum(1 for _ in value.atoms(sympy.Pow))

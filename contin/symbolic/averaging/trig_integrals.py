@@ -8,12 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Any
 
+from contin.records import Sympy
 from contin.symbolic.averaging.cells import Arc, Cut
 from contin.symbolic.averaging.rational_integrals import odd_integral, quarter_integral
-
-Sympy = Any
 
 
 def trig_integral(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Sympy:
@@ -76,7 +74,7 @@ def _antiderivative(m: int, n: int) -> Sympy:
     return phi
 
 
-def _rational(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Any:
+def _rational(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: Sequence[Arc]) -> Sympy:
     """f = q(x) y^n or q(y) x^n: integrals in cos or sin, or over whole quarters in cos^2."""
     import sympy
 
@@ -104,7 +102,7 @@ def _rational(formula: Sympy, x: Sympy, y: Sympy, r: Sympy, omega: Sympy, arcs: 
     return totals[0], totals[1]
 
 
-def _one(quotient: Sympy, power: int, main: Sympy, other: Sympy, arcs: Sequence[Arc], main_is_cos: bool) -> Any:
+def _one(quotient: Sympy, power: int, main: Sympy, other: Sympy, arcs: Sequence[Arc], main_is_cos: bool) -> Sympy:
     """Integral of quotient(main) * other^power over the arcs."""
     import sympy
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.machine import elementary
+from contin.records import Sympy
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -53,7 +54,7 @@ class TurnGrid:
         )
         return cls(phi, w, arcs, integrals @ to_legendre)
 
-    def mean(self, f: Any) -> complex:
+    def mean(self, f: Sympy) -> complex:
         """Average over the turn."""
         return complex(self.weights @ f)
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.machine import elementary
-from contin.model.evaluate import factorial
+from contin.model.evaluate import Value, factorial
 from contin.model.expression import Expression, numeric_value, postorder
 from contin.records import Record
 
@@ -34,29 +34,29 @@ def sample(expressions: Iterable[Expression], env: Record) -> list[Array]:
     return [np.array(np.broadcast_to(np.asarray(values[root], dtype=float), shape)) for root in roots]
 
 
-def _total(*x: Any) -> Any:
+def _total(*x: Value) -> Value:
     total = x[0]
     for term in x[1:]:
         total = total + term
     return total
 
 
-def _product(*x: Any) -> Any:
+def _product(*x: Value) -> Value:
     product = x[0]
     for factor in x[1:]:
         product = product * factor
     return product
 
 
-def _all(*x: Any) -> Any:
+def _all(*x: Value) -> Value:
     return np.logical_and.reduce(np.broadcast_arrays(*x))
 
 
-def _any(*x: Any) -> Any:
+def _any(*x: Value) -> Value:
     return np.logical_or.reduce(np.broadcast_arrays(*x))
 
 
-_OPERATIONS: Final[dict[str, Callable[..., Any]]] = {
+_OPERATIONS: Final[dict[str, Callable[..., Value]]] = {
     "add": _total,
     "mul": _product,
     "pow": elementary.pow,

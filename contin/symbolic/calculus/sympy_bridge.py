@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from contin.errors import ContinError
 from contin.model.expression import (
@@ -29,11 +29,11 @@ from contin.model.expression import (
     power,
     symbol,
 )
+from contin.records import Sympy
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-Sympy = Any  # a sympy object
 
 
 class BridgeError(ContinError, TypeError):
@@ -87,7 +87,7 @@ def _to(sympy: ModuleType, node: Expression, args: list[Sympy], positive: Collec
     return _FUNCTIONS[op](sympy, *args)
 
 
-_RELATIONS: Final[dict[str, Callable[[Any], Any]]] = {
+_RELATIONS: Final[dict[str, Callable[[Sympy], Sympy]]] = {
     "<": lambda s: s.Lt,
     "<=": lambda s: s.Le,
     ">": lambda s: s.Gt,
