@@ -34,14 +34,18 @@ READERS: Final = {
     ".ant": "contin.exchange.antimony:read",
     ".antimony": "contin.exchange.antimony:read",
     ".ode": "contin.exchange.xpp.read:read",
+    ".cellml": "contin.exchange.cellml.reader:read",
     ".m": "contin.exchange.matcont.read:read",
     ".f90": "contin.exchange.auto.read:read",
 }
 WRITERS: Final[Mapping[str, str]] = {
     ".ode": "contin.exchange.writing.ode:write",
     ".f90": "contin.exchange.writing.fortran:write",
+    ".cellml": "contin.exchange.cellml.reader:read",
     ".m": "contin.exchange.writing.matlab:write",
     ".jl": "contin.exchange.writing.julia:write",
+    ".xml": "contin.exchange.writing.sbml:write",
+    ".sbml": "contin.exchange.writing.sbml:write",
     ".yaml": "contin.exchange.writing.yaml:write",
     ".yml": "contin.exchange.writing.yaml:write",
 }
