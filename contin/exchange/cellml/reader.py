@@ -60,7 +60,7 @@ def read(text: str, path: Path) -> Imported:
 
 
 def _imported(
-    model: Any, factors: Mapping[str, float], units: Mapping[str, str], path: Path, said: list[str]
+    model: myokit.Model, factors: Mapping[str, float], units: Mapping[str, str], path: Path, said: list[str]
 ) -> Imported:
     notes: list[str] = []
     if any("conversion factor" in text for text in said):

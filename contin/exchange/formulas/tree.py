@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
@@ -80,10 +80,11 @@ def rebuilt(node: Node, change: Callable[[Node], Node | None]) -> Node:
             spine.append(node)
             node = node.args[0]
             continue
-        found = replace(node, args=tuple(rebuilt(arg, change) for arg in node.args)) if node.args else node
+        args = tuple(rebuilt(arg, change) for arg in node.args)
+        found = Node(node.kind, args, node.text, node.bracketed) if args else node
         break
     for parent in reversed(spine):
-        found = replace(parent, args=(found, rebuilt(parent.args[1], change)))
+        found = Node(parent.kind, (found, rebuilt(parent.args[1], change)), parent.text, parent.bracketed)
     return found
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from contin.exchange.xpp.constants import leading_number
@@ -12,16 +12,14 @@ from contin.exchange.xpp.lines import INTEGRAL
 from contin.exchange.xpp.options import Options, read_options
 from contin.exchange.xpp.statements import Statement, values
 
+_TABLE: Final = re.compile(r"(\S+)\s+%\s*(\d+)\s+(\S+)\s+(\S+)\s+(.*)", re.DOTALL)
 _SET: Final = re.compile(r"(\S+)\s*\{(.*?)\}?\s*", re.DOTALL)
 _FUNCTION: Final = re.compile(r"\(([^()]*)\)\s*=(.*)", re.DOTALL)
 
 # statements whose feature contin has no equal for
 MISSING: Final = {
-    "algebraic": "algebraic equations (0= and solve)",
-    "solve": "algebraic equations (0= and solve)",
     "volterra": "Volterra integral equations",
     "markov": "Markov variables",
-    "table": "tables",
     "special": "networks by table (special)",
     "global": "events that reset states (global)",
     "export": "right-hand sides in a library of their own (export)",
@@ -39,14 +37,27 @@ class Formula:
     arguments: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Table:
+    """Values of a formula in t at equal distances, between which XPP draws straight lines."""
+
+    formula: Formula
+    points: int
+    low: float
+    high: float
+
+
 @dataclass
 class Declared:
     """Statements by what they declare, in the order of the file."""
 
     states: list[Formula] = field(default_factory=list)
+    algebraic: list[Formula] = field(default_factory=list)  # 0 = ..., with the names of the variables that solve it
+    solved: list[tuple[str, float]] = field(default_factory=list)  # these variables and their guesses
     fixed: list[Formula] = field(default_factory=list)
     derived: list[Formula] = field(default_factory=list)
     functions: list[Formula] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
     observed: list[Formula] = field(default_factory=list)
     parameters: dict[str, float] = field(default_factory=dict)  # as they are spelled
     numbers: dict[str, float] = field(default_factory=dict)
@@ -73,7 +84,11 @@ def declared(statements: list[Statement], notes: list[str]) -> Declared:
             _READ[item.kind](found, item)
         elif item.text:
             found.missing.append(f"line {item.line}: {item.name!r} is no declaration of XPP's")
-    for kind, formulas in (("equation", found.states), ("quantity", [*found.fixed, *found.derived])):
+    _pair(found)
+    for kind, formulas in (
+        ("equation", [*found.states, *found.algebraic]),
+        ("quantity", [*found.fixed, *found.derived]),
+    ):
         seen: dict[str, int] = {}
         for formula in formulas:
             if formula.name.lower() in seen:
@@ -81,6 +96,24 @@ def declared(statements: list[Statement], notes: list[str]) -> Declared:
                 found.missing.append(f"line {formula.line}: a second {kind} for {formula.name}, as on line {first}")
             seen.setdefault(formula.name.lower(), formula.line)
     return found
+
+
+def _pair(found: Declared) -> None:
+    """One variable of solve for each 0= equation: they determine each other together, in any order."""
+    if len(found.algebraic) != len(found.solved):
+        found.missing.append(f"{len(found.algebraic)} equations 0=, but {len(found.solved)} variables in solve")
+        return
+    found.algebraic = [
+        replace(formula, name=name) for formula, (name, _) in zip(found.algebraic, found.solved, strict=True)
+    ]
+
+
+def _algebraic(found: Declared, item: Statement) -> None:
+    found.algebraic.append(Formula(item.line, "0", item.text))
+
+
+def _solve(found: Declared, item: Statement) -> None:
+    found.solved += [(name, _value(found, item.line, name, text)) for name, text in values(item.text)]
 
 
 def _equation(found: Declared, item: Statement) -> None:
@@ -94,6 +127,18 @@ def _function(found: Declared, item: Statement) -> None:
         return
     arguments = tuple(arg.strip() for arg in form[1].split(","))
     found.functions.append(Formula(item.line, item.name, form[2].strip(), arguments))
+
+
+def _table(found: Declared, item: Statement) -> None:
+    form = _TABLE.fullmatch(item.text)
+    if form is None or int(form[2]) < 2:
+        found.missing.append(f"line {item.line}: tables from files have no equal here")
+        return
+    (low, good), (high, fine) = leading_number(form[3]), leading_number(form[4])
+    if not (good and fine and low < high):
+        found.missing.append(f"line {item.line}: the table {form[1]} needs two ends that are numbers")
+        return
+    found.tables.append(Table(Formula(item.line, form[1], form[5].strip(), ("t",)), int(form[2]), low, high))
 
 
 def _numbers(kind: str) -> Callable[[Declared, Statement], None]:
@@ -172,11 +217,14 @@ def _nothing(found: Declared, item: Statement) -> None:
 _READ: Final[dict[str, Callable[[Declared, Statement], None]]] = {
     "equation": _equation,
     "map": _equation,
+    "algebraic": _algebraic,
+    "solve": _solve,
     "function": _function,
     "fixed": _formula("fixed"),
     "derived": _formula("derived"),
     "initial": _initial,
     "initial value": _initial_one,
+    "table": _table,
     "aux": _aux,
     "parameter": _numbers("parameter"),
     "number": _numbers("number"),

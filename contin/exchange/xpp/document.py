@@ -57,15 +57,22 @@ def document(found: Declared, parts: Document, symbols: Symbols, is_map: bool) -
             "write kind: bvp and conditions"
         )
     sections: Fields = {
-        "kind": "map" if is_map else "flow", "states": states, "parameters": _parameters(found, symbols),
-        "functions": functions, "definitions": definitions, "equations": equations, "observables": observables,
+        "kind": "map" if is_map else "flow",
+        "states": states,
+        "parameters": _parameters(found, symbols),
+        "functions": functions,
+        "definitions": definitions,
+        "mass": {symbols.table[f.name.lower()].name: 0 for f in found.algebraic},
+        "equations": equations,
+        "observables": observables,
         "starts": _starts(found, symbols),
-    }  # fmt: skip
+    }
     return {key: value for key, value in sections.items() if value}
 
 
 def _states(found: Declared, symbols: Symbols) -> Fields:
     values = dict.fromkeys((f.name.lower() for f in found.states), 0.0)
+    values.update((name.lower(), value) for name, value in found.solved)
     for spelled, value in found.initial:
         key = symbols.full(spelled.lower())
         if key in values:

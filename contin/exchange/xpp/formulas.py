@@ -11,7 +11,7 @@ from contin.exchange.formulas.parser import FormulaError, parse
 from contin.exchange.formulas.tree import Node, either, name, number, own, rebuilt, substituted, total, walk
 from contin.exchange.naming import cleaned
 from contin.exchange.xpp.constants import constant, folded
-from contin.exchange.xpp.declared import Formula
+from contin.exchange.xpp.declared import Formula, Table
 from contin.exchange.xpp.grammar import INDEX, REFUSED, XPP, surprising
 from contin.exchange.xpp.symbols import Symbols
 
@@ -33,6 +33,8 @@ class Formulas:
         self.symbols, self.time, self.values, self.notes = symbols, time, values, notes
         self.defaults = {**values, **defaults}
         self.uses_time = False
+        self.tables: dict[str, Table] = {}
+        self._tabulated: dict[str, Node] = {}
         self.noisy = {key for key, s in symbols.table.items() if s.kind == "noise"}  # and what contains noise
 
     def read(self, formula: Formula) -> Node:
@@ -94,6 +96,8 @@ class Formulas:
                 return self._sum(found)
             if found.kind == "call" and found.text == "shift":
                 return self._shift(found)
+            if found.kind == "call" and found.text in self.tables:
+                return self._interpolated(found, self.tables[found.text])
             return None
 
         return rebuilt(node, change)
@@ -107,6 +111,15 @@ class Formulas:
             raise Unknown(f"a sum of {high - low + 1} terms; {MOST_TERMS} are allowed")
         term = node.args[2]
         return total([self._expanded(substituted(term, {INDEX: number(k)})) for k in range(low, high + 1)])
+
+    def _interpolated(self, node: Node, table: Table) -> Node:
+        """A table at a place that is known; in between a table is no formula."""
+        place = constant(node.args[0], self.values) if len(node.args) == 1 else None
+        if place is None:
+            raise Unknown(f"the table {node.text} at what is no number here: tables have no equal but at numbers")
+        if node.text not in self._tabulated:
+            self._tabulated[node.text] = self._expanded(parse(table.formula.text, XPP))
+        return _between(table, self._tabulated[node.text], place)
 
     def _shift(self, node: Node) -> Node | None:
         if len(node.args) != 2 or node.args[0].kind != "name":
@@ -124,6 +137,18 @@ class Formulas:
                     raise Unknown(f"shift({key}, {step:g}) leaves the declared names")
                 return name(order[place])
         raise Unknown(f"shift({key}, ...): {key} is no variable and no parameter")
+
+
+def _between(table: Table, node: Node, place: float) -> Node:
+    """The straight line through the two values beside `place`, or beyond the end nearest to it."""
+    step = (table.high - table.low) / (table.points - 1)
+    k = min(max(math.floor((place - table.low) / step), 0), table.points - 2)
+    part = (place - table.low) / step - k
+    ends = [substituted(node, {"t": number(table.low + i * step)}) for i in (k, k + 1)]
+    if part in (0.0, 1.0):
+        return ends[int(part)]
+    weighted = (Node("*", (number(w), end)) for w, end in zip((1 - part, part), ends, strict=True))
+    return Node("+", tuple(weighted))
 
 
 def _heaviside(writer: Writer, node: Node) -> Node:

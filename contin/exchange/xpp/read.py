@@ -63,7 +63,7 @@ def _refuse(wrong: Iterable[str], path: Path) -> None:
 
 def _symbols(found: Declared, notes: list[str]) -> Symbols:
     symbols = Symbols(Names(notes), notes)
-    for formula in found.states:
+    for formula in (*found.states, *found.algebraic):
         symbols.declare(formula.name, "state")
     for spelled in found.parameters:
         symbols.declare(spelled, "parameter")
@@ -87,12 +87,16 @@ def _parts(found: Declared, symbols: Symbols, is_map: bool, notes: list[str]) ->
     numbers = {name.lower(): value for name, value in found.numbers.items()}
     defaults = {name.lower(): value for name, value in found.parameters.items()}
     formulas = Formulas(symbols, time, numbers, defaults, notes)
+    formulas.tables = {table.formula.name.lower(): table for table in found.tables}
     inner = [entry(f, formulas, symbols) for f in (*found.derived, *found.fixed, *found.functions)]
     table = {item.key: item for item in inner}
-    states = [entry(f, formulas, symbols) for f in found.states]
+    states = [entry(f, formulas, symbols) for f in (*found.states, *found.algebraic)]
     used = reached(states, table)
     loops = circular(table)
     missing = [item.wrong for item in (*states, *(table[key] for key in used)) if item.wrong]
+    missing += [
+        f"line {f.line}: algebraic equations (0=) in a map have no equal here" for f in found.algebraic if is_map
+    ]
     missing += [f"line {table[k].formula.line}: {k} depends on itself" for k in used & loops]
     _spread_noise(formulas, table)
     missing += _noise(found, formulas, states, notes)

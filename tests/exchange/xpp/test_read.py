@@ -177,10 +177,11 @@ def test_words_of_the_grammar_are_renamed():
     [
         ("x'=-x\nwiener w\ny'=-y+w", 3, "noise"),
         ("x'=-delay(x,1)", 1, "delays"),
-        ("x'=-x\ntable w % 3 0 2 t", 2, "tables"),
+        ("table w % 3 0 2 t\nx'=w(x)", 2, "tables have no equal but at numbers"),
+        ("x'=-x\ntable w file.tab", 2, "tables from files"),
         ("x'=-x\nspecial k=conv(even,3,1,w,x)", 2, "networks by table"),
         ("x'=-x\nmarkov z 2", 2, "Markov"),
-        ("x'=y\n0=x+y\nsolv y=1", 2, "algebraic equations"),
+        ("x(t+1)=y\n0=x+y\nsolv y=1", 2, "algebraic equations"),
         ("x'=-x\nglobal 1 x-1 {x=0}", 2, "events"),
         ("x'=-x+int{exp(-t)#x}", 1, "Volterra"),
         ("u(t)=sin(t)+int{exp(-t)#u}\nx'=-u", 1, "Volterra"),
@@ -199,6 +200,22 @@ def test_words_of_the_grammar_are_renamed():
 def test_what_is_missing_is_named_with_its_line(lines, line, missing):
     with pytest.raises((UnsupportedError, InputError), match=rf"line {line}: .*{missing}"):
         model(f"{lines}\ndone\n")
+
+
+def test_algebraic_equations_are_states_without_mass():
+    found = imported("x'=-x+y\n0= y+z\n0=x-z^3\nsolv y=-1,z=1\ninit x=1\naux s=y+z\ndone")
+    assert found.model["mass"] == {"y": 0, "z": 0}
+    assert found.model["states"] == {"x": 1, "y": -1, "z": 1}
+    assert model_of(found, "a").equation_map.keys() == {"x", "y", "z"}
+    with pytest.raises(UnsupportedError, match="1 equations 0=, but 2 variables"):
+        imported("x'=y\n0=x+y\nsolve y=1,z=1\ndone")
+
+
+def test_tables_of_formulas_are_read_at_numbers_as_xpp_interpolates_them():
+    text = "par a=2\ntable w % 5 0 8 a*t*t\nx[0..2]'=w([j])+sum(0,2)of(w(i'*2))\naux q=w(3)\naux r=w(-1)\naux s=w(9)\nd"
+    got = values(text)
+    assert (got["q"], got["r"], got["s"]) == (20, -4, 156)
+    assert [got[f"x{j}"] - 40 for j in range(3)] == [0, 4, 8]
 
 
 def test_noise_whose_factor_is_zero_is_left_out():
