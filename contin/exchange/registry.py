@@ -14,7 +14,8 @@ A package adds a reader by an entry point of the group `contin.importers` (a wri
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -41,7 +42,6 @@ READERS: Final = {
 WRITERS: Final[Mapping[str, str]] = {
     ".ode": "contin.exchange.writing.ode:write",
     ".f90": "contin.exchange.writing.fortran:write",
-    ".cellml": "contin.exchange.cellml.reader:read",
     ".m": "contin.exchange.writing.matlab:write",
     ".jl": "contin.exchange.writing.julia:write",
     ".xml": "contin.exchange.writing.sbml:write",
@@ -49,7 +49,11 @@ WRITERS: Final[Mapping[str, str]] = {
     ".yaml": "contin.exchange.writing.yaml:write",
     ".yml": "contin.exchange.writing.yaml:write",
 }
-EXTRAS: Final = {"libsbml": "sbml", "antimony": "antimony"}  # missing module -> the extra that brings it
+EXTRAS: Final = {
+    "libsbml": "sbml",
+    "antimony": "antimony",
+    "myokit": "cellml",
+}  # missing module -> the extra that brings it
 IMPORTERS: Final = "contin.importers"
 EXPORTERS: Final = "contin.exporters"
 LARGEST_FILE: Final = 50_000_000  # bytes
@@ -101,14 +105,21 @@ def read(path: str | Path) -> Imported:
         raise ModelNotFoundError(f"no file {path}")
     if path.stat().st_size > LARGEST_FILE:
         raise InputError(f"{path}: larger than {LARGEST_FILE // 1_000_000} million bytes")
-    try:
+    with _needed(path, "reading"):
         reader = cast(Reader, _function(path, READERS, IMPORTERS))
         return reader(decoded(path.read_bytes()), path)
+
+
+@contextmanager
+def _needed(path: Path, what: str) -> Iterator[None]:
+    """A library of an extra that is not installed is told with the extra's name."""
+    try:
+        yield
     except ModuleNotFoundError as error:
         extra = EXTRAS.get(str(error.name))
         if extra is None:
             raise
-        raise UnsupportedError(f"{path}: reading it needs {error.name}: pip install 'contin[{extra}]'") from None
+        raise UnsupportedError(f"{path}: {what} it needs {error.name}: pip install 'contin[{extra}]'") from None
 
 
 def load(path: str | Path) -> Model:
@@ -129,8 +140,9 @@ def write(model: Model, path: str | Path) -> Exported:
     path = Path(path)
     if not is_written(path):
         raise InputError(f"{path}: models cannot be written to files that end in {path.suffix or 'nothing'}")
-    writer = cast(Writer, _function(path, WRITERS, EXPORTERS))
-    return writer(model)
+    with _needed(path, "writing"):
+        writer = cast(Writer, _function(path, WRITERS, EXPORTERS))
+        return writer(model)
 
 
 def decoded(data: bytes) -> str:

@@ -10,7 +10,10 @@ from typing import Final
 from contin.errors import InputError
 from contin.exchange.imported import Imported
 
-READERS: Final = {"sbml": "contin.exchange.sbml.reader"}  # module with a function `read` by the root element
+READERS: Final = {  # module with a function `read` by the root element
+    "sbml": "contin.exchange.sbml.reader",
+    "model": "contin.exchange.cellml.reader",
+}
 _ROOT: Final = re.compile(r"<\s*(?:[\w.-]+:)?([A-Za-z_][\w.-]*)[\s/>]")
 _SKIPPED: Final = re.compile(r"<\?.*?\?>|<!--.*?-->", re.DOTALL)
 _DECLARED: Final = re.compile(r"\A\s*<\?xml[^>]*\?>")

@@ -21,7 +21,7 @@ FILE = """
       S = DEXP(-V)*3/2 + 7/2*HALF
       S = S**2**TWO
       F(1) = CUBE(V + W) - S &
-       & - SIGN(W, -V) + MERGE(-1.5D0, 9D0, V < 10)
+       & - SIGN(W, -V) + MERGE(MOD(-7.5D0, TWO), 9D0, V < 10)
       F(2) = F(1)*PAR(3) - V**(-2)
       IF (IJAC.EQ.0) RETURN
       DFDU(1,1) = WHATEVER(1)

@@ -8,7 +8,7 @@ from contin.exchange.imported import UnsupportedError
 from contin.model.evaluate import evaluate_all
 from contin.model.registry import load
 
-ODE, AUTO, MATCONT = ".ode", ".f90", ".m"
+ODE, AUTO, MATCONT, SBML = ".ode", ".f90", ".m", ".xml"
 
 BRUSSELATOR = {
     "name": "brusselator",
@@ -31,6 +31,15 @@ GRAMMAR = {
         "μ": "expm1(V) + asin(V/4) + acos(v/4) + atan(V) + tan(v) + sinh(μ) + sqrt(r2) + log10(2 + v) + cos(pi*V)",
     },
     "observables": {"r2": "r2", "q": "V*q1"},
+}
+STEPS = {
+    "name": "steps",
+    "states": {"x": 0.5, "y": 1.5},
+    "parameters": {"a": 0.7},
+    "equations": {
+        "x": "mod(3*x, a) + mod(5*y, -a) + floor(4*x) - ceil(3*y)*a",
+        "y": "asinh(x) + acosh(2 + y) + atanh(x/2) - floor(x - y) + abs(y)^a",
+    },
 }
 HENON = {
     "name": "henon",
@@ -87,13 +96,17 @@ def there_and_back(model, ending, folder):
     return registry.model_of(found, file), written, found
 
 
-@pytest.mark.parametrize("ending", [ODE, AUTO, MATCONT, ".yaml"])
-@pytest.mark.parametrize("document", [BRUSSELATOR, GRAMMAR, HENON, NETWORK], ids=lambda d: d["name"])
+@pytest.mark.parametrize("ending", [ODE, AUTO, MATCONT, SBML, ".yaml"])
+@pytest.mark.parametrize("document", [BRUSSELATOR, GRAMMAR, STEPS, HENON, NETWORK], ids=lambda d: d["name"])
 def test_equations_survive(document, ending, tmp_path):
     model = load(document)
     if ending == ".yaml":
         (tmp_path / "sample.yaml").write_text(registry.write(model, "sample.yaml").text)
         assert load(str(tmp_path / "sample.yaml")).equations == model.equations
+        return
+    if ending == SBML and model.kind == "map":
+        with pytest.raises(UnsupportedError, match="kind map"):
+            registry.write(model, "x.xml")
         return
     other, _, _ = there_and_back(model, ending, tmp_path)
     assert other.kind == model.kind
@@ -102,7 +115,7 @@ def test_equations_survive(document, ending, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["metronomes/pair", "classics/hodgkin-huxley", "classics/brusselator"])
-@pytest.mark.parametrize("ending", [ODE, AUTO, MATCONT])
+@pytest.mark.parametrize("ending", [ODE, AUTO, MATCONT, SBML])
 def test_bundled_models_survive(name, ending, tmp_path):
     model = load(name)
     assert sampled(model, there_and_back(model, ending, tmp_path)[0]) < 1e-12

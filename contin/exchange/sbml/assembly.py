@@ -177,4 +177,3 @@ class Assembly:
             if wanted not in self.names:
                 named[wanted if formula == wanted else self.symbols.names.take(wanted)] = formula
         return named
-

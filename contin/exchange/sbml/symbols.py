@@ -74,9 +74,7 @@ def symbols_of(model: Any, notes: list[str]) -> Symbols:
         else:
             role = REACTIONS if element_id in changed else FIXED
         math = None if rule is None else rule.getMath()
-        symbols[element_id] = Symbol(
-            element_id, kind, given[element_id], role, element, math, initial.get(element_id)
-        )
+        symbols[element_id] = Symbol(element_id, kind, given[element_id], role, element, math, initial.get(element_id))
     return Symbols(symbols, {r: given[r] for r in reactions}, names, level)
 
 

@@ -38,6 +38,12 @@ def decimal(value: float) -> str:
     return text.removesuffix(".0") if "e" not in text else text
 
 
+def fifteen(value: float) -> str:
+    """The same in decimals of 15 digits, which is what libSBML writes: the second term is what the first leaves."""
+    short = float(f"{value:.15g}")
+    return decimal(value) if short == value else f"({short:.15g} + ({value - short:.15g}))"
+
+
 PLAIN_COMPARE: Final = {op: f"({{0}}) {op} ({{1}})" for op in ("<", "<=", ">", ">=", "==", "!=")}
 
 XPP: Final = Language(  # comparisons bind like powers there, so that everything stands in parentheses
@@ -103,7 +109,7 @@ JULIA: Final = Language(
 )
 
 SBML: Final = Language(  # formulas of libSBML's level 3 grammar
-    number=decimal,
+    number=fifteen,
     power="pow({0}, {1})",
     conditional="piecewise({1}, {0}, {2})",
     compare=PLAIN_COMPARE,

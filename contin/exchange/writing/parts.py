@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # parts of a model that change its equations' meaning and that no writer knows are refused by their names
 _WRITTEN: Final = frozenset(
     "name states parameters equations kind title source description functions definitions observables starts "
-    "conserved".split()
+    "conserved labels".split()
 )
 _SAID: Final = frozenset("symmetries rotation averaging forcing limits expect".split())  # left out with a note
 KINDS: Final = {"flow": "differential equations", "map": "maps"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 import libsbml
@@ -15,6 +17,7 @@ from contin.exchange.writing.parts import checked, values, written
 if TYPE_CHECKING:
     from contin.model.model import Model
 
+_VALUE: Final = re.compile(r'(<parameter id="(\w+)" value=")[^"]*(")')
 _RESERVED: Final = frozenset(
     "time avogadro pi exponentiale true false infinity notanumber delay rateOf piecewise and or not xor pow exp ln log "
     "log10 sqrt root abs floor ceil ceiling factorial sin cos tan sec csc cot sinh cosh tanh asin acos atan arcsin "
@@ -45,7 +48,13 @@ def write(model: Model) -> Exported:
         _rule(target.createAssignmentRule(), name, formula)
     for name, formula in zip(model.state_names, text.equations, strict=True):
         _rule(target.createRateRule(), symbols[name], formula)
-    return Exported(str(libsbml.writeSBMLToString(document)), (*notes, *names.notes))
+    exact = {symbols[name]: value for name, value in {**numbers.parameters, **numbers.states}.items()}
+    return Exported(_with_digits(libsbml.writeSBMLToString(document), exact), (*notes, *names.notes))
+
+
+def _with_digits(text: str, exact: Mapping[str, float]) -> str:
+    """libSBML writes 15 digits of a value; here are all that make the double."""
+    return _VALUE.sub(lambda found: f"{found[1]}{exact[found[2]]!r}{found[3]}", text)
 
 
 def _quantity(target: libsbml.Model, name: str, value: float | None, *, constant: bool) -> None:

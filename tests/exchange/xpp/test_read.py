@@ -70,6 +70,13 @@ def values(text, **states):
         ("sum(0,2)of(i'^2)+1", 6),
         ("sum(0,1.9)of(x)", 6),
         ("2**x", 8),
+        ("mod(-3.5,2)", 0.5),
+        ("mod(-3.5,-2)", -3.5),
+        ("mod(3.5,-2)", 1.5),
+        ("mod(-4,x-5)", 0),
+        ("mod(-x,x-1)", 1),
+        ("flr(-1.5)", -2),
+        ("ceil(-1.5)", -1),
     ],
 )
 def test_formulas_mean_what_they_mean_in_xpp(formula, value):
@@ -114,6 +121,11 @@ def test_arrays_blocks_sums_and_shifts_are_written_out():
     assert got["y1"] == -1
     assert got["y3"] == 0
     assert got["s"] == 4 + 5
+
+
+def test_time_starts_at_t0():
+    found = model("x'=t\n@ t0=1.5\ndone")
+    assert evaluate_all(found.equations, {"t": 2.0, "x": 0.0}) == [3.5]
 
 
 @pytest.mark.parametrize("equation", ["x(t+1)=r*x*(1-x)", "x'=r*x*(1-x)\n@ meth=discrete"])
