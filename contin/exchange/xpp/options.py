@@ -23,7 +23,7 @@ class Options:
     @property
     def discrete(self) -> bool:
         """True where the equations are iterated."""
-        return self.words.get("meth", self.words.get("method", "")).lower().startswith("di")
+        return self.words.get("meth", "").lower().startswith("di")
 
     def number(self, name: str) -> float | None:
         """The value of a numeric option."""
@@ -33,7 +33,7 @@ class Options:
 def read_options(text: str, options: Options) -> None:
     """Add what one @ line sets; later lines win."""
     for name, value in _OPTION.findall(text):
-        key = name.lower()
+        key = _known(name.lower())
         if key == "fold":
             options.fold.append(value)
         elif key in _NUMBERS:
@@ -43,3 +43,10 @@ def read_options(text: str, options: Options) -> None:
                 continue
         else:
             options.words[key] = value
+
+
+def _known(name: str) -> str:
+    """XPP takes what begins like an option's name for it: transient is trans, method meth."""
+    if name in _NUMBERS:
+        return name
+    return max((key for key in (*_NUMBERS, "meth", "fold", "rangeover") if name.startswith(key)), key=len, default=name)

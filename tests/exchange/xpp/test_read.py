@@ -94,7 +94,7 @@ def test_declarations_in_all_their_forms():
         "# a comment\npar a=2 b=3,c\nnumber k=4\n!d=a*b\n"
         "f(u,v)=u*v+K\ns = D + \\\n1\n"
         "X'=f(x,A)+s\ndy/dt=-y*D\nz' = -z\naux Tot.E=x+y\naux s=s\n"
-        "init x=1, y=.5\nZ(0)=-2\n@ total=7,trans=2\ndone\nnonsense"
+        "init x=1, y=.5\nZ(0)=-2\n@ total=7,transient=2\ndone\nnonsense"
     )
     found = model(text)
     assert found.state_names == ("X", "y", "z")
