@@ -13,7 +13,7 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
-from contin.continuation.isolate import Found, isolate
+from contin.continuation.isolate import Found, Note, isolate
 from contin.continuation.last_step import Course
 from contin.continuation.own_tests import own_tests
 from contin.continuation.piece import Piece
@@ -71,6 +71,7 @@ class Departure:
     start: Sample
     here: list[Found]
     known: list[Verified]  # points that are labelled already, shared by both arms
+    notes: tuple[str, ...] = ()  # what could not be told at the start
 
     def arm(
         self, sense: int, targets: Sequence[Wanted] = (), march: Callable[..., Chunk] | None = None
@@ -116,7 +117,8 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
                 )
     scale = problem.initial_scale(seed.z, bounds) if seed.scale is None else seed.scale
     try:
-        start, here = _first_sample(seed, scale, settings)
+        start, seen = _first_sample(seed, scale, settings)
+        here = [item for item in seen if isinstance(item, Found)]
     except NotFiniteError:
         unfolded = problem.unfolded(seed.z, Frame(scale))
         if unfolded is None:
@@ -124,15 +126,17 @@ def depart(seed: Seed, bounds: tuple[float, float], settings: Settings) -> Depar
         start, point, beside = unfolded
         seed = replace(seed, z=point.z, beside=beside, arms=tuple(arm for arm in seed.arms if arm in beside))
         here = [Found(0.0, point, start)]
+        seen = []
     known = [f.point for f in here]
     if seed.born:  # the parent is not a label of the branch, should it come back to it
         type_ = {"orbit": "BPC", "locus": "ZH"}.get(problem.kind, "BP")
         known.append(Verified(type_, seed.z, 0.0, 0.0, start.eigenvalues, 0))
-    return Departure(seed, bounds, settings, scale, start, here, known)
+    notes = tuple(item.text for item in seen if isinstance(item, Note))
+    return Departure(seed, bounds, settings, scale, start, here, known, notes)
 
 
-def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found]]:
-    """The start with tangent and tests, and the special points that it coincides with."""
+def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample, list[Found | Note]]:
+    """The start with tangent and tests, the special points that it coincides with, and what could not be told there."""
     problem = seed.problem
     if seed.born:
         assert seed.direction is not None
@@ -157,8 +161,7 @@ def _first_sample(seed: Seed, scale: Array, settings: Settings) -> tuple[Sample,
     else:
         raise NotFiniteError(f"the branch cannot be followed from the start. {problem.describe_failure(seed.z)}")
     stretch = Stretch(problem, base, frame, settings)
-    found = [item for item in isolate(stretch, a, b) if isinstance(item, Found)]
-    return replace(b, z=seed.z, tangent=base.tangent), found
+    return replace(b, z=seed.z, tangent=base.tangent), list(isolate(stretch, a, b))
 
 
 def _suspicious(start: Sample) -> bool:

@@ -64,7 +64,7 @@ def _end_at(problem: Problem, f: Found, scale: Array, stop_at: Sequence[str]) ->
 
 
 def _reverses(problem: Problem, f: Found, scale: Array, symmetries: Sequence[str]) -> bool:
-    return problem.reverses(f.point.z, f.sample.tangent * scale, symmetries)
+    return problem.reverses(f.point.z, f.sample.tangent * scale, scale, symmetries)
 
 
 def _where(problem: Problem, f: Found) -> str:

@@ -344,8 +344,8 @@ class Problem(ABC):
         """The end that a branch was near whose corrector fails, from its last points; None where there is no sign."""
         return None
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        """True where one of these symmetries keeps z and turns the (raw) tangent round."""
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        """True where one of these symmetries keeps z and turns the (raw) tangent round, in the metric of `scale`."""
         return False
 
     # -- unknowns that change along a branch, or have a phase ---------------------------------------------------------

@@ -70,7 +70,7 @@ def trace(
     departure = depart(seed, bounds, settings)
     seed = departure.seed
     records: dict[int, _ArmRecord] = {}
-    notes: list[str] = []
+    notes = list(departure.notes)
     for sense in seed.arms:
         if -1 in records and records[-1].end.reason == "closed":
             records[sense] = _ArmRecord([], records[-1].end, 0)

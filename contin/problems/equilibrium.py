@@ -441,8 +441,8 @@ class EquilibriumProblem(Problem):
         crossed = corners.cross_corner(self, last, frame, settings)
         return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return bool(symmetries) and any(name in symmetries for name in reversing_symmetries(self, z, tangent, scale))
 
     def unfolded(self, z: Array, frame: Frame) -> tuple[Sample, Verified, Mapping[int, Array]] | None:
         return unfolded(self, z, frame)

@@ -88,10 +88,16 @@ def _motion(jacobian: Array, parameter_scale: float) -> Array:
 
 
 def parameter_width(model: object, name: str, value: float, bounds: tuple[float, float]) -> float:
-    """Scale of a parameter: the width of its range; of an endless one its own scale or range, its size, or 1."""
+    """Scale of a parameter: the width of its range; of an endless one its own scale or range, its size, or 1.
+
+    Its size is its value, or the larger one that the model gives it: a value of 1e-17 may be a zero.
+    """
     width = bounds[1] - bounds[0]
     if np.isfinite(width):
         return width
     own = getattr(model, "parameter_scale", None)
     declared = None if own is None else own(name)
-    return float(declared) if declared else abs(value) or 1.0
+    if declared:
+        return float(declared)
+    usual = dict(zip(model.parameter_names, model.start_point(None)[1], strict=True)) if own is not None else {}
+    return max(abs(value), abs(float(usual.get(name, 0.0)))) or 1.0

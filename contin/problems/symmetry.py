@@ -47,27 +47,29 @@ def apply_symmetry(problem: InOneParameter, name: str, z: Array) -> Array:
     return mapped
 
 
-def reversing_symmetries(problem: InOneParameter, z: Array, direction: Array) -> tuple[str, ...]:
+def reversing_symmetries(problem: InOneParameter, z: Array, direction: Array, scale: Array) -> tuple[str, ...]:
     """Symmetries that keep z (modulo angle periods) and turn `direction` (unscaled, (n + 1,)) round.
+
+    scale : of the unknowns, the metric in which both are judged.
 
     At a branch point they map one half of the new branch onto the other: the point breaks them. A cycle of a map is
     kept by a symmetry that shifts it, too.
     """
     names = symmetry_names(problem)
     found = []
-    size = float(np.max(np.abs(direction[:-1]), initial=0.0))
-    if size == 0.0:
+    lengths = np.abs(direction / scale)
+    size = float(np.max(lengths[:-1], initial=0.0))
+    if size == 0.0 or lengths[-1] > AGREES * float(lengths.max()):
         return ()
     step = STEP if not isinstance(problem.system, IteratedSystem) else CYCLE_STEP
     for name in names:
         rows = apply_symmetry(problem, name, np.stack([z, z + step * direction, z - step * direction]))
         for image in _shifts(problem, rows):
             fixed = _wrapped(image[0] - z, problem.angle_periods)
-            if np.any(np.abs(fixed) > AGREES * np.maximum(np.abs(z), size)):
+            if np.any(np.abs(fixed) > AGREES * np.maximum(np.abs(z), size * scale)):
                 continue
             moved = _wrapped(image[1] - image[2], problem.angle_periods) / (2.0 * step)
-            turned = bool(np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size))
-            if turned and abs(direction[-1]) <= AGREES * abs(direction).max():
+            if np.all(np.abs(moved[:-1] + direction[:-1]) <= AGREES * size * scale[:-1]):
                 found.append(name)
                 break
     return tuple(found)
@@ -80,14 +82,6 @@ def _shifts(problem: InOneParameter, rows: Array) -> Iterator[Array]:
         orbits = [list(problem.system.orbit(z[:-1], problem.full_parameters(z))) for z in rows]
         for j in range(1, problem.system.times):
             yield np.array([np.append(orbit[j], z[-1]) for orbit, z in zip(orbits, rows, strict=True)])
-
-
-def is_fixed_by(problem: InOneParameter, name: str, z: Array) -> bool:
-    """True where the symmetry maps the state to itself (modulo angle periods)."""
-    difference = _wrapped(apply_symmetry(problem, name, z)[0] - z, problem.angle_periods)
-    return bool(
-        np.all(np.abs(difference) <= AGREES * np.maximum(np.abs(z), 1e-6 * max(float(np.abs(z).max()), 1e-300)))
-    )
 
 
 def _wrapped(difference: Array, periods: Array) -> Array:

@@ -169,7 +169,7 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
     found = known.copy()
     if not known.any():
         return result, ~found
-    coupling = np.where(coupling > ROUNDING * coupling.max(), coupling, 0.0)
+    coupling = without_rounding(coupling)
     for _ in range(SWEEPS):
         for i in np.flatnonzero(~known):
             others = (np.arange(n) != i) & found
@@ -184,7 +184,28 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
             else:
                 continue
             found[i] = True
-    return result, ~found
+    own = ~known & (scale > 0.0) & (~found | (scale > ROUNDING * result))  # small in its units, and no rounding
+    return np.where(own, scale, result), ~(found | own)
+
+
+def without_rounding(coupling: Array) -> Array:
+    """Moduli of a matrix (n, n), 0 where they are rounding errors beside the others once it is balanced.
+
+    In units of 1e-9 and 1e9 of two states one entry is 1e-36 of the other, and yet no rounding error.
+    """
+    if not np.any((coupling > 0.0) & (coupling <= ROUNDING * coupling.max())):
+        return coupling
+    balanced = coupling.copy()
+    np.fill_diagonal(balanced, 0.0)
+    for _ in range(SWEEPS):
+        for i in range(len(balanced)):
+            column, row = float(balanced[:, i].sum()), float(balanced[i].sum())
+            if column > 0.0 and row > 0.0:
+                factor = np.sqrt(row / column)
+                balanced[:, i] *= factor
+                balanced[i] /= factor
+    np.fill_diagonal(balanced, coupling.diagonal())
+    return np.asarray(np.where(balanced > ROUNDING * balanced.max(), coupling, 0.0))
 
 
 def guessed_note(names: Sequence[str]) -> str:

@@ -47,7 +47,7 @@ def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
         beside = {arm: at * scale for arm, at in outset.beside.items()}
         if not beside:  # a point is known only as well as the metric resolves it that it was found in
             scale, d, k = renewed_metric(local, point.z, d, k)
-        symmetries = reversing_symmetries(problem, point.z, d * scale)
+        symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
         arms = (1,) if symmetries else tuple(sorted(beside)) or (-1, 1)
         seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, beside=beside))
     if not seeds:

@@ -39,7 +39,7 @@ def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) 
     d, c = direction / scale, bend / scale
     length = norm(d)
     d, c = d / length, c / elementary.square(length)
-    symmetries = reversing_symmetries(problem, point.z, d * scale)
+    symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
     seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
     return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]
 

@@ -25,7 +25,7 @@ from contin.problems.defining import _bordered as solve
 if TYPE_CHECKING:
     from contin.systems.protocol import System
 
-FORCED = 1e-9  # an unfolding parameter below this is zero
+FORCED = 1e-9  # of the largest rate: an unfolding parameter below this is zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ class BorderedCurve:
     def _across(self, z: Array) -> Array:
         """A direction of the parameters across the curve; the first parameter's, until the curve's own is known."""
         known = self._memory.borders
-        if known is None or abs(self.scalar(z)) > FORCED:
+        if known is None or abs(self.scalar(z)) > FORCED * float(np.abs(self._scaled(self.matrix(z))).max()):
             return np.array([1.0, 0.0])
         along = np.linalg.svd(self.linearise(z, known)[1])[2][-1]
         width = float(elementary.hypot(along[-1], along[-2]))

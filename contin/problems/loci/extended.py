@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 PLANE = 0.3  # sine of the angle below which the border says too little about the second vector of the critical plane
 VECTOR = 2.0  # how much a turn of a null vector counts in the metric: 1 / VECTOR of its angle
 ORTHOGONAL = 1e-7
+FORCED = 1e-9  # of the largest rate: an unfolding below this is zero
 
 _systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary()
 
@@ -191,8 +192,17 @@ class ExtendedCurve:
         _, jacobian = self.linearise(z)
         along = np.linalg.svd(jacobian / np.abs(jacobian).max(axis=1, keepdims=True))[2][-1]
         width = elementary.hypot(along[-1], along[-2])
-        if width > 0.0 and abs(self.scalar(z)) < 1e-9:
+        if width > 0.0 and self._is_forced(z):
             self._gauge.values = np.array([-along[-2], along[-1]]) / width
+
+    def _is_forced(self, z: Array) -> bool:
+        """True where the unfolding, a rate in these units of w, is nothing beside the rates of the equations."""
+        return abs(self.scalar(z)) < FORCED * self._rate(z)
+
+    def _rate(self, z: Array) -> float:
+        """The largest entry of f_u in scaled states, in which the unfolding of branch points is measured."""
+        found = float(np.abs(self.matrix(z) * self.sizes / self.sizes[:, None]).max())
+        return found if 0.0 < found < np.inf else 1.0
 
     def _squared(self, matrix: Array, kappa: float) -> Array:
         if self.type == "HB":
@@ -261,14 +271,15 @@ class ExtendedCurve:
         if self.type in ("LP", "PD"):
             return np.concatenate([d, VECTOR * d, ends])
         if self.type == "BP":
-            return np.concatenate([d, VECTOR / d, [1.0], ends])
+            return np.concatenate([d, VECTOR / d, [self._rate(z)], ends])
         kappa = 1.0 if self.type == "NS" else self._frequency_squared(z)
         return np.concatenate([d, VECTOR * d, VECTOR * np.sqrt(kappa) * d, [kappa], ends])
 
     def _frequency_squared(self, z: Array) -> float:
         """A typical size of kappa: its own, or that of the slowest other eigenvalue where it vanishes (at BT)."""
-        values = np.sort(np.abs(np.linalg.eigvals(self.matrix(z) * self.sizes / self.sizes[:, None])))
-        typical = elementary.square(float(values[2] if self.n > 2 else np.abs(self.matrix(z)).max()))
+        matrix = self.matrix(z) * self.sizes / self.sizes[:, None]
+        values = np.sort(np.abs(np.linalg.eigvals(matrix)))
+        typical = elementary.square(float(values[2] if self.n > 2 else np.abs(matrix).max()))
         return max(abs(self.scalar(z)), 0.1 * typical) or 1.0
 
     @cached_property

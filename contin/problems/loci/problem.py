@@ -167,7 +167,7 @@ class LocusProblem(TwoParameterProblem):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return events.verify_compound(self, a, b, frame)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -202,7 +202,9 @@ class LocusProblem(TwoParameterProblem):
         return columns
 
     def _is_unfolded(self, z: Array) -> bool:
-        return bool(np.any(np.abs(z[:, -3]) > events.FORCED * np.linalg.norm(self.curve.matrix(z[0]))))
+        d = self.curve.sizes
+        rate = float(np.linalg.norm(self.curve.matrix(z[0]) * d / d[:, None]))
+        return bool(np.any(np.abs(z[:, -3]) > events.FORCED * rate))
 
     def remarks(self, z: Array) -> Sequence[str]:
         """What holds all along the curve, and which tests failed on it."""

@@ -191,10 +191,10 @@ class CycleProblem(Problem):
         found = self.inner.verify_corner(*sides, self._inner_frame(frame))
         return found if found is None or isinstance(found, Jump) else self._lifted(found)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         if HALF_PERIOD in symmetries and self._halves(z, tangent):
             return True
-        return self.inner.reverses(self.first(z), self.first(tangent), symmetries)
+        return self.inner.reverses(self.first(z), self.first(tangent), self.first(scale), symmetries)
 
     def _halves(self, z: Array, tangent: Array) -> bool:
         """True where the second half of the cycle repeats the first and `tangent` drives them apart."""

@@ -90,6 +90,11 @@ class FamilyOfOrbits(Problem):
     def constants(self) -> dict[str, float]:
         return {name: float(v) for name, v in zip(self.system.parameter_names, self.base, strict=True)}
 
+    @cached_property
+    def state_periods(self) -> Array:
+        """Period of each state (n,), 0 where it is not an angle."""
+        return np.asarray(self.system.model.periods(self.constants()), dtype=float)
+
     def default_range(self, parameter: str) -> tuple[float, float] | None:
         """The model's own range of a parameter, at the present parameter values."""
         found = self.system.model.parameter_range(parameter, self.constants())

@@ -65,11 +65,6 @@ class OrbitProblem(FamilyOfOrbits):
     def maximum_chunk(self) -> int:
         return marched_in_kernel.LONGEST_CHUNK
 
-    @cached_property
-    def state_periods(self) -> Array:
-        """Period of each state (n,), 0 where it is not an angle."""
-        return np.asarray(self.system.model.periods(self.constants()))
-
     def profile(self, z: Array) -> Profile:
         return profile_of(z, self.n, self.points)
 
@@ -160,7 +155,7 @@ class OrbitProblem(FamilyOfOrbits):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return verify_compound(self, a, b, frame)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         """True at an orbit at which the family meets its own image."""
         return any(reverses(self, z, tangent, name) for name in symmetries)
 

@@ -15,6 +15,7 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.start import PeriodicOrbit
+from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import Section, integrate
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ def find_return(
     if system.is_forced:
         return _forced(system, start, p)
     scale = time_scale(system, start, p)
-    largest = np.maximum(np.abs(start), 1e-9 * max(1.0, float(np.abs(start).max())))
+    largest = np.maximum(np.abs(start), CLOSED * natural_metric(system, start, p).states)
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
     while total < longest * scale:
         path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800), budget=budget)
@@ -156,7 +157,7 @@ def _turns(extent: Array, periods: Array) -> bool:
 def time_scale(system: CompiledSystem, u: Array, p: Array) -> float:
     _, jacobian = system.jacobian(u, np.append(p, 0.0) if system.is_forced else p)
     fastest = float(np.abs(np.linalg.eigvals(jacobian[:, : system.n])).max())
-    return 1.0 / fastest if np.isfinite(fastest) and fastest > 0.0 else 1.0
+    return 1.0 / fastest if np.isfinite(fastest) and fastest > 0.0 else natural_metric(system, u, p).time
 
 
 def _return(
@@ -194,9 +195,10 @@ def _forced(system: CompiledSystem, u: Array, p: Array) -> Return:
     for _ in range(60):
         total += 64
         path = integrate(system, start, p, 64 * period, times=period * np.arange(65.0))
-        unit = np.maximum(np.ptp(path.u, axis=0), 1e-9 * np.maximum(np.abs(path.u).max(axis=0), 1e-9))
+        sizes = natural_metric(system, path.u[-1], p).states
+        unit = np.maximum(np.ptp(path.u, axis=0), CLOSED * np.maximum(np.abs(path.u).max(axis=0), sizes))
         for k in range(1, LONGEST_MULTIPLE + 1):
-            distance = float(np.max(np.abs(path.u[-1] - path.u[-1 - k]) / np.maximum(unit, np.abs(path.u[-1]) + 1e-9)))
+            distance = float(np.max(np.abs(path.u[-1] - path.u[-1 - k]) / np.maximum(unit, np.abs(path.u[-1]))))
             if distance < 0.1 * best[0]:
                 best = distance, path.u[-1], k
         if best[0] < CLOSE:

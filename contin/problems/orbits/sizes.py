@@ -8,15 +8,15 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
-from contin.simulate.natural import filled
+from contin.simulate.natural import filled, natural_metric
 
 if TYPE_CHECKING:
-    from contin.problems.orbits.problem import OrbitProblem
+    from contin.problems.orbits.family import FamilyOfOrbits
 
 TINY_STATE: Final = 1e-6  # a state this small beside the others may be zero with rounding errors
 
 
-def state_sizes(family: OrbitProblem, profile: Profile) -> Array:
+def state_sizes(family: FamilyOfOrbits, profile: Profile) -> Array:
     """(n,) the largest modulus of every state, an angle's period / (2 pi).
 
     A state that is zero, up to rounding, is taken to be as large as the coupling to the other states makes it.
@@ -26,12 +26,15 @@ def state_sizes(family: OrbitProblem, profile: Profile) -> Array:
     largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
     small = largest <= TINY_STATE * float(largest.max())
     if small.any():
-        usual, _ = filled(np.where(small, 0.0, largest), _coupling(family, profile))
+        usual, unknown = filled(np.where(small, 0.0, largest), _coupling(family, profile))
+        if np.any(np.logical_and(small, unknown)):  # nothing couples them to the others
+            p = family.full_parameters(profile.vector())[: family.system.m]
+            usual = np.where(unknown, natural_metric(family.system, profile.u[0], p).states, usual)
         largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
     return np.asarray(largest)
 
 
-def _coupling(family: OrbitProblem, profile: Profile) -> Array:
+def _coupling(family: FamilyOfOrbits, profile: Profile) -> Array:
     """Mean modulus of the Jacobian along an orbit, (n, n)."""
     n, p = profile.n, family.full_parameters(profile.vector())
     total = np.zeros((n, n))

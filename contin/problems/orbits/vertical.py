@@ -20,6 +20,9 @@ from contin.problems.orbits.layout import Profile, make_scale
 from contin.problems.orbits.marched_in_kernel import corrected
 from contin.problems.orbits.move import Move
 from contin.problems.orbits.saddles import extent_of
+from contin.problems.scales import parameter_width
+from contin.problems.two_parameters import UNBOUNDED
+from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -48,9 +51,11 @@ def unbounded(problem: OrbitProblem, origin: Sample, frame: Frame) -> End | None
         return End("bound", text, {"value": at})
     if abs(float(origin.tangent[-1])) > STILL:
         return None
-    usual = 1.0 if problem.origin is None else max(1.0, float(np.abs(problem.origin[1]).max()))
-    largest = int(np.argmax(np.ptp(profile.u, axis=0)))
-    if float(np.ptp(profile.u[:, largest])) < GROWN * usual:
+    rest = profile.u[0] if problem.origin is None else problem.origin[1]
+    usual = natural_metric(problem.system, rest, problem.full_parameters(origin.z)[: problem.system.m]).states
+    extents = np.ptp(profile.u, axis=0) / np.maximum(usual, np.abs(rest))
+    largest = int(np.argmax(extents))
+    if float(extents[largest]) < GROWN:
         return None
     name, state = problem.parameters[0], problem.system.state_names[largest]
     at = profile.parameter if abs(profile.parameter) > STILL * float(frame.scale[-1]) else 0.0
@@ -93,7 +98,7 @@ def stands_at_birth(problem: OrbitProblem, z: Array) -> bool:
     if problem.origin is None:
         return False
     at = float(problem.origin[0])
-    return abs(float(z[-1]) - at) <= CONSTANT * max(1.0, abs(at))
+    return abs(float(z[-1]) - at) <= CONSTANT * _width(problem, at)
 
 
 def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> bool:
@@ -103,6 +108,12 @@ def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> 
     if abs(float(z[-1]) - problem.origin[0]) > error:
         return False
     return extent_of(problem.profile(z), problem.sizes(z, frame.scale)) > LARGE
+
+
+def _width(problem: OrbitProblem, at: float) -> float:
+    """Of the parameter's own range; its scale, or its value, where it has none."""
+    declared = problem.default_range(problem.parameters[0])
+    return parameter_width(problem.system.model, problem.parameters[0], at, declared or UNBOUNDED)
 
 
 def _range(problem: OrbitProblem, profile: Profile) -> str:
@@ -117,8 +128,7 @@ def remarks(problem: OrbitProblem, z: Array) -> Sequence[str]:
     if len(values) < FEWEST or problem.origin is None or not problem.autonomous:
         return ()
     name, at = problem.parameters[0], problem.origin[0]
-    declared = problem.default_range(name)
-    width = max(1.0, abs(at)) if declared is None or not np.isfinite(declared).all() else declared[1] - declared[0]
+    width = _width(problem, at)
     moved = np.abs(values - at)
     if float(np.median(moved)) > CONSTANT * width or float(moved.max()) > DRIFTED[1] * width:
         return ()

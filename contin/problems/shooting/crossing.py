@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 DISTANCES = (1e-3, 3e-3, 3e-4, 1e-2)  # (arclength) at which the crossing family is looked for
 SHARP = 1.0  # change of direction within that distance above which it is too far
 SAME_OFFSET = 0.3  # relative: two extrapolations that agree so well are of a family that begins elsewhere
+ROUNDED = 1e-9  # of the states' sizes: images this near are one
 OFF = 0.05  # sine of the angle to the family's own tangent below which the orbit found is one of that family
 
 
@@ -138,12 +139,13 @@ def image_of(problem: ShootingProblem, a: Array, b: Array) -> str | None:
     """The declared symmetry that maps one orbit (as a set) onto the other."""
     times = np.linspace(0.0, 1.0, 65)[:-1]
     u, v = states(problem, a, times), states(problem, b, times)
-    reference = max(float(np.ptp(u, axis=0).max()), 1e-12)
-    apart = float(np.abs(u - v).max())
+    sizes = np.maximum(np.ptp(u, axis=0), np.abs(u).max(axis=0))
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    apart = float(np.abs((u - v) / sizes).max())
     p = problem.full_parameters(a)
     for symmetry in problem.system.model.symmetries:
         image = problem.system.symmetry(symmetry.name, np.ascontiguousarray(u), p)
         for shift in (0, 32):
-            if float(np.abs(np.roll(image, shift, axis=0) - v).max()) < 0.1 * apart + 1e-9 * reference:
+            if float(np.abs((np.roll(image, shift, axis=0) - v) / sizes).max()) < 0.1 * apart + ROUNDED:
                 return str(symmetry.name)
     return None

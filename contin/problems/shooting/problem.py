@@ -33,6 +33,7 @@ from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.sizes import state_sizes
 from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
 from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.fixed_space import FixedSpace, fixed_space
@@ -48,7 +49,6 @@ from contin.symbolic.calculus.derivatives import derivative
 ACCURACY = 1e-11  # relative tolerance of the trajectories along a branch
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
 BUDGET = 200_000  # steps of one segment
-ROUNDING = 1e-9  # of the largest state: a state this small is zero on the orbit
 PROBE_TOLERANCE = 1e-10
 RESOLUTION = 1e-6  # distance from a connecting orbit at which a curve of orbits is taken to have come to it
 PAIRED = 1e-10  # two multipliers are m and 1/m to this: the flow keeps an area, and |m| = 1 is no rounding error
@@ -133,12 +133,8 @@ class ShootingProblem(FamilyOfOrbits):
         return make_scale(sizes, nodes.count, PERIOD_SCALE * nodes.period, self.width(z, bounds))
 
     def state_sizes(self, profile: Profile) -> Array:
-        """Typical size of every state on an orbit: its largest modulus, an angle's amplitude; 1 where it is at rest."""
-        largest = np.abs(profile.u).max(axis=0)
-        periods = np.asarray(self.system.model.periods(self.constants()), dtype=float)
-        largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
-        most = max(float(largest.max()), 1e-300)
-        return np.where(largest > ROUNDING * most, np.maximum(largest, 1e-6 * most), 1.0)
+        """Typical size of every state on an orbit, (n,)."""
+        return state_sizes(self, profile)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Any:
         """The bordered equations, None where a trajectory does not come to its end."""

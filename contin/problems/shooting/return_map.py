@@ -21,6 +21,7 @@ from contin.machine import elementary
 from contin.normalforms.jet import DerivativeJet
 from contin.problems.no_derivatives import NoDerivatives
 from contin.problems.shooting.layout import Nodes
+from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import fly
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class ReturnMap:
         if not 0.0 < duration < LONGEST * self.nodes.period:
             raise NoDerivatives("a trajectory beside the orbit does not return")
         problem, p = self.problem, self.problem.full_parameters(self.z)
-        atol = 1e-2 * ACCURACY * max(float(np.abs(self.nodes.u).max()), 1e-300)
+        atol = absolute_tolerances(problem, self.nodes, p, ACCURACY)
         flight = fly(problem.system, u, p, duration, rtol=ACCURACY, atol=atol, budget=problem.budget, **more)
         if flight.outcome != "done" or flight.touched:
             raise NoDerivatives("a trajectory beside the orbit does not return")

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.sizes import state_sizes
 from contin.problems.shooting.layout import Nodes
+from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
@@ -27,9 +29,9 @@ def flights(problem: ShootingProblem, z: Array, times: Array) -> list[Flight]:
     nodes = Nodes.of(z, problem.n)
     p, length = problem.full_parameters(z), nodes.period / nodes.count
     found, owners = [], segments_of(times, nodes.count)
+    atol = absolute_tolerances(problem, nodes, p, RTOL)
     for i, u in enumerate(nodes.u):
         wanted = np.minimum(times[owners == i] * nodes.period, (i + 1) * length)
-        atol = 1e-2 * RTOL * max(float(np.abs(nodes.u).max()), 1e-300)
         found.append(
             fly(
                 problem.system, u, p, (i + 1) * length - i * length, start=i * length, times=wanted, rtol=RTOL,
@@ -167,9 +169,9 @@ def _slides_beside(problem: ShootingProblem, z: Array) -> str | None:
     """Why a trajectory slides that starts beside the orbit; None where none does."""
     if not problem.system.n_switches:
         return None
-    size = max(float(np.abs(Nodes.of(z, problem.n).u).max()), 1e-300)
+    sizes = state_sizes(problem, problem.profile(z))
     for k in range(problem.n):
-        for step in (BESIDE * size, -BESIDE * size):
+        for step in (BESIDE * sizes[k], -BESIDE * sizes[k]):
             moved = z.copy()
             moved[k : z.size - problem.n - 3 : problem.n] += step
             for flight in flights(problem, moved, np.empty(0)):

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.kernels.floquet import deflate, multipliers
 from contin.problems.shooting.layout import Nodes, moving
+from contin.problems.shooting.sizes import absolute_tolerances
 from contin.simulate.flight import Flight, fly
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
 
-ATOL = 1e-2  # absolute tolerance beside the relative one, for the largest state
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Segments:
         identity = np.hstack([np.eye(n), np.zeros((n, 1 + len(others)))])
         columns = np.append(np.full(n, -1), n + np.array([problem.active, *others]))
         length = nodes.period / nodes.count
-        atol = ATOL * problem.accuracy * max(float(np.abs(nodes.u).max()), 1e-300)
+        atol = absolute_tolerances(problem, nodes, p, problem.accuracy)
         flights = []
         for i, u in enumerate(nodes.u if problem.fixed is None else problem.fixed.onto(nodes.u)):
             flight = fly(

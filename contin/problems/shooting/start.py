@@ -17,6 +17,7 @@ from contin.problems.shooting.phase import quietest, rebased, section_at
 from contin.problems.shooting.problem import ShootingProblem
 from contin.problems.shooting.segments import Segments
 from contin.records import Fields
+from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -94,7 +95,7 @@ def orbit_from_return(
     change = fly(system, u, p, period).finished().end - u
     winding = np.where(angles, periods * np.round(change / unit), 0.0)
     problem = ShootingProblem(system, np.array(p, dtype=float), 0, winding, 1, multiple)
-    sizes = np.maximum(np.abs(u), 1e-3 * float(np.abs(u).max()))
+    sizes = natural_metric(system, u, np.asarray(p, dtype=float)[: system.m]).states
     full = problem.full_parameters(np.array([p[0]]))
     normal, offset = section_at(problem, u, full, sizes) if problem.autonomous else (np.zeros(len(u)), 0.0)
     z = Nodes(u[None], period, normal, offset, float(p[0])).vector()

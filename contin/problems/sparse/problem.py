@@ -273,7 +273,7 @@ class LargeProblem(Problem):
         return special.explain(a, b)
 
     def watch(self, type_: str) -> int | None:
-        return {"LP": 0, "BP": None, "HB": 2}[type_]
+        return {"LP": 0, "HB": 2}.get(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         self.precisely(near.z)
@@ -293,8 +293,8 @@ class LargeProblem(Problem):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         return special.verify_compound(self, a, b, frame)
 
-    def reverses(self, z: Array, tangent: Array, symmetries: Sequence[str]) -> bool:
-        return any(name in symmetries for name in reversing_symmetries(self, z, tangent))
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return any(name in symmetries for name in reversing_symmetries(self, z, tangent, scale))
 
     def columns(self, z: Array) -> dict[str, Array]:
         """The parameter, named states, what is recorded; and of many states their norm, smallest and largest value."""

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.lowering import compile_system
 from contin.lowering.sliding import Surface, side_model, surfaces_of
+from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO
 from contin.model.kept import kept_with
@@ -64,15 +65,17 @@ class Jump:
         n, at = len(u), np.array(u, dtype=float)
         for _ in range(LANDINGS):
             h, slope = self.height(at, p)
-            square = float(slope[:n] @ slope[:n])
+            way = slope[:n] * elementary.square(np.abs(u))  # nearest, relative to the states' own sizes
+            way = way if float(slope[:n] @ way) > 0.0 else slope[:n]
+            square = float(slope[:n] @ way)
             if h == 0.0 or not square > 0.0:
                 break
-            at = at - h * slope[:n] / square
+            at = at - h * way / square
         below, above = self.lower.value(at, p), self.upper.value(at, p)
         full = np.concatenate([at, p])
         terms = np.abs(self.lower.jacobian(at, p)[1][:, : len(full)]) @ np.abs(full)
         sizes = terms + np.abs(below) + np.abs(above)
-        return bool(np.any(np.abs(above - below) > ROUNDING * np.max(sizes, initial=0.0)))
+        return bool(np.any(np.abs(above - below) > ROUNDING * sizes))
 
 
 def jumps_of(system: System) -> tuple[Jump, ...]:

@@ -210,7 +210,7 @@ class ConnectionCurve(CurveOfOrbits):
         small = [*range(nu, nu + self.saddles * n), total - 2, total - 1]
         where = self.unknowns(z)
         for column in small:
-            step = STEP * (sizes[column % n] if column < total - 2 else max(abs(float(z[where[column]])), 1e-3))
+            step = STEP * float(sizes[column % n] if column < total - 2 else units[column])
             plus, minus = z.copy(), z.copy()
             plus[where[column]] += step
             minus[where[column]] -= step

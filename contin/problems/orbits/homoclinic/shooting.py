@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,12 +18,13 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.two_parameters import indices
 from contin.simulate.natural import natural_metric
+from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
-LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, relative to the distance of the saddles
-AWAY: Final = 0.3  # ... that a loop must reach before its return counts
+LEAVING: Final = 1e-4  # distance from the saddle at which trajectories start, of that of the saddles; of loops of 1
+AWAY: Final = 0.3  # ... that a loop must reach before its return counts (all in the states' sizes)
 ANGLES: Final = 64  # directions in a plane of unstable directions
 LONGEST: Final = 60.0  # times of the slowest unstable rate
 SAMPLES: Final = 4000
@@ -52,34 +54,37 @@ class ConnectingOrbit:
 
     @property
     def is_loop(self) -> bool:
-        sizes = natural_metric(self.system, self.saddles[0], self.p).states
-        sizes = np.maximum(sizes, np.abs(self.saddles).max(axis=0))
-        return bool(np.all(np.abs(self.saddles[0] - self.saddles[1]) <= ONE_SADDLE * sizes))
+        return bool(np.all(np.abs(self.saddles[0] - self.saddles[1]) <= ONE_SADDLE * self.sizes))
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Of the states (n,), in which all lengths are measured: natural ones at the first saddle, or the saddles'."""
+        natural = natural_metric(self.system, self.saddles[0], self.p).states
+        return np.asarray(np.maximum(natural, np.abs(self.saddles).max(axis=0)))
 
     def _matrix(self, u: Array) -> Array:
         return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
 
     def _trajectory(self, parameter: float) -> Profile:
         """The trajectory of those tried that comes nearest to the second saddle, up to there."""
-        from contin.simulate.trajectory import integrate
-
         u0, u1 = self.saddles
-        values, vectors = np.linalg.eig(self._matrix(u0))
+        d = self.sizes
+        values, vectors = np.linalg.eig(self._matrix(u0) * d / d[:, None])
         growing = values.real > 0.0
         if not growing.any():
             raise InputError("the first equilibrium has no unstable direction: no orbit leaves it")
-        extent = max(float(np.linalg.norm(u1 - u0)), 1e-3 * float(np.linalg.norm(u0)), 1.0 if self.is_loop else 1e-9)
+        extent = 1.0 if self.is_loop else float(np.linalg.norm((u1 - u0) / d))
         duration = LONGEST / float(values.real[growing].min())
         times = np.linspace(0.0, duration, SAMPLES)
         best: tuple[float, Array, int] = (np.inf, np.empty(0), 0)
         for direction in _directions(vectors[:, growing]):
-            start = u0 + LEAVING * extent * direction
-            path = _until_lost(integrate, self.system, start, self.p, times)
-            gone = np.linalg.norm(path - u0, axis=1)
-            begin = int(np.argmax(gone > AWAY * extent)) if self.is_loop else 0
-            if self.is_loop and begin == 0:
+            start = u0 + LEAVING * extent * direction * d
+            path = _until_lost(self.system, start, self.p, times)
+            gone = np.linalg.norm((path - u0) / d, axis=1)
+            begin = _turning(gone, AWAY * extent) if self.is_loop else 0
+            if begin is None:
                 continue
-            gaps = np.linalg.norm(path[begin:] - u1, axis=1)
+            gaps = np.linalg.norm((path[begin:] - u1) / d, axis=1)
             k = int(np.argmin(gaps))
             reach = float(gone.max()) if self.is_loop else extent
             if gaps[k] / reach < best[0] and begin + k > 1:
@@ -96,6 +101,12 @@ class ConnectingOrbit:
         return Profile(4, whole.u, time, h, parameter)
 
 
+def _turning(gone: Array, away: float) -> int | None:
+    """Where the distance from a saddle first falls again, having exceeded `away`; None where it never does."""
+    falls = np.flatnonzero((gone[:-1] > away) & (gone[1:] < gone[:-1]))
+    return int(falls[0]) if falls.size else None
+
+
 def _directions(vectors: Array) -> list[Array]:
     """Unit vectors in the unstable eigenspace: both senses of a line, a circle in a plane."""
     left, values, _ = np.linalg.svd(np.hstack([vectors.real, vectors.imag]), full_matrices=False)
@@ -106,7 +117,7 @@ def _directions(vectors: Array) -> list[Array]:
     return [elementary.cos(a) * basis[:, 0] + elementary.sin(a) * basis[:, 1] for a in angles]
 
 
-def _until_lost(integrate: Any, system: CompiledSystem, u: Array, p: Array, times: Array) -> Array:
+def _until_lost(system: CompiledSystem, u: Array, p: Array, times: Array) -> Array:
     """States at the times, as far as the trajectory has a value."""
     duration, count = float(times[-1]), len(times)
     while count > 10:

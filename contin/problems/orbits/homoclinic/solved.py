@@ -11,9 +11,9 @@ from contin.problems.orbits.homoclinic.interval import fits, fitted
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
+from contin.problems.two_parameters import UNBOUNDED
 
 ROUNDS = 4  # of solving, until interval and mesh fit
-SMALLEST = 1e-3  # scale of a parameter that is zero
 
 
 def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: float, parent: Parent | None) -> Seed:
@@ -28,10 +28,11 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         )
     z = curve.join(piece, ends, q)
     sizes = orbits.state_sizes(piece)
+    first, second = problem.widths(z, UNBOUNDED)
     own_mesh = False  # chosen for a solution on this interval: a guess has a kink where a tail begins
     for rounds_left in range(ROUNDS - 1, -1, -1):
         profile = curve.profile(z)
-        scale = problem.scale_for(profile.h, sizes, *(max(SMALLEST, abs(value)) for value in (float(z[-1]), q)))
+        scale = problem.scale_for(profile.h, sizes, first, second)
         curve.settle(z, sizes)
         solved = problem.at_unknown(-2, z, q, scale)
         if solved is None and curve.node:  # folds that the first parameter does not move

@@ -19,6 +19,7 @@ from contin.problems.shooting.loci.curve import CurveByShooting, Equations
 from contin.problems.shooting.loci.expansion import Expansion
 from contin.problems.shooting.loci.touching import Touch, vertex
 from contin.problems.shooting.problem import ShootingProblem
+from contin.problems.shooting.sizes import absolute_tolerances
 from contin.records import Fields
 from contin.simulate.flight import fly
 from contin.symbolic.calculus.derivatives import derivative
@@ -117,11 +118,12 @@ class GrazingCurve(CurveByShooting):
         """Time at which h has its extremum, next to the last known."""
         problem, nodes, start = self._begin(z)
         p = problem.full_parameters(self.orbit(z))
+        atol = absolute_tolerances(problem, nodes, p, problem.accuracy)
 
         def along(times: Array) -> Array:
             flight = fly(
                 problem.system, nodes.u[self._segment], p, float(times[-1]) - start, start=start, times=times,
-                rtol=problem.accuracy, atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()),
+                rtol=problem.accuracy, atol=atol,
                 budget=problem.budget, pieces=problem.held.get(self._segment),
             )  # fmt: skip
             if len(flight.u) < len(times):
@@ -150,7 +152,7 @@ class GrazingCurve(CurveByShooting):
             problem.system, nodes.u[k], p, time - start, start=start,
             variations=np.hstack([np.eye(n), np.zeros((n, 2))]),
             columns=np.append(np.full(n, -1), [n + self.second, n + problem.active]), rtol=problem.accuracy,
-            atol=1e-2 * problem.accuracy * float(np.abs(nodes.u).max()), budget=problem.budget,
+            atol=absolute_tolerances(problem, nodes, p, problem.accuracy), budget=problem.budget,
             pieces=problem.held.get(k),
         )  # fmt: skip
         if flight.outcome != "done":

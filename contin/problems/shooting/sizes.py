@@ -1,0 +1,34 @@
+"""Sizes of the states on an orbit, in which absolute tolerances of its trajectories are measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.simulate.natural import natural_metric
+
+if TYPE_CHECKING:
+    from contin.problems.shooting.layout import Nodes
+    from contin.problems.shooting.problem import ShootingProblem
+
+ABSOLUTE: Final = 1e-2  # absolute tolerances beside relative ones, in these sizes
+
+
+def absolute_tolerances(problem: ShootingProblem, nodes: Nodes, p: Array, relative: float) -> Array:
+    """Of the states (n,), beside a relative tolerance of their trajectories.
+
+    A state's size is its largest modulus at the nodes, or how far it goes in a part of the period; of one that is zero
+    and stays so its natural size.  p : with the time, where the flow is forced.
+    """
+    own, system = p.copy(), problem.system
+    sizes = np.abs(nodes.u).max(axis=0)
+    for k, u in enumerate(nodes.u):
+        if system.is_forced:
+            own[-1] = k * nodes.period / nodes.count
+        going = np.nan_to_num(np.abs(system.value(u, own)), posinf=0.0) * nodes.period / (2.0 * np.pi)
+        sizes = np.maximum(sizes, going)
+    if not np.all(sizes > 0.0):
+        sizes = np.where(sizes > 0.0, sizes, natural_metric(system, nodes.u[0], p[: system.m]).states)
+    return np.asarray(ABSOLUTE * relative * sizes)
