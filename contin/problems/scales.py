@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from contin.abi import Array
+from contin.model.model import Model
 from contin.simulate.natural import beyond_rounding, filled
 
 SENSITIVITY_CAP = 10.0  # near a fold du/dp says nothing: it may enlarge the scale of a state by this factor at most
@@ -99,5 +100,5 @@ def parameter_width(model: object, name: str, value: float, bounds: tuple[float,
     declared = None if own is None else own(name)
     if declared:
         return float(declared)
-    usual = dict(zip(model.parameter_names, model.start_point(None)[1], strict=True)) if own is not None else {}
-    return max(abs(value), abs(float(usual.get(name, 0.0)))) or 1.0
+    usual = float(model.default_parameters()[name]) if isinstance(model, Model) else 0.0
+    return max(abs(value), abs(usual)) or 1.0
