@@ -83,7 +83,7 @@ def declared(statements: list[Statement], notes: list[str]) -> Declared:
         elif item.kind in _READ:
             _READ[item.kind](found, item)
         elif item.text:
-            found.missing.append(f"line {item.line}: {item.name!r} is no declaration of XPP's")
+            notes.append(f"line {item.line}: {item.name!r} is no declaration of XPP's; it is passed over, as XPP does")
     _pair(found)
     for kind, formulas in (
         ("equation", [*found.states, *found.algebraic]),

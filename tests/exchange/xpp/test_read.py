@@ -230,6 +230,11 @@ def test_tables_of_formulas_are_read_at_numbers_as_xpp_interpolates_them():
     assert [got[f"x{j}"] - 40 for j in range(3)] == [0, 4, 8]
 
 
+def test_lines_that_xpp_passes_over_are_noted():
+    found = imported("x'=1\nfoo x=3\njust some words\ndone")
+    assert [note.split(":")[0] for note in found.notes] == ["line 2", "line 3"]
+
+
 def test_noise_whose_factor_is_zero_is_left_out():
     text = "par s=0\nwiener w\nx'=-x+s*w\nn=s*w+x\naux q=n\naux r=w\ninit x=1\ndone"
     assert values(text) == {"x": -1, "q": 1}
