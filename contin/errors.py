@@ -37,7 +37,11 @@ class NoSolutionError(ContinError, ArithmeticError):
 
 
 class AtRestError(NoSolutionError):
-    """There is no periodic orbit because the trajectory comes to rest."""
+    """There is no periodic orbit because the trajectory comes to rest, at `state`."""
+
+    def __init__(self, message: str, state: object = None) -> None:
+        super().__init__(message)
+        self.state = state
 
 
 class FormatVersionError(InputError):

@@ -20,7 +20,7 @@ from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.searches import find_equilibria
 from contin.continuation.departure import Seed
-from contin.errors import ContinError, NoSolutionError, NotFiniteError
+from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.problems.functions.problem import FunctionProblem
@@ -36,6 +36,7 @@ from contin.systems.iterate import iterate
 
 AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest
 BUDGET: Final = 200_000  # steps between two looks at whether a trajectory closes
+LONG: Final = 400  # characters of a solution in words
 LONGEST: Final = 2e4  # time scales
 ITERATES: Final = 4_096
 LONGEST_CYCLE: Final = 32  # of a map
@@ -62,7 +63,8 @@ class FoundStart:
         return seed
 
     def __str__(self) -> str:
-        return f"{self.solution} ({self.words})"
+        text = str(self.solution)
+        return f"{text if len(text) <= LONG else text[: LONG - 3] + '...'} ({self.words})"
 
 
 def find_start(
@@ -114,6 +116,12 @@ def _of_flow(
         try:
             orbit = settled_orbit(system, end.u, p, periods, longest=LONGEST, budget=BUDGET)
             yield FoundStart(orbit, "cycle", "simulated to a cycle")
+        except AtRestError as error:
+            state = np.asarray(error.state, dtype=float)
+            rest = _solved(system, state, p, periods, None)
+            if rest is not None:
+                yield FoundStart(rest, "rest", "simulated to rest")
+            tried.append(f"no cycle from there ({_short(error)})")
         except _FAILURES as error:
             stiff = _stiff_cycle(system, end.u, p, periods) if isinstance(error, NotFiniteError) else None
             if stiff is not None:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 STEPS: Final = 1_500
+FEWEST: Final = 150
+EFFORT: Final = 4e8  # STEPS n^3 is at most this, about
 LOOP_STEPS: Final = 6_000  # of a stiff cycle
 LOOP_TOLERANCE: Final = 1e-6
 NEAR: Final = 3e-2  # part of its extent as close as which a cycle returns
@@ -43,8 +45,12 @@ class Relaxed:
     mean: Array | None = None  # over time, of what still moves
 
 
-def relax(system: System, u: Array, p: Array, steps: int = STEPS) -> Relaxed:
-    """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice."""
+def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relaxed:
+    """Follow u' = f(u, p) until it rests; off an equilibrium that is unstable it is pushed twice.
+
+    steps : default `STEPS`, fewer for large systems.
+    """
+    steps = steps or int(np.clip(EFFORT / float(system.n) ** 3, FEWEST, STEPS))
     u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
     time, used = 0.0, 0
     for attempt in range(PUSHES + 1):

@@ -131,7 +131,8 @@ def find_return(
             names = ", ".join(f"{n} = {v:.6g}" for n, v in zip(system.state_names, path.end, strict=True))
             raise AtRestError(
                 f"the simulation comes to rest at an equilibrium ({names}) after t = {total:.4g}: no periodic orbit "
-                "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point."
+                "attracts this start. Start elsewhere, change the parameters, or start from a Hopf point.",
+                path.end.copy(),
             )
         shrinking = bool(np.all(recent < SETTLED * extent))
         found = None if shrinking else _return(system, path.end, p, periods, time, extent)
