@@ -12,14 +12,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import re
-import subprocess
-import sys
 import time
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
+from contextlib import suppress
 from datetime import date
 from html import escape
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 import contin
@@ -33,13 +35,13 @@ OWN = (".yaml", ".yml")
 TIMES = 100.0  # natural times that are simulated
 
 
-def one(path: Path, most: int) -> dict[str, object]:
+def one(path: Path, most: int, tell=lambda found: None) -> dict[str, object]:
     """What becomes of one model: the last stage that it came to, and what was found on the way."""
     found: dict[str, object] = {"stage": "load", "seconds": {}}
 
     def timed(stage: str, work):
         found["stage"] = stage
-        print(json.dumps(found), flush=True)  # what is known when the time is up
+        tell(dict(found))  # what is known when the time is up
         began = time.perf_counter()
         result = work()
         found["seconds"][stage] = time.perf_counter() - began
@@ -71,9 +73,10 @@ def simulated(model) -> str:
     if not model.state_names:
         return contin.simulate(model, time=1.0, samples=2).outcome
     time_of = 1.0
-    if getattr(model, "kind", "flow") == "flow":
-        system, (u, p) = contin.api.compiled(model), model.start_point()
-        time_of = natural_metric(system, u, p).time
+    with suppress(contin.ContinError):  # models with a clock of their own are only simulated
+        if getattr(model, "kind", "flow") == "flow":
+            system, (u, p) = contin.api.compiled(model), model.start_point()
+            time_of = natural_metric(system, u, p).time
     words = ""
     for method, budget in (("DOP853", 200_000), ("LSODA", 1)):
         try:
@@ -87,24 +90,50 @@ def simulated(model) -> str:
     return words
 
 
-def carried_out(path: Path, seconds: float, most: int) -> dict[str, object]:
-    """`one` in a process of its own."""
-    command = [sys.executable, __file__, "--one", str(path), "--attractors", str(most)]
-    began, late = time.perf_counter(), False
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            out, errors = process.communicate(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            out, errors = process.communicate()
-            late = True
-    lines = [line for line in out.splitlines() if line.startswith("{")]
-    found = json.loads(lines[-1]) if lines else {"stage": "load"}
-    if late:
-        found |= {"error": "time", "reason": f"not finished in {seconds:g} s"}
-    elif process.returncode:
-        found |= {"error": "died", "reason": f"exit code {process.returncode}: {errors.strip()[-300:]}"}
-    return {"file": path.name, "folder": path.parent.name, **found, "total": time.perf_counter() - began}
+def in_process(path: Path, most: int, send: Connection) -> None:
+    """`one`, what is known so far sent whenever a stage begins."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # warnings of a hundred models
+    send.send(one(path, most, send.send))
+
+
+def all_of(files: list[Path], seconds: float, count: int, most: int) -> Iterator[dict[str, object]]:
+    """Each model in a process of its own, `count` at a time; what is known when its time is up is its row."""
+    context = get_context("fork" if "fork" in get_all_start_methods() else "spawn")
+    waiting, running = list(files), []
+    while waiting or running:
+        while waiting and len(running) < count:
+            path = waiting.pop(0)
+            receive, send = context.Pipe(duplex=False)
+            process = context.Process(target=in_process, args=(path, most, send), daemon=False)
+            process.start()
+            send.close()
+            running.append((path, process, receive, time.monotonic(), {"stage": "load"}))
+        wait([receive for _, _, receive, _, _ in running], timeout=0.5)
+        left = []
+        for path, process, receive, began, known in running:
+            found, ended = drained(receive, known)
+            late = time.monotonic() - began > seconds
+            if not (ended or late):
+                left.append((path, process, receive, began, found))
+                continue
+            if not ended:
+                process.kill()
+                found = found | {"error": "time", "reason": f"not finished in {seconds:g} s"}
+            process.join()
+            if process.exitcode and not late:
+                found = found | {"error": "died", "reason": f"exit code {process.exitcode}"}
+            yield {"file": path.name, "folder": path.parent.name, **found, "total": time.monotonic() - began}
+        running = left
+
+
+def drained(receive: Connection, known: dict[str, object]) -> tuple[dict[str, object], bool]:
+    """The last message of a process, and whether it was its last."""
+    try:
+        while receive.poll():
+            known = receive.recv()
+    except EOFError:
+        return known, True
+    return known, "error" in known or known["stage"] == "done"
 
 
 def kind_of(row: dict[str, object]) -> str:
@@ -159,25 +188,19 @@ td, th {{ border-bottom: 1px solid #ddd; padding: 3px 8px; text-align: left; ver
 
 def main() -> None:
     options = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    options.add_argument("folder", nargs="?", type=Path)
+    options.add_argument("folder", type=Path)
     options.add_argument("--out", type=Path, default=Path("atlas.html"))
     options.add_argument("--seconds", type=float, default=60.0, help="for each model")
     options.add_argument("--processes", type=int, default=2)
     options.add_argument("--attractors", type=int, default=2)
-    options.add_argument("--one", type=Path, help=argparse.SUPPRESS)
     given = options.parse_args()
-    if given.one is not None:
-        print(json.dumps(one(given.one, given.attractors)))
-        return
-    if given.folder is None:
-        options.error("give a folder of models")
     known = (*OWN, *endings())
     files = sorted(p for p in given.folder.rglob("*") if p.suffix.lower() in known)
     rows = []
-    with ThreadPoolExecutor(given.processes) as pool:
-        for row in pool.map(lambda p: carried_out(p, given.seconds, given.attractors), files):
-            rows.append(row)
-            print(f"{len(rows)}/{len(files)} {row['file']}: {row['stage']} {row.get('reason', '')}"[:160], flush=True)
+    one(Path(__file__).parents[1] / "models" / "classics" / "brusselator.yaml", 1)  # kernels are there before all start
+    for row in all_of(files, given.seconds, given.processes, given.attractors):
+        rows.append(row)
+        print(f"{len(rows)}/{len(files)} {row['file']}: {row['stage']} {row.get('reason', '')}"[:160], flush=True)
     given.out.with_suffix(".json").write_text(json.dumps(rows, indent=1))
     given.out.write_text(page(rows))
     for key, value in summary(rows).items():

@@ -39,7 +39,6 @@ def attractors(
 
     Equilibria in the box with negative states are left out where no start has any.
     """
-    model = for_branches(model)
     wanted = starts or (None, *(s.name for s in getattr(model, "starts", ())))
     found: list[FoundStart] = []
     notes: list[str] = []
@@ -49,12 +48,14 @@ def attractors(
             _add(found, _pushed(model, one))
         except ContinError as error:
             notes.append(f"start {start or 'of the states'}: {error}")
+    model = for_branches(model)
     if _searchable(model):
         positive = _is_positive(model, parameters, found)
         for each in find_equilibria(model, None, parameters):
             wanted_here = each.isolated and each.stable and each.image_of is None
             if wanted_here and not (positive and _negative(model, each.equilibrium)):
                 _add(found, FoundStart(each.equilibrium, "deflation", "a stable equilibrium in the box"))
+    found = [f for f in found if f.system.parameter_names == found[0].system.parameter_names]
     if not found:
         raise NoSolutionError("; ".join(notes) or "no start")
     if len(found) > most:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -19,6 +19,7 @@ from contin.api.fixed_totals import for_branches, named_start
 from contin.api.machine_code import compiled
 from contin.api.requirements import need_parameters
 from contin.api.searches import find_equilibria
+from contin.api.zeros_held import with_zeros_held
 from contin.continuation.departure import Seed
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
@@ -35,6 +36,7 @@ from contin.symbolic.passes.translations import translation_notes
 from contin.systems.iterate import iterate
 
 AT_REST: Final = 1e-3  # part of a state's size that Newton may move a state that is given as a rest
+SINGULAR: Final = 1e-11  # ratio of singular values of an equilibrium that is one of a line
 BUDGET: Final = 200_000  # steps between two looks at whether a trajectory closes
 LONG: Final = 400  # characters of a solution in words
 LONGEST: Final = 2e4  # time scales
@@ -78,7 +80,25 @@ def find_start(
     Raises NoSolutionError, which names what was tried.
     """
     need_time(model, "equilibria or cycles")
-    start, model = named_start(model, start), for_branches(model)
+    start = named_start(model, start)
+    first: FoundStart | NoSolutionError
+    try:
+        first = _found(for_branches(model), parameters, start, cycles, deflate)
+    except NoSolutionError as error:
+        first = error
+    held = with_zeros_held(model, parameters) if isinstance(first, Exception) or _is_singular(first) else None
+    if held is None:
+        if isinstance(first, Exception):
+            raise first
+        return first
+    reduced, zeros = held
+    left = {n: v for n, v in (parameters or {}).items() if n not in zeros}
+    found = _found(reduced, left, start, cycles, deflate)
+    laws = ", ".join(t.name for t in reduced.totals)
+    return replace(found, words=f"{found.words}; with {', '.join(zeros)} held at 0, which conserves {laws}")
+
+
+def _found(model: Any, parameters: Record | None, start: Any, cycles: bool, deflate: bool) -> FoundStart:
     need_parameters(model)
     u, p = model.start_point(start, dict(parameters or {}))
     system, periods = compiled(model), np.asarray(model.periods(), dtype=float)
@@ -189,6 +209,18 @@ def _solved(system: Any, u: Array, p: Array, periods: Array, near: float | None)
     with suppress(*_FAILURES):  # that is the answer: none
         return converge(system, u, p, periods)
     return None
+
+
+def _is_singular(found: FoundStart) -> bool:
+    """True where an equilibrium is not isolated, to rounding."""
+    one = found.solution
+    if not isinstance(one, Equilibrium) or one.system.is_forced:
+        return False
+    square = one.system.jacobian(one.u, one.p)[1][:, : one.system.n]
+    square = square - np.eye(one.system.n) if one.system.kind == "map" else square
+    size = np.maximum(np.abs(one.u), natural_metric(one.system, one.u, one.p).states)
+    singular = np.linalg.svd(square * size / size[:, None], compute_uv=False)
+    return bool(singular[-1] <= SINGULAR * singular[0])
 
 
 def _by_deflation(model: Any, parameters: Record | None, tried: list[str]) -> FoundStart | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from contin.api.attractors import MOST, attractors
 from contin.api.auto_start import FoundStart
-from contin.api.fixed_totals import for_branches, varying
+from contin.api.fixed_totals import varying
 from contin.api.survey_side import Side, follow
 from contin.errors import InputError
 from contin.model.advice import closest
@@ -119,14 +119,14 @@ def survey(
     began = time.perf_counter()
     if not factor > 1.0:
         raise InputError(f"factor must be above 1; got {factor!r}")
-    model = for_branches(model)
-    known = varying(model.parameter_names)
+    started = attractors(model, parameters, tuple(starts), most)
+    system = started.found[0].system
+    model, known = system.model, varying(system.parameter_names)
     for name in names:
         if name not in known:
             raise InputError(f"no parameter {name!r}: {closest(name, known) or 'there are ' + ', '.join(known)}")
-    started = attractors(model, parameters, tuple(starts), most)
     found = {_name(one, k, len(started.found)): one for k, one in enumerate(started.found)}
-    values = dict(zip(model.parameter_names, next(iter(found.values())).solution.p.tolist(), strict=True))
+    values = dict(zip(system.parameter_names, started.found[0].solution.p.tolist(), strict=True))
     notes = [*conserved_notes(model), *started.notes]
     spans = dict(_spans(model, parameters, list(names) or known, values, factor, notes))
     jobs = [
@@ -158,7 +158,7 @@ def _spans(
     used = _used(model)
     for name in names:
         value = values[name]
-        declared = model.parameter_range(name, dict(parameters or {}))
+        declared = model.parameter_range(name, {n: v for n, v in (parameters or {}).items() if n in values})
         if used is not None and name not in used:
             notes.append(f"{name}: the equations do not depend on it")
         elif value != 0.0:

@@ -118,3 +118,18 @@ def test_run_files_and_diagrams_start_by_themselves(tmp_path, monkeypatch, capsy
     assert [b["name"] for b in document["branches"]] == ["auto", "line"]
     assert any("line: start: simulated to rest" in note for note in document["notes"])
     assert any("start 'auto': simulated to rest" in note for note in document["notes"])
+
+
+def test_a_total_that_zero_parameters_conserve_is_held_with_them():
+    """Inflow and dilution are off: x + y is conserved then, and only then; k x = q y."""
+    cell = model(
+        {"x": "-k*x + q*y + d*(1 - x)", "y": "k*x - q*y - d*y", "z": "x - z + e"}, {"x": 3.0, "y": 1.0, "z": 0.0},
+        {"k": 1.0, "q": 3.0, "d": 0.0, "e": 0.0},
+    )  # fmt: skip
+    found = contin.find_start(cell, start={"x": 2.0})
+    assert "with d held at 0, which conserves total_x" in found.words
+    values = dict(zip(found.system.state_names, found.solution.u, strict=True))
+    assert values.get("y", 3.0 - values.get("x", 0.0)) == pytest.approx(0.75, rel=1e-9)
+    assert "d" not in found.system.parameter_names
+    survey = contin.survey(cell, processes=1)
+    assert {row.parameter for row in survey.rows} == {"k", "q", "total_x"}
