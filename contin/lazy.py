@@ -19,6 +19,7 @@ MODULES: Final = {
     "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means
     "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "auto start": "contin.api.auto_start",  # simulates to rest, to a cycle, searches: few starts need that
+    "conditions": "contin.api.conditions",  # few runs have conditions
     "boundary": "contin.bvp.start",  # a run of a boundary-value problem starts from a guess of functions
     "responses": "contin.problems.responses",  # ... of a forced flow from what a trajectory settles on
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contin import lazy
 from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, extrema_of, placed, targets_of
 from contin.continuation.branch import Branch, End
 from contin.continuation.departure import depart
@@ -30,6 +31,8 @@ def continuation(
     direction: str = "both",
     values: Mapping[str, Sequence[float]] | None = None,
     extrema: Sequence[str] = (),
+    conditions: Sequence[str] = (),
+    free: Sequence[str] = (),
     settings: Settings | Record | None = None,
     watch: Watcher | None = None,
     journal: Journal | None = None,
@@ -43,10 +46,14 @@ def continuation(
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
     extrema : columns that are labelled EX where they turn along the branch.
+    conditions, free : equations such as 'period = 5' that the solutions meet, and as many parameters, which are solved
+        for beside the one that varies.
     watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
     journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
     seed, bounds = placed(start, parameter, range)
+    if conditions or free:
+        seed = lazy.module("conditions").under_conditions(seed, conditions, free)
     chosen = Settings.of(settings)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:

@@ -76,6 +76,11 @@ class BoundaryProblem(Problem):
     def parameters(self) -> tuple[str, ...]:
         return (self.two.parameters[self.active],)
 
+    @property
+    def free_names(self) -> tuple[str, ...]:
+        """Parameters that are solved for."""
+        return tuple(self.two.free)
+
     @cached_property
     def state_periods(self) -> Array:
         """None of the functions is an angle."""

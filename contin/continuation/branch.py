@@ -122,6 +122,7 @@ class Branch:
     notes: tuple[str, ...] = ()
     symmetries: tuple[str, ...] = ()  # declared symmetries that map this branch to another, not computed, one
     born_at: tuple[str, ...] = ()  # in a diagram: types of the points that its ancestors and it were born at
+    free: tuple[str, ...] = ()  # parameters that are solved for, under conditions
     unexplained: int = 0  # changes of `unstable` that no label explains, events not told apart; each has its note
 
     def __len__(self) -> int:

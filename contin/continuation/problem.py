@@ -256,6 +256,11 @@ class Problem(ABC):
         def maximum_chunk(self) -> int:
             """Most points a march may accept before it returns, so that a chunk lasts about 50 ms at most."""
 
+    @property
+    def free_names(self) -> tuple[str, ...]:
+        """Parameters that are solved for beside the varying ones, so that conditions hold."""
+        return ()
+
     # -- the curve ----------------------------------------------------------------------------------------------------
 
     @abstractmethod

@@ -208,7 +208,8 @@ def _assemble(
         name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points,
         ends=_ends(seed, records), z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
-        locus=problem.locus, parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
+        locus=problem.locus, free=problem.free_names,
+        parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
 

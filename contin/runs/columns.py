@@ -12,7 +12,10 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 OF_BRANCHES: Final = frozenset(
-    {"period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle"}
+    {
+        "period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle",
+        "amplitude", "norm",
+    }
 )  # beside parameters, states and observables: what problems record of themselves
 OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
 

@@ -119,6 +119,8 @@ class ContinEngine:
                 direction=run.direction,
                 values=run.values,
                 extrema=run.extrema,
+                conditions=run.conditions,
+                free=run.free if run.conditions else (),
                 settings=run.settings,
                 watch=self.watch,
                 journal=self.journal,

@@ -16,6 +16,7 @@ from contin.model.evaluate import evaluate
 from contin.model.functionals import condition_count
 from contin.model.parser import parse
 from contin.model.registry import find
+from contin.model.relations import relations_on_orbits
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
 from contin.records import Json, Record
@@ -55,6 +56,7 @@ class RunPlan:
     samples: Samples | None = None  # of an orbit to begin with
     free: tuple[str, ...] = ()  # parameters that are solved for beside those that vary
     extrema: tuple[str, ...] = ()  # columns to be labelled where they turn
+    conditions: tuple[str, ...] = ()  # equations that the solutions meet
 
 
 @dataclass(frozen=True)
@@ -287,7 +289,7 @@ class _Planner:
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
         return RunPlan(
             name, parameters, bounds, start, reference, as_, entry.direction, values, settings, to, samples, free,
-            tuple(entry.extrema),
+            tuple(entry.extrema), tuple(entry.conditions),
         )  # fmt: skip
 
     def free(self, entry: ContinuationEntry, parameters: Sequence[str], path: Path) -> tuple[str, ...]:
@@ -296,9 +298,10 @@ class _Planner:
             if self.known(name, (*path, "free", k)) and name in parameters:
                 self.problems.add((*path, "free", k), f"{name} varies in this run already (`parameter`)")
         if self.model.interval is None:
-            if entry.free:
-                self.problems.add((*path, "free"), "only runs with conditions have free parameters", key=True)
+            self.conditions(entry, path)
             return tuple(entry.free)
+        if entry.conditions:
+            self.problems.add((*path, "conditions"), "of a boundary-value problem they stand in the model", key=True)
         if entry.from_ is None:
             needed = len(self.model.conditions) - len(self.model.states)
             if needed != len(entry.free):
@@ -306,6 +309,17 @@ class _Planner:
         if entry.as_ is not None:
             self.problems.add((*path, "as"), f"a boundary-value problem has no {entry.as_}; leave out `as`", key=True)
         return tuple(entry.free)
+
+    def conditions(self, entry: ContinuationEntry, path: Path) -> None:
+        """Equations on the solutions of a run, one for each free parameter."""
+        count = len(entry.conditions)
+        if count != len(entry.free):
+            have = f"{count} condition{'s' * (count != 1)} and {len(entry.free)} free parameters"
+            self.problems.add(path, f"{have}: each condition needs one parameter under `free` that is solved for")
+        if count and self.model.kind == "algebraic":
+            self.problems.add((*path, "conditions"), "of kind: algebraic: write them as further equations", key=True)
+        if entry.as_ == "orbit" or entry.samples is not None:
+            relations_on_orbits(self.model, entry.conditions, self.problems, (*path, "conditions"))
 
     def extrema(self, columns: Sequence[str], path: Path) -> None:
         """Columns that are to be labelled where they turn."""

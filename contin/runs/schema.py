@@ -169,6 +169,7 @@ class ContinuationEntry(Section):
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
     free: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
+    conditions: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
     extrema: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
     settings: SettingsEntry = SettingsEntry()
 

@@ -86,6 +86,7 @@ def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> Fields
         "parameters": list(branch.parameters),
         "parent": None if parent is None else {"branch": parent.branch, "label": parent.label},
         "image_of": None if image is None else {"branch": image.branch, "symmetry": image.symmetry},
+        **({"free": list(branch.free)} if branch.free else {}),
         "columns": {name: plain(column) for name, column in branch.columns.items()},
         "points": [_point(branch, point, orbit) for point in branch.points],
         "ends": [_end(end) for end in branch.ends],

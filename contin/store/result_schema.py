@@ -44,6 +44,7 @@ BRANCH: Final[Fields] = {
         "kind": {"enum": KINDS},
         "locus": {"type": ["string", "null"]},
         "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 3},
+        "free": {"type": "array", "items": {"type": "string"}},
         "parent": _POINT_REFERENCE,
         "image_of": {"type": ["object", "null"], "required": ["branch", "symmetry"]},
         "columns": {

@@ -3,25 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final, Protocol
 
 import numpy as np
 
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
-
-if TYPE_CHECKING:
-    from contin.problems.orbits.two_parameters import OfPeriodicOrbits
+from contin.problems.orbits.layout import Profile
 
 STEPS: Final = 12  # secants to the point
 ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
 TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
+SMALL: Final = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 
 
-def cut_at_birth(problem: OfPeriodicOrbits, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+class Shrinking(Protocol):
+    """A problem whose solutions are orbits."""
+
+    @property
+    def winding(self) -> Array:
+        """What each state gains in one period."""
+
+    def profile(self, z: Array) -> Profile:
+        """The orbit."""
+
+    def orbit_sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric of z."""
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        """See `contin.continuation.problem.Problem`."""
+
+
+def cut_at_birth(problem: Shrinking, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the point at which the amplitude of its orbits passes zero, which becomes the last row."""
-    if len(chunk) < 2 or problem.curve.orbits.winding.any():
+    if len(chunk) < 2 or problem.winding.any():
         return chunk
     shapes = [_deviations(problem, z, frame.scale) for z in chunk.z]
     for k in range(len(chunk) - 1):
@@ -33,15 +49,20 @@ def cut_at_birth(problem: OfPeriodicOrbits, chunk: Chunk, frame: Frame, settings
     return chunk
 
 
-def _deviations(problem: OfPeriodicOrbits, z: Array, scale: Array) -> Array:
+def has_shrunk(problem: Shrinking, z: Array, scale: Array) -> bool:
+    """True where the orbit is a point, but for an amplitude that does not matter."""
+    u = problem.profile(z).u
+    return not problem.winding.any() and bool(np.max(np.ptp(u, axis=0) / problem.orbit_sizes(z, scale)) < SMALL)
+
+
+def _deviations(problem: Shrinking, z: Array, scale: Array) -> Array:
     """u - mean of u, relative to the states' sizes."""
-    curve = problem.curve
-    u = curve.profile(z).at(TIMES)
-    return np.asarray((u - u.mean(axis=0)) / curve.orbits.sizes(curve.orbit(z), curve.orbit(scale)))
+    u = problem.profile(z).at(TIMES)
+    return np.asarray((u - u.mean(axis=0)) / problem.orbit_sizes(z, scale))
 
 
 def _smallest(
-    problem: OfPeriodicOrbits, base: Sample, shape: Array, length: float, frame: Frame, settings: Settings
+    problem: Shrinking, base: Sample, shape: Array, length: float, frame: Frame, settings: Settings
 ) -> Sample | None:
     """The point within this arclength of the base at which the amplitude, negative beyond zero, vanishes."""
     near = float(np.sum(shape * shape))

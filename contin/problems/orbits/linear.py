@@ -113,6 +113,15 @@ class OrbitLinear:
         return self._assemble(local, column_t, column_p, periodic=True, phase=True)
 
     @property
+    def by_parameter(self) -> Array:
+        """The last column of the Jacobian, of the varying parameter in its own unit, (nu + 1,)."""
+        profile = self.profile
+        fp = np.moveaxis(self._points.fp, -1, 0)
+        column = (-(profile.h * profile.period)[:, None, None] * fp / self.sizes).ravel()
+        phase = 0.0 if self.problem.autonomous else -self._forcing[1] / self._phase_size
+        return np.concatenate([column, np.zeros(profile.n), [phase]])
+
+    @property
     def state_derivatives(self) -> Array:
         """f_u at the Gauss points, (N, m, n, n)."""
         fu = self._points.fu

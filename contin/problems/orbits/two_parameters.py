@@ -13,6 +13,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Frame, Sample, Verified
 from contin.problems.massless import finite_multipliers
+from contin.problems.orbits import birth
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
     from contin.problems.orbits.family import FamilyOfOrbits
 
-SMALL = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
 ALIKE = 1e-7  # relative distance of parameters below which two points are one
 
 
@@ -134,9 +134,16 @@ class OfPeriodicOrbits(OrbitCurveProblem):
 
     def has_shrunk(self, z: Array, scale: Array) -> bool:
         """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
-        sizes = self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale))
-        small = float(np.max(np.ptp(self.curve.profile(z).u, axis=0) / sizes)) < SMALL
-        return small and self.curve.orbits.autonomous and not self.curve.orbits.winding.any()
+        return bool(self.curve.orbits.autonomous) and birth.has_shrunk(self, z, scale)
+
+    @property
+    def winding(self) -> Array:
+        """What each state gains in one period."""
+        return np.asarray(self.curve.orbits.winding)
+
+    def orbit_sizes(self, z: Array, scale: Array) -> Array:
+        """The states' sizes (n,) in a metric of z."""
+        return np.asarray(self.curve.orbits.sizes(self.curve.orbit(z), self.curve.orbit(scale)))
 
     def at_birth(self, z: Array, scale: Array) -> End | None:
         """The end of a curve whose orbits have shrunk to a Hopf point."""

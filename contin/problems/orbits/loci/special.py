@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
+from contin.problems.orbits.birth import SMALL
 from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.multipliers import nontrivial, without
-from contin.problems.orbits.two_parameters import SMALL, OfPeriodicOrbits
+from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.special.table import tests_of_orbits
 
 HALVES = 100

@@ -1,0 +1,59 @@
+"""A seed under conditions: as many parameters become unknowns as there are conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.model.model import Model
+from contin.model.relations import relations
+from contin.problems.algebraic import AlgebraicProblem
+from contin.problems.conditioned.equilibria import ConditionedEquilibria
+from contin.problems.conditioned.functionals import OrbitConditions
+from contin.problems.conditioned.orbits import ConditionedOrbits
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.orbits.problem import OrbitProblem
+
+
+def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str]) -> Seed:
+    """The seed with these conditions, for which the parameters `free` are solved.
+
+    Raises InputError for conditions that say nothing, a wrong number of them, or solutions that take none.
+    """
+    problem = seed.problem
+    if len(conditions) != len(free):
+        raise InputError(
+            f"{len(conditions)} condition{'s' * (len(conditions) != 1)} and {len(free)} free parameters: each "
+            "condition needs one parameter under `free` that is solved for"
+        )
+    model = getattr(getattr(problem, "system", None), "model", None)
+    if not isinstance(problem, OrbitProblem | EquilibriumProblem) or not isinstance(model, Model):
+        raise InputError("conditions are for equilibria, fixed points and orbits by collocation of models of formulas")
+    if isinstance(problem, AlgebraicProblem):
+        raise InputError("kind: algebraic: write conditions as further equations")
+    if seed.born:
+        raise InputError(
+            "conditions: at this start branches are born, and nothing on them meets the conditions yet; start from a "
+            "solution: a user value of the branch, or `start:`"
+        )
+    names = list(problem.system.parameter_names)
+    for name in free:
+        if name not in names:
+            raise InputError(f"free: no parameter {name!r}; the model has {', '.join(names)}")
+        if name == problem.parameters[0]:
+            raise InputError(f"free: {name} varies in this run already")
+    if len(set(free)) < len(free):
+        raise InputError(f"free: {free[0]} is named twice")
+    places = tuple(names.index(name) for name in free)
+    values = np.array([problem.base[k] for k in places])
+    on_orbits = isinstance(problem, OrbitProblem)
+    found = relations(model, conditions, on_orbits)
+    if isinstance(problem, OrbitProblem):
+        conditioned: ConditionedOrbits | ConditionedEquilibria
+        conditioned = ConditionedOrbits(problem, places, OrbitConditions(model, found))
+    else:
+        conditioned = ConditionedEquilibria(problem, places, found)
+    return Seed(conditioned, conditioned.joined(seed.z, values), arms=seed.arms)

@@ -1,0 +1,119 @@
+"""Conditions on solutions that are followed: `period = 5`, `x.max = 2`, `integral(x^2) = 1`, `x + y = p`.
+
+On orbits a formula is made of numbers: `period`, parameters, and functionals of states: integral(...) over one period
+in model time, mean(...), norm(...), max(...), min(...), x(start) of forced flows. `x.max`, `x.min`, `x.amplitude` (half
+the difference) and `x.norm` are short for these, as are `amplitude` (of the first state) and `norm` (of all states,
+sqrt(mean(x^2 + y^2 + ...))), unless the model uses the name itself. On equilibria states stand for themselves.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from contin.errors import InputError
+from contin.model.expression import Expression, is_condition, sub, symbol, symbols_in
+from contin.model.functionals import FunctionalReader
+from contin.model.inline import Formulas
+from contin.model.parts import TIME, Functional
+from contin.model.printing import to_text
+from contin.model.source import CallSource, Path, Problems
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+PERIOD: Final = "period"
+PARTS: Final[Mapping[str, str]] = {
+    "max": "max({0})", "min": "min({0})", "amplitude": "((max({0}) - min({0}))/2)", "norm": "norm({0})",
+    "mean": "mean({0})", "start": "{0}(start)",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A residual that vanishes, in states and parameters, or in functionals of an orbit, its period and parameters."""
+
+    text: str
+    residual: Expression
+    functionals: Mapping[str, Functional] = field(default_factory=dict)
+
+
+def relations_on_orbits(
+    model: Model, texts: Sequence[str], problems: Problems, path: Path = ()
+) -> tuple[Relation, ...]:
+    """Conditions on the orbits of a model; what is wrong with them is noted at its place."""
+    formulas = Formulas(problems, [*model.state_names, *model.parameter_names], {})
+    formulas.functions, formulas.definitions = dict(model.functions), dict(model.definitions)
+    formulas.conditions = {n for n, e in model.definitions.items() if is_condition(e)}
+    formulas.names[PERIOD] = symbol(PERIOD)
+    reader = FunctionalReader(formulas, model.state_names, TIME, problems)
+    found = []
+    for k, text in enumerate(texts):
+        left, sign, right = _sides(text, problems, (*path, k))
+        if not sign:
+            continue
+        residual = sub(*(reader.number(_written_out(side, model), (*path, k)) for side in (left, right)))
+        used = {name: reader.found[name] for name in symbols_in([residual]) if name in reader.found}
+        ends = [f for f in used.values() if f.kind in ("start", "end")]
+        if ends and model.forcing is None:
+            problems.add((*path, k), "an orbit of an autonomous flow may begin anywhere: it has no value at its start")
+        if not symbols_in([residual]):
+            problems.add((*path, k), "a condition contains `period`, a number such as max(x), mean(x^2), or parameters")
+        found.append(Relation(" ".join(text.split()), residual, used))
+    return tuple(found)
+
+
+def relations_on_states(
+    model: Model, texts: Sequence[str], problems: Problems, path: Path = ()
+) -> tuple[Relation, ...]:
+    """Conditions on equilibria: formulas in states, observables and parameters."""
+    found = []
+    for k, text in enumerate(texts):
+        left, sign, right = _sides(text, problems, (*path, k))
+        if not sign:
+            continue
+        try:
+            residual = sub(model.expression(left), model.expression(right))
+        except InputError as error:
+            problems.add((*path, k), str(error))
+            continue
+        found.append(Relation(" ".join(text.split()), residual))
+    return tuple(found)
+
+
+def relations(model: Model, texts: Sequence[str], on_orbits: bool) -> tuple[Relation, ...]:
+    """The same in a call; raises InputError."""
+    problems = Problems(CallSource("conditions"))
+    read = relations_on_orbits if on_orbits else relations_on_states
+    found = read(model, texts, problems)
+    problems.raise_if_any()
+    return found
+
+
+def _sides(text: str, problems: Problems, path: Path) -> tuple[str, str, str]:
+    left, sign, right = text.partition("=")
+    if not sign or right.startswith("=") or "=" in right or left.endswith(("<", ">", "!")):
+        problems.add(path, "a condition is an equation with one `=`, such as period = 5")
+        return left, "", right
+    return left, sign, right
+
+
+def _written_out(text: str, model: Model) -> str:
+    """x.max as max(x), amplitude and norm of all states as the functionals that they are."""
+    own = {*model.state_names, *model.parameter_names, *model.definitions}
+    things = {name: name for name in model.state_names}
+    things |= {name: f"({to_text(e)})" for name, e in model.observables.items() if name not in own}
+    names = "|".join(sorted(map(re.escape, things), key=len, reverse=True))
+
+    def functional(match: re.Match[str]) -> str:
+        return PARTS[match[2]].format(things[match[1]])
+
+    text = re.sub(rf"(?<![\w.])({names})\s*\.\s*({'|'.join(PARTS)})\b", functional, text)
+    squares = " + ".join(f"{name}^2" for name in model.state_names)
+    if "amplitude" not in own:
+        text = re.sub(r"(?<![\w.])amplitude\b(?!\s*\()", PARTS["amplitude"].format(model.state_names[0]), text)
+    if "norm" not in own:
+        text = re.sub(r"(?<![\w.])norm\b(?!\s*\()", f"sqrt(mean({squares}))", text)
+    return text

@@ -1,0 +1,1 @@
+"""Solutions that meet conditions, with as many parameters solved for as there are conditions."""
