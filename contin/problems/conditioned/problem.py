@@ -332,7 +332,7 @@ class _Intersection:
         inner = problem.at(every[:-1])
         if self.place < problem.k:
             inner = inner.with_active(problem.free_names[self.place], np.append(sample.z[:-1], every[-1]))
-        found = inner.verify(self.type_, sample, metric)
+        found: Outcome = inner.verify(self.type_, sample, metric)
         if not isinstance(found, Verified):
             return found
         every[self.place] = found.z[-1]
