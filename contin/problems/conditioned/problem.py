@@ -291,7 +291,9 @@ class Conditioned(Problem):
             error += 1.25 * abs(float(again[1][-1] - z[-1]))
         return replace(point, z=z, residual=max(point.residual, left), error=error)
 
-    def _on_conditions(self, type_: str, near: Sample, frame: Frame) -> tuple[Verified, Array, float] | Rejected | Nothing:
+    def _on_conditions(
+        self, type_: str, near: Sample, frame: Frame
+    ) -> tuple[Verified, Array, float] | Rejected | Nothing:
         """(point, z, what is left of the conditions), unfolded by the varying parameter or else by a free one."""
         first = None
         for place in (self.k, *range(self.k)):
