@@ -12,7 +12,8 @@ from contin.model.evaluate import evaluate
 from contin.model.expression import symbol
 from contin.simulate.condition import condition
 from contin.simulate.flight import DONE
-from contin.simulate.run import EVENT, NO_EVENT, Simulation, observed
+from contin.simulate.path import EVENT, NO_EVENT
+from contin.simulate.run import Simulation, observed
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -14,28 +14,20 @@ from contin.limits import LARGEST_TABLE, check_count
 from contin.lowering.system import compile_in_time
 from contin.model.kinds import need_time
 from contin.model.parts import TIME
-from contin.records import Fields, Record
+from contin.records import Record
 from contin.simulate.consistent import consistent_start, moved_onto, onto_constraints
-from contin.simulate.flight import DONE, ESCAPED, STOPPED, fly
-from contin.simulate.held import finite_at_start, held_states
-from contin.simulate.natural import absolute_tolerances
+from contin.simulate.flight import DONE, ESCAPED, STOPPED
+from contin.simulate.path import EVENT, NO_EVENT, STIFF, path_of
 from contin.simulate.reach import left_reach
-from contin.simulate.steps_in_time import fly_between_jumps, stepped_in_time
-from contin.simulate.stiff import NONSMOOTH, integrate_stiff
-from contin.simulate.until import fly_until, with_clock
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
-    from contin.model.model import Model
 
-STIFF: Final = ("Radau", "LSODA", "BDF")
 METHODS: Final = ("DOP853", *STIFF)
 RTOL: Final = 1e-9
 SAMPLES: Final = 5000  # so that fast oscillations are drawn as curves
 BUDGET: Final = 50_000_000  # steps: a minute or two
-EVENT: Final = "event"
-NO_EVENT: Final = "no event"
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +119,7 @@ def simulate(
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
         return found
     times = np.linspace(transient, transient + time, samples)
-    path = _path(model, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
+    path = path_of(model, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
     t, states, end, outcome, why = path.t, path.states, path.end, path.outcome, path.why
     left = left_reach(system, states, over_time(system, p, t))
     if left is not None:
@@ -137,72 +129,6 @@ def simulate(
     states, note = onto_constraints(system, states, over_time(system, p, t)), moved_onto(system, given, u)
     seen = observed(system, states, p, t)
     return Simulation(model, method, p, t, states, seen, end, path.steps, path.crossings, outcome, why, note)
-
-
-@dataclass(frozen=True, eq=False)
-class _Path:
-    """States (T, n) at the times t, where it ended and why."""
-
-    t: Array
-    states: Array
-    end: float
-    steps: int = 0
-    crossings: int = 0
-    outcome: str = DONE
-    why: str = ""
-
-
-def _path(
-    model: Model, system: CompiledSystem, u: Array, p: Array, times: Array, method: str, until: str | None, *,
-    rtol: float, atol: float | None, box: float, budget: int,
-) -> _Path:  # fmt: skip
-    """The solution at `times`; states that are no numbers stay out of the integration."""
-    duration = float(times[-1])
-    if not u.size or duration == 0.0:
-        return _Path(times, np.tile(u, (times.size, 1)), duration)
-    if not model.mass and not finite_at_start(system, u, p):
-        held = held_states(system, u, p, duration)
-        if not held.moving.all():
-            if until is not None:
-                raise InputError("until: a state of this model is infinite or not a number")
-            rest = _path(
-                (few := held.reduced(model)), compile_in_time(few), u[held.moving], p, times, method, None,
-                rtol=rtol, atol=atol, box=box, budget=budget,
-            )  # fmt: skip
-            return replace(rest, states=held.filled(rest.t, u, rest.states))
-    errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
-    if method in STIFF:
-        if until is not None:
-            raise InputError("until: events are located by the method DOP853 only")
-        t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
-        why = NONSMOOTH if outcome == DONE and system.n_switches else why
-        return _Path(t, states, float(t[-1]) if len(t) else 0.0, steps, 0, outcome, why)
-    options = {"rtol": rtol, "atol": errors, "box": box, "budget": budget}
-    flight, outcome, why = _flown(model, system, u, p, times, until, options)
-    t, states = flight.t, flight.u
-    if outcome == EVENT:
-        t, states = np.append(t, flight.end_time), np.vstack([states, flight.end[None, : system.n]])
-    return _Path(t, states, flight.end_time, flight.steps, flight.crossed, outcome, why)
-
-
-def _flown(
-    model: Model, system: CompiledSystem, u: Array, p: Array, times: Array, until: str | None, options: Fields
-) -> tuple[Any, str, str]:
-    """(flight, outcome, why) of the compiled integrator."""
-    if until is None:
-        stepped = stepped_in_time(model)
-        if stepped is not None:
-            flight = fly_between_jumps(stepped, u, p, times, **options)
-            return flight, flight.outcome, flight.why
-        flight = fly(system, u, p, float(times[-1]), times=times, **options)
-        return flight, flight.outcome, flight.why
-    clocked = compile_in_time(with_clock(model, until))
-    flight, came = fly_until(clocked, u, p, float(times[-1]), times=times, **options)
-    if came:
-        return flight, EVENT, until
-    if flight.outcome != DONE:
-        return flight, flight.outcome, flight.why
-    return flight, NO_EVENT, f"the event {until} did not come until t = {flight.end_time:.6g}"
 
 
 def observed(system: CompiledSystem, states: Array, p: Array, t: Array) -> Array:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
 
 from contin.errors import InputError
 from contin.exchange.sbml import mathml
+from contin.exchange.sbml.elements import Element
 from contin.exchange.sbml.initial import Initial
 from contin.exchange.sbml.reactions import changes, conversion, rates_of
 from contin.exchange.sbml.symbols import FIXED, RATE, REACTIONS, RULE, Symbol, Symbols, symbols_of
@@ -21,7 +21,7 @@ from contin.records import Fields
 class Assembly:
     """Collects states, parameters, definitions and observables of one model."""
 
-    def __init__(self, model: Any, path: Path, notes: list[str]) -> None:
+    def __init__(self, model: Element, path: Path, notes: list[str]) -> None:
         self.model, self.where = model, str(path)
         self.title = model.getName() or None
         self.functions = {f.getIdAttribute() or f.getId(): f for f in model.getListOfFunctionDefinitions()}
@@ -121,7 +121,7 @@ class Assembly:
         else:
             self.definitions[name] = value
 
-    def _entry(self, value: str, symbol: Symbol | None) -> Any:
+    def _entry(self, value: str, symbol: Symbol | None) -> Fields | str:
         unit = None if symbol is None or self._is_concentration(symbol) else unit_of(self.model, symbol.element)
         title = None if symbol is None else symbol.element.getName()
         more = {"unit": unit, "description": title if title and title != symbol.id else None} if symbol else {}

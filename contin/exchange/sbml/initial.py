@@ -7,10 +7,11 @@ values are worked out in the order in which they need each other.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from contin.errors import InputError
 from contin.exchange.sbml import mathml
+from contin.exchange.sbml.elements import Element
+from contin.exchange.sbml.reactions import Rate
 from contin.exchange.sbml.symbols import FIXED, RULE, Symbol, Symbols
 
 
@@ -20,7 +21,9 @@ class Initial(Mapping[str, str]):
     `value` gives the formula of a fixed symbol, too.
     """
 
-    def __init__(self, symbols: Symbols, functions: Mapping[str, Any], rates: Mapping[str, Any], where: str) -> None:
+    def __init__(
+        self, symbols: Symbols, functions: Mapping[str, Element], rates: Mapping[str, Rate], where: str
+    ) -> None:
         self.symbols, self.functions, self.rates, self.where = symbols, functions, rates, where
         self._known: dict[str, str] = {}
         self._open: list[str] = []
@@ -56,7 +59,7 @@ class Initial(Mapping[str, str]):
 
     def _value(self, identifier: str) -> str:
         if identifier in self.symbols.reactions:
-            return str(self.rates[identifier](self, "0"))
+            return self.rates[identifier](self, "0")
         if identifier not in self.symbols.of:
             raise KeyError(identifier)
         symbol = self.symbols.of[identifier]
@@ -76,7 +79,7 @@ class Initial(Mapping[str, str]):
             return mathml.literal(element.getStoichiometry())
         return self._of_species(element)
 
-    def _of_species(self, species: Any) -> str:
+    def _of_species(self, species: Element) -> str:
         amount = self.symbols.is_amount(species)
         compartment = species.getCompartment()
         if species.isSetInitialConcentration():

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from contin.exchange.sbml import mathml
+from contin.exchange.sbml.elements import Element
 from contin.exchange.sbml.symbols import REACTIONS, Symbols
 
 Rate = Callable[[Mapping[str, str], str], str]
@@ -13,7 +13,7 @@ Rate = Callable[[Mapping[str, str], str], str]
 
 
 def rates_of(
-    model: Any, symbols: Symbols, functions: Mapping[str, Any], where: str
+    model: Element, symbols: Symbols, functions: Mapping[str, Element], where: str
 ) -> tuple[dict[str, Rate], dict[str, str]]:
     """The rate of each reaction that has one, and the values of local parameters under names of their own."""
     rates: dict[str, Rate] = {}
@@ -32,7 +32,7 @@ def rates_of(
     return rates, local
 
 
-def _rate(math: Any, own: Mapping[str, str], functions: Mapping[str, Any], where: str) -> Rate:
+def _rate(math: Element, own: Mapping[str, str], functions: Mapping[str, Element], where: str) -> Rate:
     def formula(names: Mapping[str, str], time: str) -> str:
         return mathml.number(math, mathml.Scope(_Over(own, names), functions, time, where))
 
@@ -54,8 +54,8 @@ class _Over(dict[str, str]):
 
 
 def changes(
-    model: Any, symbols: Symbols, functions: Mapping[str, Any], names: Mapping[str, str], named: Mapping[str, str],
-    where: str,
+    model: Element, symbols: Symbols, functions: Mapping[str, Element], names: Mapping[str, str],
+    named: Mapping[str, str], where: str,
 ) -> dict[str, list[str]]:  # fmt: skip
     """Species -> the terms of the rate of change of its amount; `named`: what stands for the rate of a reaction."""
     terms: dict[str, list[str]] = {}
@@ -74,7 +74,7 @@ def changes(
     return terms
 
 
-def _stoichiometry(reference: Any, symbols: Symbols, scope: mathml.Scope) -> str:
+def _stoichiometry(reference: Element, symbols: Symbols, scope: mathml.Scope) -> str:
     if symbols.level >= 3:
         if reference.isSetIdAttribute():
             return symbols.of[reference.getIdAttribute()].name
@@ -85,7 +85,7 @@ def _stoichiometry(reference: Any, symbols: Symbols, scope: mathml.Scope) -> str
     return f"({value}/{reference.getDenominator()})" if reference.getDenominator() != 1 else value
 
 
-def conversion(model: Any, species: Any, symbols: Symbols) -> str | None:
+def conversion(model: Element, species: Element, symbols: Symbols) -> str | None:
     """The name of the factor from extent to the species' amount, of level 3."""
     if symbols.level < 3:
         return None

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import libsbml
 
 from contin.errors import InputError
 from contin.exchange.imported import UnsupportedError
+from contin.exchange.sbml.elements import Element
 
 HARMLESS: Final = frozenset({"layout", "render", "groups", "req", "annot"})  # packages that change no equation
 READ: Final = frozenset({"l3v2extendedmath", "math"})  # packages of functions that are known
 
 
-def check_document(document: Any, path: object) -> tuple[Any, list[str]]:
+def check_document(document: Element, path: object) -> tuple[Element, list[str]]:
     """The model of a document, and notes; raises for what cannot be read or has no equal."""
     model = document.getModel()
     log = document.getErrorLog()
@@ -25,11 +26,11 @@ def check_document(document: Any, path: object) -> tuple[Any, list[str]]:
     return model, [*_packages(document, path), *_elements(model, path)]
 
 
-def _packages(document: Any, path: object) -> list[str]:
+def _packages(document: Element, path: object) -> list[str]:
     notes = []
     for k in range(document.getNumPlugins()):
         name = document.getPlugin(k).getPackageName()
-        if name in HARMLESS:
+        if name in HARMLESS or (name == "comp" and not _is_composed(document)):
             notes.append(f"the package {name} is not read")
         elif name not in READ:
             raise UnsupportedError(f"{path}: the package {name} of SBML is not supported")
@@ -41,8 +42,15 @@ def _packages(document: Any, path: object) -> list[str]:
     return notes
 
 
-def _elements(model: Any, path: object) -> list[str]:
-    def refuse(element: Any, what: str) -> None:
+def _is_composed(document: Element) -> bool:
+    """True where models are put together from others, and not merely could be."""
+    whole, model = document.getPlugin("comp"), document.getModel().getPlugin("comp")
+    parts = whole.getNumModelDefinitions() + whole.getNumExternalModelDefinitions()
+    return bool(parts or (model is not None and model.getNumSubmodels()))
+
+
+def _elements(model: Element, path: object) -> list[str]:
+    def refuse(element: Element, what: str) -> None:
         name = element.getIdAttribute() or element.getName()
         shown = f" {name!r}" if name else ""
         raise UnsupportedError(f"{path}: line {element.getLine()}: {what}{shown} is not supported")

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from contin.exchange.naming import Names
+from contin.exchange.sbml.elements import Element
 
 RULE, RATE, REACTIONS, FIXED = "rule", "rate", "reactions", "fixed"
 PREFIXES: Final = ("amount", "concentration")
@@ -25,9 +26,9 @@ class Symbol:
     kind: str  # species, compartment, parameter, reference
     name: str
     role: str
-    element: Any
-    math: Any = None
-    initial: Any = None
+    element: Element
+    math: Element = None
+    initial: Element = None
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Symbols:
     names: Names
     level: int
 
-    def is_amount(self, species: Any) -> bool:
+    def is_amount(self, species: Element) -> bool:
         """True where the species' identifier stands for its amount."""
         if species.getHasOnlySubstanceUnits() or self.level == 1:
             return bool(species.getHasOnlySubstanceUnits())
@@ -50,12 +51,12 @@ class Symbols:
         element = self.of[compartment].element
         return bool(element.getSpatialDimensionsAsDouble() == 0 and not element.isSetSize())
 
-    def size_is_fixed(self, species: Any) -> bool:
+    def size_is_fixed(self, species: Element) -> bool:
         """True where the size of the species' compartment does not change."""
         return self.of[species.getCompartment()].role == FIXED
 
 
-def symbols_of(model: Any, notes: list[str]) -> Symbols:
+def symbols_of(model: Element, notes: list[str]) -> Symbols:
     """The identifiers with values, each with a name of its own in the formulas."""
     level = model.getLevel()
     rules = {r.getVariable(): r for r in model.getListOfRules() if not r.isAlgebraic() and r.isSetMath()}
@@ -78,7 +79,7 @@ def symbols_of(model: Any, notes: list[str]) -> Symbols:
     return Symbols(symbols, {r: given[r] for r in reactions}, names, level)
 
 
-def _elements(model: Any, level: int) -> Iterator[tuple[str, str, Any]]:
+def _elements(model: Element, level: int) -> Iterator[tuple[str, str, Element]]:
     for kind, elements in (
         ("compartment", model.getListOfCompartments()),
         ("species", model.getListOfSpecies()),
@@ -93,12 +94,12 @@ def _elements(model: Any, level: int) -> Iterator[tuple[str, str, Any]]:
                     yield reference.getIdAttribute(), "reference", reference
 
 
-def references(reaction: Any) -> list[Any]:
+def references(reaction: Element) -> list[Element]:
     """Reactants, then products."""
     return [*reaction.getListOfReactants(), *reaction.getListOfProducts()]
 
 
-def _changed(model: Any) -> set[str]:
+def _changed(model: Element) -> set[str]:
     """Species that reactions change, where no rule determines them."""
     changed = set()
     for reaction in model.getListOfReactions():

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import libsbml
+
+from contin.exchange.sbml.elements import Element
 
 _SHORT: Final = {"litre": "L", "liter": "L", "metre": "m", "meter": "m", "second": "s", "mole": "mol", "gram": "g",
     "kilogram": "kg", "item": "items", "dimensionless": "1", "kelvin": "K"}  # fmt: skip
 _PREFIX: Final = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"}
 
 
-def unit_of(model: Any, element: Any) -> str | None:
+def unit_of(model: Element, element: Element) -> str | None:
     """The unit of a parameter, a compartment or a species (of its amount), as text; None where none is given."""
     get = getattr(element, "getSubstanceUnits", None) or getattr(element, "getUnits", None)
     name = "" if get is None else str(get())
@@ -23,7 +25,7 @@ def unit_of(model: Any, element: Any) -> str | None:
     return "*".join(_factor(unit) for unit in definition.getListOfUnits()) or None
 
 
-def _factor(unit: Any) -> str:
+def _factor(unit: Element) -> str:
     kind = libsbml.UnitKind_toString(unit.getKind())
     text, scale = _SHORT.get(kind, kind), unit.getScale()
     multiplier, exponent = unit.getMultiplier(), unit.getExponentAsDouble()

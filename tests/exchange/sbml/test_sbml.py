@@ -357,6 +357,9 @@ def test_packages_are_named(tmp_path):
     file = tmp_path / "m.xml"
     space = 'xmlns:comp="http://www.sbml.org/sbml/level3/version1/comp/version1" comp:required="true"'
     file.write_text(model_text().replace("<sbml ", f"<sbml {space} "))
+    assert registry.read(file).notes == ("the package comp is not read",)  # nothing of it is used
+    submodel = '<comp:listOfSubmodels><comp:submodel comp:id="s" comp:modelRef="m2"/></comp:listOfSubmodels>'
+    file.write_text(file.read_text().replace("</model>", f"{submodel}</model>"))
     with pytest.raises(UnsupportedError, match="the package comp of SBML is not supported"):
         registry.read(file)
 
