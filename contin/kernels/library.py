@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Collection, Iterable, Sequence
-from types import CodeType
 from typing import Any, Final
 
 from contin.kernels import sources
+from contin.kernels.callees import called_by, declared
 from contin.kernels.clock import CLOCK
-from contin.kernels.compile import Kernel
 from contin.kernels.mode import Declaration
 from contin.kernels.signature import Array, Scalar, Tuple, Type, parse, words
 from contin.machine import bridge, kept, memory, target
@@ -44,46 +43,6 @@ def callable_of(declaration: Declaration) -> Callable[..., Any]:
     return bridge.make_call(declaration.name, ENGINE.address(f"entry.{declaration.name}"), plan)
 
 
-def called_by(declaration: Declaration) -> dict[str, Declaration]:
-    """The kernel and all that it calls, directly or not, by name."""
-    found: dict[str, Declaration] = {}
-    todo = [declaration]
-    while todo:
-        one = todo.pop()
-        if one.name not in found:
-            found[one.name] = one
-            todo += _direct(one.function.__code__, one.function.__globals__)
-    return found
-
-
-def _direct(code: CodeType, names: dict[str, Any]) -> list[Declaration]:
-    """Kernels that a function's text names, and those that the parts do which are put in place in it."""
-    found = []
-    for name in code.co_names:
-        value: Any = names.get(name)
-        if isinstance(value, Kernel):
-            found.append(value.declaration)
-        elif _is_part(value):
-            found += _direct(value.__code__, value.__globals__)
-    return found
-
-
-def text_length(declaration: Declaration) -> int:
-    """Bytes of Python's code of a kernel, with that of the parts that are put in place in it."""
-
-    def length(code: CodeType, names: dict[str, Any]) -> int:
-        parts = (names.get(name) for name in code.co_names)
-        inner: list[Any] = [p for p in parts if not isinstance(p, Kernel) and _is_part(p)]
-        return len(code.co_code) + sum(length(p.__code__, p.__globals__) for p in inner)
-
-    return length(declaration.function.__code__, declaration.function.__globals__)
-
-
-def _is_part(value: Any) -> bool:
-    module = getattr(value, "__module__", None)
-    return isinstance(module, str) and module.startswith(sources.BASE) and hasattr(value, "__code__")
-
-
 def _load(declaration: Declaration) -> None:
     wanted = {d.name: d for d in _called_by_symbol(declaration) if d.name not in _loaded}
     pieces = {n: p for n, d in wanted.items() if (p := known(d)) is not None}
@@ -109,8 +68,9 @@ def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
 def _companions(declaration: Declaration) -> Iterable[Declaration]:
     """The other kernels of its module, with all that they need."""
     for value in declaration.function.__globals__.values():
-        if isinstance(value, Kernel) and value.declaration.function.__module__ == declaration.function.__module__:
-            yield from _called_by_symbol(value.declaration)
+        other = declared(value)
+        if other is not None and other.function.__module__ == declaration.function.__module__:
+            yield from _called_by_symbol(other)
 
 
 def module_of(declaration: Declaration) -> str:

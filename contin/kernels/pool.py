@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from contin.errors import ContinError
+from contin.kernels.callees import text_length
 from contin.kernels.mode import Declaration
 from contin.machine import objects, progress, target
 from contin.machine.objects import Piece
@@ -54,7 +55,7 @@ def make(
             f"this installation of contin has no machine code for {target.label()}, and numba, which makes it, is not "
             "installed: pip install numba"
         )
-    left = deque(sorted(wanted, key=_length, reverse=True))
+    left = deque(sorted(wanted, key=text_length, reverse=True))
     done: list[Pieces] = []
     failed: list[str] = []
     lock = threading.Lock()
@@ -190,10 +191,3 @@ def _processors() -> int:
         return max(len(os.sched_getaffinity(0)), 1)
     except AttributeError:
         return os.cpu_count() or 1
-
-
-def _length(declaration: Declaration) -> int:
-    """A measure of the time it takes: the bytes of Python's own code, parts included."""
-    from contin.kernels.library import text_length
-
-    return text_length(declaration)

@@ -46,23 +46,7 @@ def _lines(model: Model) -> Iterator[str]:
     if model.interval is not None:
         ends = {"from": formula(model.interval.start), "to": formula(model.interval.end)}
         yield f"time: {_mapping({'name': model.interval.name, **ends})}"
-    yield "states:" if model.states else "states: {}"
-    for s in model.states:
-        more = {} if s.period is None else {"period": formula(s.period)}
-        if s.minimum is not None:
-            more["minimum"] = formula(s.minimum)
-        if s.beyond is not None:
-            more["beyond"] = _text(s.beyond)
-        if s.scale is not None:
-            more["scale"] = formula(s.scale)
-        yield f"  {_key(s.name)}: {_entry(formula(s.value), more, s.unit, s.description)}"
-    if model.parameters:
-        yield "parameters:"
-        for p in model.parameters:
-            more = {} if p.range is None else {"range": f"[{_flow(formula(p.range[0]))}, {_flow(formula(p.range[1]))}]"}
-            if p.scale is not None:
-                more["scale"] = formula(p.scale)
-            yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
+    yield from _names(model, formula)
     if model.functions:
         yield "functions:"
         for f in model.functions.values():
@@ -98,6 +82,27 @@ def _lines(model: Model) -> Iterator[str]:
     if model.rotation:
         yield f"rotation: {_mapping({k: formula(v) for k, v in model.rotation.items()})}"
     yield from _declarations(model, formula)
+
+
+def _names(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
+    """States and parameters, with what is declared of each."""
+    yield "states:" if model.states else "states: {}"
+    for s in model.states:
+        more = {} if s.period is None else {"period": formula(s.period)}
+        if s.minimum is not None:
+            more["minimum"] = formula(s.minimum)
+        if s.beyond is not None:
+            more["beyond"] = _text(s.beyond)
+        if s.scale is not None:
+            more["scale"] = formula(s.scale)
+        yield f"  {_key(s.name)}: {_entry(formula(s.value), more, s.unit, s.description)}"
+    if model.parameters:
+        yield "parameters:"
+        for p in model.parameters:
+            more = {} if p.range is None else {"range": f"[{_flow(formula(p.range[0]))}, {_flow(formula(p.range[1]))}]"}
+            if p.scale is not None:
+                more["scale"] = formula(p.scale)
+            yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
 
 
 def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:

@@ -15,6 +15,7 @@ CORE = (
     "compile",
     "library",
     "mode",
+    "callees",
     "pool",
     "signature",
     "sources",

@@ -5,8 +5,8 @@ from collections import namedtuple
 
 import pytest
 
+from contin.kernels.callees import called_by
 from contin.kernels.catalogue import every
-from contin.kernels.library import called_by
 from contin.kernels.signature import Array, Scalar, Tuple, parse, structure, words
 
 

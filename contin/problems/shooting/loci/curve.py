@@ -42,7 +42,8 @@ class CurveByShooting(CurveOfPeriodicOrbits, ABC):
 
     def as_they_are(self, z: Array) -> ShootingProblem:
         """The orbits' problem at z, for what is read off their trajectories."""
-        return self.at(z)
+        found: ShootingProblem = self.at(z)
+        return found
 
     @property
     def _states(self) -> int:
