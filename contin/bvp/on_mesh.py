@@ -21,6 +21,8 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.sparse.problem import LargeLinearisation
 
 if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
     from contin.bvp.problem import BoundaryProblem
 
 
@@ -141,7 +143,7 @@ class OnMesh:
         matrix = self._matrix(fu, dg)
         return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), DirectLinear(matrix, self.factoriser), slope)
 
-    def _matrix(self, fu: Array, dg: Array) -> Any:
+    def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""
         from scipy import sparse
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contin.cli.ticker import Ticker, duration
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
 
 @contextmanager
-def counted(text: str, console: Any) -> Iterator[Callable[[int, int], None]]:
+def counted(text: str, console: Console) -> Iterator[Callable[[int, int], None]]:
     """A bar with the time left (without a terminal: a line now and then); the function is called with (done, all)."""
     if console.quiet:
         yield lambda done, total: None

@@ -29,6 +29,8 @@ from contin.store.results import read_results
 from contin.store.scan_store import ScanStore, read_scan
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from contin.runs.scan_plan import ScanPlan
     from contin.simulate.scan.grid import Outcome
     from contin.store.scan_store import ScanStore
@@ -138,7 +140,7 @@ def _results(path: Path | None) -> Fields | None:
     return read_results(path)
 
 
-def _tell(document: Record, report: Any) -> None:
+def _tell(document: Record, report: Console) -> None:
     columns = document["columns"]
     report.print(f"{len(columns['class'])} runs")
     for label, count in Counter(columns["class"]).most_common():
@@ -148,13 +150,13 @@ def _tell(document: Record, report: Any) -> None:
         report.print(f"{unsettled} runs did not settle within `longest`; their class is that of the last window")
 
 
-def _outputs(outputs: Mapping[str, Path], document: Fields, beneath: object, json: str | None) -> list[Output]:
+def _outputs(outputs: Mapping[str, Path], document: Fields, beneath: Record | None, json: str | None) -> list[Output]:
     """Every file that the scan file and the command line ask for; the store is there already."""
     files = [Output(kind, partial(_write, kind, path, document, beneath)) for kind, path in outputs.items()]
     return [*files, *([Output("json", partial(write_json, document, json))] if json is not None else [])]
 
 
-def _write(kind: str, path: Path, document: Fields, beneath: Any) -> str | None:
+def _write(kind: str, path: Path, document: Fields, beneath: Record | None) -> str | None:
     make_folder(path)
     if kind == "csv":
         write_table(document["columns"], path)

@@ -24,6 +24,8 @@ from contin.store.digest import signed
 from contin.store.json_format import plain, write_json_text
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from contin.model.model import Model
 
 ROWS: Final = 11  # of the table on the terminal
@@ -124,7 +126,7 @@ def write_json(document: Fields, target: str) -> None:
         write_json_text(text, Path(target))
 
 
-def _print_table(columns: Fields, report: Any) -> None:
+def _print_table(columns: Fields, report: Console) -> None:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)

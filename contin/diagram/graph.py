@@ -11,6 +11,7 @@ from contin.diagram.identity import wrapped
 if TYPE_CHECKING:
     from networkx import MultiGraph
 
+    from contin.abi import Array
     from contin.diagram.diagram import Diagram
 
 SAME_NODE = 1e-7  # distance of two points that are one node, relative to the size of each unknown on the branch
@@ -24,7 +25,7 @@ def build_graph(diagram: Diagram) -> MultiGraph:
     graph = nx.MultiGraph(parameter=diagram.parameter)
     places: list[tuple[Any, Any, Any]] = []  # z, angle periods, node
 
-    def node_at(z: Any, size: Any, periods: Any, type_: str, label: str | None, value: float) -> Any:
+    def node_at(z: Array, size: Array, periods: Array, type_: str, label: str | None, value: float) -> Any:
         for known, known_periods, node in places:
             alike = known.shape == z.shape and np.array_equal(known_periods, periods)
             if alike and np.all(np.abs(wrapped(known - z, periods)) < SAME_NODE * size):

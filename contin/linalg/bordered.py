@@ -7,6 +7,7 @@ plain block elimination is used, which serves as a preconditioner.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -42,8 +43,9 @@ class Bordered:
         return self._mixed(right, transposed, self.c, self.b, self.w, self.v, self.pivot_transposed, self.pivot)
 
     def _mixed(
-        self, right: Vector, solve: Any, b: Vector, c: Vector, v: Vector, w: Vector, pivot: complex, other: complex
-    ) -> Vector:
+        self, right: Vector, solve: Callable[[Vector], Vector], b: Vector, c: Vector, v: Vector, w: Vector,
+        pivot: complex, other: complex,
+    ) -> Vector:  # fmt: skip
         f, g = right[:-1], right[-1]
         y = (g - dot(w, f)) / other
         x = solve(f - b * y)
@@ -56,7 +58,7 @@ def dot(a: Vector, b: Vector) -> Any:
     return np.einsum("i,i->", a, b)
 
 
-def _regular(pivot: Any) -> Any:
+def _regular(pivot: complex) -> complex:
     """A pivot that one can divide by."""
     return pivot if abs(pivot) > 1e-300 else 1e-300
 
@@ -64,19 +66,19 @@ def _regular(pivot: Any) -> Any:
 def bordered(inner: Solver, columns: Vector, rows: Vector, corner: Vector) -> Solver:
     """[A B; C^T D] with B = columns (n, k), C = rows (n, k), D = corner (k, k); solves vectors of length n + k."""
     k = columns.shape[1]
-    solver: Any = inner
+    solver = inner
     for j in range(k):
         b = np.append(columns[:, j], corner[:j, j])
         c = np.append(rows[:, j], corner[j, :j])
         solver = Bordered(solver, b, c, corner[j, j])
-    return solver  # type: ignore[no-any-return]
+    return solver
 
 
 @dataclass(frozen=True, eq=False)
 class Approximate:
     """A preconditioner of A as a solver; plain block elimination around it: see `approximate_bordered`."""
 
-    apply: Any
+    apply: Callable[[Vector], Vector]
 
     def solve(self, right: Vector) -> Vector:
         return np.asarray(self.apply(right))
@@ -85,7 +87,7 @@ class Approximate:
 class ApproximateBordered:
     """Block elimination with an approximate A^-1 and without transposes: a preconditioner of the bordered matrix."""
 
-    def __init__(self, inner: Any, columns: Vector, rows: Vector, corner: Vector) -> None:
+    def __init__(self, inner: Approximate, columns: Vector, rows: Vector, corner: Vector) -> None:
         self.inner, self.rows = inner, rows
         self.columns = np.column_stack([inner.solve(columns[:, j]) for j in range(columns.shape[1])])
         schur = corner - rows.T @ self.columns

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from contin.abi import Vector
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import SuperLU
 
 NARROW = 48  # half-bandwidth up to which a band is faster than SuperLU
 TINY_PIVOT = 1e-15  # a zero pivot becomes this part of the largest one, so that singular matrices have (huge) solutions
@@ -191,7 +192,7 @@ class SuperFactor:
         self.sign = (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
 
     @staticmethod
-    def _factors(matrix: csc_matrix) -> Any:
+    def _factors(matrix: csc_matrix) -> SuperLU:
         from scipy.sparse.linalg import splu
 
         return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})

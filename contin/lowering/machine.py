@@ -99,7 +99,7 @@ def loop_address() -> Address:
     return _loop[0][1]
 
 
-def _loaded(llvm: Any, text: str, level: int) -> Any:
+def _loaded(llvm: ModuleType, text: str, level: int) -> Any:
     """An engine that holds the machine code of a module."""
     code = object_of(text, level, lambda: _compiled(llvm, text, level))
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target.machine(level))
@@ -108,7 +108,7 @@ def _loaded(llvm: Any, text: str, level: int) -> Any:
     return engine
 
 
-def _compiled(llvm: Any, text: str, level: int) -> bytes:
+def _compiled(llvm: ModuleType, text: str, level: int) -> bytes:
     """An object file."""
     machine, module = target.object_machine(level=level), llvm.parse_assembly(text)
     module.triple = machine.triple

@@ -12,14 +12,14 @@ from __future__ import annotations
 import ctypes
 import operator
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
 
 import numpy as np
 
-from contin.abi import Address
+from contin.abi import Address, Vector
 from contin.machine.engine import ENGINE
 
 INTEGER, REAL, TRUTH, ARRAY, TUPLE = range(1, 6)  # codes of a plan; axes and type follow an array, its length a tuple
@@ -287,6 +287,11 @@ class Plan:
         return 1 + max(len(self.results), 1) + self.words
 
 
+Number = float | int | bool
+Words = ctypes.Array[ctypes.c_int64]
+Call = Callable[..., Any]  # of a kernel: what it returns is as its signature says
+
+
 class _MethodDef(ctypes.Structure):
     _fields_ = (
         ("name", ctypes.c_char_p),
@@ -296,10 +301,10 @@ class _MethodDef(ctypes.Structure):
     )
 
 
-_alive: list[Any] = []  # method definitions must outlive the functions made of them
+_alive: list[_MethodDef] = []  # method definitions must outlive the functions made of them
 
 
-def make_call(name: str, entry: Address, plan: Plan) -> Callable[..., Any]:
+def make_call(name: str, entry: Address, plan: Plan) -> Call:
     """A Python function that calls the entry. It refuses arguments of other types with a TypeError."""
     if len(plan.results) > RESULTS:
         raise ValueError(f"{name}: at most {RESULTS} results; got {len(plan.results)}")
@@ -312,7 +317,7 @@ def make_call(name: str, entry: Address, plan: Plan) -> Callable[..., Any]:
     new = ctypes.pythonapi.PyCFunction_NewEx
     new.restype, new.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)
     _alive.append(definition)
-    made: Callable[..., object] = new(ctypes.addressof(definition), data, None)
+    made: Call = new(ctypes.addressof(definition), data, None)
     return made
 
 
@@ -346,7 +351,7 @@ def layout_is_known() -> bool:
     probe = np.arange(6.0).reshape(2, 3)
     at = id(probe) + HEAD
 
-    def word(offset: int, kind: Any = ctypes.c_int64) -> Any:
+    def word(offset: int, kind: type[ctypes.c_int64 | ctypes.c_int32] = ctypes.c_int64) -> int:
         return kind.from_address(at + offset).value
 
     descr = id(probe.dtype) + HEAD
@@ -362,12 +367,12 @@ def layout_is_known() -> bool:
     )
 
 
-def slow_call(entry: Address, plan: Plan) -> Callable[..., Any]:
+def slow_call(entry: Address, plan: Plan) -> Call:
     """What `make_call` does, in Python, for interpreters whose objects the bridge cannot read."""
     function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(entry)
     begin = 1 + max(len(plan.results), 1)
 
-    def call(*arguments: object) -> Any:
+    def call(*arguments: object) -> Number | tuple[Number, ...] | None:
         words = (ctypes.c_int64 * plan.size)()
         codes = iter(plan.arguments)
         _pack(words, begin, codes, arguments)
@@ -380,7 +385,7 @@ def slow_call(entry: Address, plan: Plan) -> Callable[..., Any]:
     return call
 
 
-def _pack(words: Any, at: int, codes: Any, value: Any) -> int:
+def _pack(words: Words, at: int, codes: Iterator[int], value: Any) -> int:
     code = next(codes)
     if code == TUPLE:
         count = next(codes)
@@ -403,13 +408,13 @@ def _pack(words: Any, at: int, codes: Any, value: Any) -> int:
     return at + 1
 
 
-def _fits(array: Any, axes: int, number: int) -> bool:
+def _fits(array: Vector, axes: int, number: int) -> bool:
     flags, dtype = array.flags, array.dtype
     declared = (array.ndim, dtype.num, dtype.isnative) == (axes, number, True)
     return bool(declared and flags.c_contiguous and flags.aligned and flags.writeable)
 
 
-def _result(words: Any, at: int, code: int) -> Any:
+def _result(words: Words, at: int, code: int) -> Number:
     if code == REAL:
         return ctypes.c_double.from_buffer(words, 8 * at).value
     return bool(words[at]) if code == TRUTH else words[at]

@@ -90,7 +90,7 @@ def _shade_of(region: Record, data: Record) -> Any:
     return tuple((1.0 - part) * pale + part * deep)
 
 
-def _legends(figure: Any, axes: Any, data: Record) -> None:
+def _legends(figure: Any, axes: Axes, data: Record) -> None:
     """Types of curves and points below; what the letters of the regions mean, at the right."""
     from matplotlib.patches import Patch
 

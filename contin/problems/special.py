@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +32,8 @@ ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
 CENTRE = 1e-11  # a pair this close to the boundary on both sides of a point stays there
 MUTUAL = 1e-8  # two states act on each other: product of their couplings beside the largest such product
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
+
+Critical = Callable[[Vector], list[int]]  # which of the eigenvalues are the critical ones
 
 
 def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
@@ -238,7 +240,7 @@ def _branch_point(
     return accepted
 
 
-def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Any:
+def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Critical:
     target = flow_value if flow_value != 0.0 else (1.0 if problem.is_map else 0.0)
     return lambda values: [int(np.argmin(np.abs(values - target)))]
 
@@ -251,7 +253,9 @@ def _nearest(values: Vector, targets: Sequence[complex]) -> list[int]:
     return chosen
 
 
-def _accept(problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Any) -> Outcome:
+def _accept(
+    problem: EquilibriumProblem, type_: str, frame: Frame, solved: Solved | None, critical: Critical
+) -> Outcome:
     """Turn a solution of a defining system into a point in the user's units."""
     if solved is None:
         return unverified(type_, "Newton on its defining system did not converge")

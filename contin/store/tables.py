@@ -6,10 +6,14 @@ import csv
 import io
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from contin.errors import InputError
 from contin.records import Json, Record
 from contin.store.atomic import replacing, write_text
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 
 def write_csv(document: Record, path: Path) -> None:
@@ -51,7 +55,7 @@ def write_netcdf(document: Record, path: Path) -> None:
             raise InputError(f"{path}: NetCDF cannot be written ({error}); pip install 'contin[frames]'") from None
 
 
-def _dataset(branch: Record, xarray: Json) -> Json:
+def _dataset(branch: Record, xarray: ModuleType) -> Json:
     columns = {name: ("row", _filled(column)) for name, column in branch["columns"].items()}
     labels = [""] * len(next(iter(branch["columns"].values()), []))
     for point in branch["points"]:

@@ -22,6 +22,7 @@ from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.two_parameters import indices
 
 if TYPE_CHECKING:
+    from contin.normalforms.jet import Jet
     from contin.problems.loci.problem import LocusProblem
     from contin.problems.two_parameters import TwoParameterProblem
     from contin.systems.protocol import System
@@ -46,7 +47,7 @@ class Place:
         p = problem.curve.full_parameters(point.z)
         return cls(point.z[: problem.n], p, first, second, problem.curve.sizes, (chosen[0], chosen[1]))
 
-    def jet(self, system: System) -> Any:
+    def jet(self, system: System) -> Jet:
         return compiled_jet(system, self.u, self.p, (self.first, self.second), "flow", self.sizes)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
+from contin.continuation.problem import Problem
 from contin.problems.two_parameters import indices
 from contin.special.table import curves_of_orbits
 from contin.transitions.found_beside import tori_beside
@@ -19,9 +20,12 @@ if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
     from contin.problems.orbits.loci.special import OfSpecialOrbits
 
+CurveOf = Callable[..., Any]  # (type, orbits, second parameter) -> the equations of a curve
+ProblemOf = Callable[..., Problem]
+
 
 def seed_of(
-    curve_of: Callable[[Any, int], Any], problem_of: Callable[[Any], Any], orbits: FamilyOfOrbits, orbit: Array,
+    curve_of: CurveOf, problem_of: ProblemOf, orbits: FamilyOfOrbits, orbit: Array,
     point: SpecialPoint, parameters: Sequence[str], further: float = 0.0,
 ) -> Seed:  # fmt: skip
     """The curve in two parameters through an orbit.
@@ -37,7 +41,7 @@ def seed_of(
 
 
 def seeds_through(
-    curve_of: Callable[[str, Any, int], Any], problem_of: Callable[[Any], Any], problem: OfSpecialOrbits,
+    curve_of: CurveOf, problem_of: ProblemOf, problem: OfSpecialOrbits,
     point: SpecialPoint, parameters: Sequence[str],
 ) -> list[Seed]:  # fmt: skip
     """The curves of other types through a point where two meet; its own where there is no other.

@@ -20,13 +20,14 @@ from contin.problems.massless import in_own_units, unit_mass, with_units
 from contin.records import Fields
 
 if TYPE_CHECKING:
+    from contin.normalforms.jet import Jet
     from contin.problems.loci.problem import LocusProblem
 
 BESIDE: Final = 1e-6  # scaled length of a step along the curve over which coefficients are differentiated
 
 
 
-def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Any:
+def jet_at(problem: LocusProblem, z: Array, active: tuple[int, ...] = ()) -> Jet:
     """Derivatives of the model at z, in the states and the parameters `active`."""
     curve = problem.curve
     kind = "map" if curve.system.kind == "map" else "flow"

@@ -25,6 +25,7 @@ from contin.problems.codim2.untold import untold
 from contin.special.table import special_type
 
 if TYPE_CHECKING:
+    from contin.abi import Vector
     from contin.problems.loci.problem import LocusProblem
 
 Function = Callable[[Array], float]
@@ -135,7 +136,7 @@ def _map_lyapunov(problem: LocusProblem, z: Array, cosine: float, beyond_error: 
 def _eigenvalue_function(problem: LocusProblem, type_: str, near: Sample) -> Function | Rejected:
     """The part of a further eigenvalue that vanishes: ZH, HH on flows; LPPD, PDNS, LPNS of maps."""
     values = np.asarray(near.eigenvalues)
-    own = own_critical(problem, near.z, values)  # type: ignore[arg-type]
+    own = own_critical(problem, near.z, values)
     others = np.delete(values, own)
     size = max(float(np.abs(values).max()), 1e-300)
     complex_ones = others[others.imag > REAL * size]
@@ -171,7 +172,7 @@ def _followed(problem: LocusProblem, z: Array, reference: complex) -> complex:
     return complex(values[int(np.argmin(np.abs(values - reference)))])
 
 
-def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Array) -> list[int] | None:
+def critical_indices(problem: LocusProblem, type_: str, z: Array, values: Vector) -> list[int] | None:
     """Indices of all eigenvalues that are critical at a point of this type; None where a needed pair is real."""
     own = own_critical(problem, z, values)
     rest = [i for i in range(len(values)) if i not in own]

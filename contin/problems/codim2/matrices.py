@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from contin.abi import Vector
     from contin.problems.loci.problem import LocusProblem
 
 
@@ -28,7 +31,7 @@ def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
     return v, psi if np.linalg.slogdet(bordered)[0] < 0.0 else -psi
 
 
-def eigenvalues(problem: LocusProblem, z: Array) -> Any:
+def eigenvalues(problem: LocusProblem, z: Array) -> NDArray[np.complex128]:
     """Eigenvalues of f_u at z by falling real part."""
     d = problem.curve.sizes
     values = np.linalg.eigvals(problem.curve.matrix(z) * d / d[:, None]).astype(complex)
@@ -42,7 +45,7 @@ def critical_value(problem: LocusProblem) -> float:
     return 1.0 if problem.system.kind == "map" else 0.0
 
 
-def own_critical(problem: LocusProblem, z: Array, values: Array) -> list[int]:
+def own_critical(problem: LocusProblem, z: Array, values: Vector) -> list[int]:
     """Indices of the eigenvalues that are critical along the curve."""
     if problem.locus in ("LP", "BP", "PD"):
         return [int(np.argmin(np.abs(values - critical_value(problem))))]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -11,13 +11,14 @@ from contin.abi import Array, Vector
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import SuperLU
 
     from contin.problems.orbits.linear import OrbitLinear
 
 NEAR: Final = 0.1  # sine of the angle between two spaces up to which one serves as border for the other
 
 
-def factors(matrix: csc_matrix) -> Any:
+def factors(matrix: csc_matrix) -> SuperLU:
     """LU factors of a sparse matrix with the blocks of mesh intervals along its diagonal and a few dense borders.
 
     Minimum degree on A + A^T leaves the borders to the end and fills in proportion to the intervals. The usual order,
@@ -45,10 +46,10 @@ class Bordered:
     rows: int
     b: Vector
     c: Vector
-    factors: Any
+    factors: SuperLU
 
     @classmethod
-    def of(cls, matrix: Any, kernel: int) -> Bordered:
+    def of(cls, matrix: csc_matrix, kernel: int) -> Bordered:
         """Borders that span nearly the null spaces, by inverse iteration from random ones (two or three factors)."""
         rows, columns = matrix.shape
         corank = kernel - (columns - rows)

@@ -100,7 +100,7 @@ class OrbitLinear:
         return row.ravel()
 
     @cached_property
-    def jacobian(self) -> Any:
+    def jacobian(self) -> csc_matrix:
         """(nu + 1, nu + 2) sparse, scaled."""
         profile, w = self.profile, self._points
         h, period = profile.h, profile.period
@@ -150,7 +150,7 @@ class OrbitLinear:
 
     def _assemble(
         self, local: Vector, column_t: Any, column_p: Any, *, periodic: bool, phase: bool, rho: complex = 1.0
-    ) -> Any:
+    ) -> csc_matrix:
         """Scaled sparse matrix; without columns T and p a square (nu, nu) one for the variational equation."""
         from scipy import sparse
 
@@ -195,7 +195,7 @@ class OrbitLinear:
         period, derivative = forcing_period(self.problem.equations, self._points, self.z)
         return float(period), float(derivative)
 
-    def hessian(self, v: Vector, variational: bool = False) -> Any:
+    def hessian(self, v: Vector, variational: bool = False) -> csc_matrix:
         """d (J v) / d x for v (nu + 2,) scaled, (nu + 1, nu + 2) sparse.
 
         Variational: of the matrix of v' = T f_u v, (nu, nu + 2).
@@ -225,7 +225,7 @@ class OrbitLinear:
         column_p = -h[:, None, None] * combined[:, :, :, n + self.problem.active]
         return self._assemble_second(local, column_t, column_p, self.nu if variational else self.nu + 1)
 
-    def _assemble_second(self, local: Vector, column_t: Vector, column_p: Vector, height: int) -> csc_matrix:
+    def _assemble_second(self, local: Vector, column_t: Any, column_p: Any, height: int) -> csc_matrix:
         from scipy import sparse
 
         nu, collocation = self.nu, self.nu - self.profile.n

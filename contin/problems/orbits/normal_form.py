@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -35,6 +35,8 @@ from contin.problems.orbits.branch_form import branch_point
 from contin.problems.orbits.linear import OrbitLinear
 
 if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
     from contin.problems.orbits.defining import SolvedOrbit
     from contin.problems.orbits.problem import OrbitProblem
 
@@ -87,7 +89,7 @@ class Variation:
     rho: complex
 
     @cached_property
-    def matrix(self) -> Any:
+    def matrix(self) -> csc_matrix:
         return self.linear.variational(self.rho)
 
     @cached_property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class JacobianSource:
         self._last = fresh
         return fresh
 
-    def matrix(self, u: Array, p: Array) -> Any:
+    def matrix(self, u: Array, p: Array) -> csc_matrix:
         """F_u as a CSC matrix."""
         from scipy.sparse import csc_matrix
 
@@ -82,7 +82,7 @@ class JacobianSource:
     # coloured differences ---------------------------------------------------------------------------------------------
 
     @cached_property
-    def _pattern(self) -> tuple[Any, Vector, Vector, int]:
+    def _pattern(self) -> tuple[csc_matrix, Vector, Vector, int]:
         """The pattern in CSC, the column of each entry, the colour of each column, the number of colours."""
         from scipy.sparse import csc_matrix
 
@@ -97,7 +97,7 @@ class JacobianSource:
         count = colour_columns(*(np.asarray(a, np.int64) for a in parts), colours)
         return pattern, np.repeat(np.arange(n), np.diff(pattern.indptr)), colours, int(count)
 
-    def _coloured(self, u: Array, p: Array) -> Any:
+    def _coloured(self, u: Array, p: Array) -> csc_matrix:
         from scipy.sparse import csc_matrix
 
         pattern, columns, colours, count = self._pattern
