@@ -48,7 +48,8 @@ def read(text: str, path: Path) -> Imported:
     _refuse(parts.missing, path)
     model = document(found, parts, symbols, is_map)
     main = next(iter(found.parameters), None)
-    name = None if main is None else symbols.table[main.lower()].name
+    autonomous = is_map or not parts.formulas.uses_time  # branches need the period of what depends on the time
+    name = None if main is None or not autonomous else symbols.table[main.lower()].name
     heading = {"name": cleaned(path.stem), "source": f"XPPAUT file {path.name}"}
     return Imported({**heading, **model}, tuple(dict.fromkeys(notes)), run_of(found, name))
 

@@ -161,6 +161,10 @@ def test_auto_and_range_options_become_ranges_and_a_diagram():
     }  # fmt: skip
 
 
+def test_a_flow_that_knows_the_time_asks_for_no_diagram():
+    assert list(imported("par i=0\nx'=i-x+sin(t)\n@ parmin=-1 parmax=2\nd").run) == ["simulate"]
+
+
 def test_sets_are_starts_and_folded_variables_are_angles():
     found = model(
         "par w=1\nx'=w\ny'=-y\nset fast run {w=3,y=2,total=50}\nset fast {w=3,y=2,total=50}\n@ tor_per=6.25,fold=x\nd"
