@@ -166,3 +166,29 @@ def test_a_forced_flow_has_no_auto_file(tmp_path):
     with pytest.raises(UnsupportedError, match="time t"):
         registry.write(forced, "x.f90")
     assert "not written: forcing" in registry.write(forced, "x.ode").notes
+
+
+def test_masses(tmp_path):
+    heavy = load(
+        {
+            "name": "heavy",
+            "states": {"x": 1, "y": 0.5, "z": 0.25},
+            "parameters": {"m": 2},
+            "mass": {"x": "1 + m", "z": 0},
+            "equations": {"x": "-x*z", "y": "x - y", "z": "x - m*z - z^3"},
+        }
+    )
+    other, written, _ = there_and_back(heavy, ODE, tmp_path)
+    assert "solve z=0.25" in written.text
+    assert list(other.mass) == ["z"]
+    values = {"x": 0.3, "y": -0.2, "z": 0.7, "m": 1.5}
+    got = evaluate_all(other.equations, values)
+    assert got == pytest.approx([-0.3 * 0.7 / 2.5, 0.5, 0.3 - 1.05 - 0.343], rel=1e-14)
+    for ending in (AUTO, MATCONT, ".jl", SBML):
+        with pytest.raises(UnsupportedError, match="algebraic state z"):
+            registry.write(heavy, f"x{ending}")
+    light = load({**BRUSSELATOR, "name": "light", "mass": {"y": "A + 1"}})
+    assert "(A + 1" in registry.write(light, "x.m").text.replace("par_", "")
+    coupled = load({**BRUSSELATOR, "name": "coupled", "mass": {"y": {"x": 1, "y": 1}}})
+    with pytest.raises(UnsupportedError, match="couples derivatives"):
+        registry.write(coupled, "x.ode")

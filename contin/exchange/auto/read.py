@@ -160,7 +160,7 @@ def _elements(text: str) -> list[str]:
 def _one(row: Row, literals: list[str], arrays: tuple[str, ...]) -> Assigned:
     found = _ASSIGNED.fullmatch(row.text)
     if found is None or (_CONTROL.match(row.text) and not re.match(r"\w+\s*=(?!=)", row.text)):
-        word = row.text.split("(")[0].split()[0]
+        word = re.split(r"\W", row.text, maxsplit=1)[0] or row.text[:20]
         raise FormulaError(f"line {row.line}: {word!r}: only assignments are read (no IF, DO, CALL)")
     variable, index = found[1].lower(), found[2]
     if variable in ("dfdu", "dfdp"):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from contin.exchange.imported import Exported
 from contin.exchange.writing.language import FORTRAN
 from contin.exchange.writing.names import ForeignNames
-from contin.exchange.writing.parts import Values, checked, values, written
+from contin.exchange.writing.parts import Values, checked, values, without_mass, written
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -43,6 +43,7 @@ def places(count: int) -> list[int]:
 
 def write(model: Model) -> Exported:
     """FUNC and STPNT of a flow or a map, and its constants."""
+    model, _ = without_mass(model, "AUTO's equations file")
     notes = checked(model, ("flow", "map"), "AUTO's equations file", time=False)
     if model.observables:
         notes.append("observables are not written: AUTO has them in PVLS")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from contin.exchange.imported import Exported
 from contin.exchange.writing.language import JULIA
 from contin.exchange.writing.names import ForeignNames
-from contin.exchange.writing.parts import checked, values, written
+from contin.exchange.writing.parts import checked, values, without_mass, written
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -22,6 +22,7 @@ _RESERVED: Final = frozenset(
 
 def write(model: Model) -> Exported:
     """f!(du, u, p, t), f(u, p), u0, p0 and observables(u, p)."""
+    model, _ = without_mass(model, "a Julia file")
     notes = checked(model, ("flow", "map"), "a Julia file")
     names = ForeignNames(_RESERVED)
     symbols = {**names.all(model.state_names), **names.all(model.parameter_names), "t": "t"}

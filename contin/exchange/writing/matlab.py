@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from contin.exchange.imported import Exported
 from contin.exchange.writing.language import MATLAB
 from contin.exchange.writing.names import ForeignNames
-from contin.exchange.writing.parts import checked, values, written
+from contin.exchange.writing.parts import checked, values, without_mass, written
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -31,6 +31,7 @@ end
 
 def write(model: Model) -> Exported:
     """The system file of a flow (MatCont) or a map (MatContM)."""
+    model, _ = without_mass(model, "a MatCont system file")
     notes = checked(model, ("flow", "map"), "a MatCont system file")
     if model.observables:
         notes.append("observables are not written: MatCont has no place for them in a system file")

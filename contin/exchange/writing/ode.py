@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from contin.exchange.imported import Exported
 from contin.exchange.writing.language import XPP
 from contin.exchange.writing.names import ForeignNames
-from contin.exchange.writing.parts import checked, values, written
+from contin.exchange.writing.parts import checked, values, without_mass, written
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -22,6 +22,7 @@ KEPT: Final = 9  # characters of a name: XPP keeps ten
 
 def write(model: Model) -> Exported:
     """The .ode file of a flow or a map."""
+    model, massless = without_mass(model, "an .ode file", algebraic=True)
     notes = checked(model, ("flow", "map"), "an .ode file")
     names = ForeignNames(_RESERVED, longest=KEPT, fold=True)
     symbols = {**names.all(model.state_names), **names.all(model.parameter_names), "t": "t"}
@@ -30,11 +31,12 @@ def write(model: Model) -> Exported:
     numbers = values(model)
     lines = [f"# {model.name}" + (f": {model.title}" if model.title else "")]
     lines += [f"par {symbols[name]}={value!r}" for name, value in numbers.parameters.items()]
-    lines += [f"init {symbols[name]}={value!r}" for name, value in numbers.states.items()]
+    for name, value in numbers.states.items():
+        lines.append(f"{'solve' if name in massless else 'init'} {symbols[name]}={value!r}")
     lines += [f"{name}={formula}" for name, formula in text.before]
     left = "{}(t+1)" if model.kind == "map" else "{}'"
     for name, formula in zip(model.state_names, text.equations, strict=True):
-        lines.append(f"{left.format(symbols[name])}={formula}")
+        lines.append(f"{'0' if name in massless else left.format(symbols[name])}={formula}")
     lines += [f"aux {observed[name]}={formula}" for name, formula in text.observables.items()]
     for start in model.starts:
         there = values(model, start.name)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from contin.exchange.imported import UnsupportedError
 from contin.exchange.writing.code import Code, postorder
 from contin.exchange.writing.language import Language
-from contin.model.expression import symbols_in
+from contin.model.expression import Expression, div, number, numeric_value, symbols_in
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -49,6 +49,35 @@ def checked(model: Model, kinds: Iterable[str], target: str, time: bool = True) 
     if any(p.value.op != "number" for p in model.parameters):
         notes.append("parameters that are formulas in others are written as their values")
     return notes
+
+
+def without_mass(model: Model, target: str, algebraic: bool = False) -> tuple[Model, frozenset[str]]:
+    """The model with every equation divided by its mass, and the states that have none.
+
+    UnsupportedError where a row of the mass matrix has other entries, or where a state has no mass and the target holds
+    no algebraic equations.
+    """
+    massless: set[str] = set()
+    equations = list(model.equations)
+    for i, state in enumerate(model.state_names):
+        row = model.mass.get(state)
+        if row is None:
+            continue
+        entry = row.get(state, number(0))
+        coupled = any(other != state and numeric(node) != 0 for other, node in row.items())
+        if coupled or (numeric(entry) == 0 and not algebraic):
+            what = "a mass matrix that couples derivatives" if coupled else f"the algebraic state {state}"
+            raise UnsupportedError(f"model {model.name}: {target} cannot hold {what}")
+        if numeric(entry) == 0:
+            massless.add(state)
+        else:
+            equations[i] = div(equations[i], entry)
+    return model.replace(mass={}, equations=tuple(equations)), frozenset(massless)
+
+
+def numeric(node: Expression) -> float | None:
+    """The value of a number; None of a formula."""
+    return float(numeric_value(node)) if node.op == "number" else None
 
 
 def values(model: Model, start: str | None = None) -> Values:

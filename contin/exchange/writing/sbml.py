@@ -12,7 +12,7 @@ from contin.errors import InputError
 from contin.exchange.imported import Exported
 from contin.exchange.writing.language import SBML
 from contin.exchange.writing.names import ForeignNames
-from contin.exchange.writing.parts import checked, values, written
+from contin.exchange.writing.parts import checked, values, without_mass, written
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -27,6 +27,7 @@ _RESERVED: Final = frozenset(
 
 def write(model: Model) -> Exported:
     """The SBML document of a flow."""
+    model, _ = without_mass(model, "SBML")
     notes = checked(model, ("flow",), "SBML")
     names = ForeignNames(_RESERVED)
     symbols = {**names.all(model.state_names), **names.all(model.parameter_names), "t": "time"}
