@@ -330,6 +330,10 @@ class Problem(ABC):
         its label, and a point on the branch by arm; None where there is none."""
         return None
 
+    def alone(self, z: Array, tangent: Array, scale: Array) -> tuple[Problem, Array, Array, Array]:
+        """A solution as one without conditions, from which other branches leave: problem, z, raw tangent, metric."""
+        return self, z, tangent, scale
+
     # -- ends ---------------------------------------------------------------------------------------------------------
 
     @property

@@ -287,13 +287,14 @@ def _label(
         counts[v.type] = counts.get(v.type, 0) + 1
         values = dict(constants)
         values.update({key: column[row].item() for key, column in columns.items()})
+        alone, z, tangent, metric = problem.alone(v.z, tangents[row, -len(v.z) :], scale)
         points.append(
             SpecialPoint(
                 type=v.type,
                 label=f"{v.type}{counts[v.type]}",
                 index=row,
-                z=v.z,
-                tangent=tangents[row, -len(v.z) :],
+                z=z,
+                tangent=tangent,
                 values=values,
                 residual=float(v.residual),
                 error=float(v.error),
@@ -302,8 +303,8 @@ def _label(
                 vectors=v.vectors,
                 also=v.also,
                 branch=branch,
-                scale=scale,
-                problem=problem,
+                scale=metric,
+                problem=alone,
             )
         )
     return tuple(points)

@@ -191,7 +191,7 @@ def _goes_on(branch: Branch, point: Any, run: RunPlan) -> bool:
 
 def _same_solution(branch: Branch, point: Any, parameter: str) -> Any:
     """The start of a run at the solution that a point is, with any parameter free."""
-    problem = branch.problem.with_active(parameter, point.z)
+    problem = point.problem.with_active(parameter, point.z)
     z = point.z.copy()
     z[-1] = point.values[parameter]
     return Seed(problem, z)

@@ -257,6 +257,10 @@ class Conditioned(Problem):
                 found.append(self.verify(name, a, frame))
         return found
 
+    def alone(self, z: Array, tangent: Array, scale: Array) -> tuple[Problem, Array, Array, Array]:
+        problem: Problem = self.at(self.free_values(z))
+        return problem, self.inner_vector(z), self.inner_vector(tangent), self.inner_vector(scale)
+
     # -- special points ------------------------------------------------------------------------------------------------
 
     def _turn(self, near: Sample, frame: Frame) -> Outcome:

@@ -124,6 +124,26 @@ def test_a_fold_of_equilibria_and_one_of_their_curve_are_told_apart():
     assert folds["curve"].values["x"] == pytest.approx(-0.5, abs=1e-7)
 
 
+def test_a_period_doubling_under_a_condition_is_that_of_the_family_through_it_and_has_its_branches():
+    model = contin.Model(
+        name="roessler", states={"x": 0, "y": 0, "z": 0}, parameters={"a": -0.1, "b": 0.2, "c": 2.5},
+        equations={"x": "-y - z", "y": "x + a*y", "z": "b + z*(x - c)"},
+    )  # fmt: skip
+    rest = contin.continuation(contin.equilibrium(model), "a", (-0.2, 0.4))
+    family = contin.continuation(rest["HB1"].switch(), "a", (-0.2, 0.22), values={"a": [0.2]})
+    point = family["UZ1"]
+    start = Seed(family.problem.with_active("c", point.z), np.append(point.z[:-1], 2.5))
+    branch = contin.continuation(start, "c", (2.5, 2.9), conditions=["period = 5.74"], free=["a"])
+    assert [p.type for p in branch.points] == ["PD"]
+    doubling = branch["PD1"]
+    locus = contin.continuation(doubling.locus(("c", "a")), ("c", "a"), {"c": (2.6, 2.8), "a": (0.2, 0.22)})
+    order = np.argsort(locus.columns["c"])
+    on = np.interp(doubling.values["c"], locus.columns["c"][order], locus.columns["a"][order])
+    assert on == pytest.approx(doubling.values["a"], abs=1e-5)
+    doubled = contin.continuation(doubling.switch(), "c", (2.6, 2.8))
+    assert doubled.columns["period"].max() > 11.0
+
+
 @pytest.mark.parametrize(("conditions", "free", "message"), [
     (["period = 4"], [], "1 condition and 0 free parameters"),
     (["period == 4"], ["om"], "one `="),
