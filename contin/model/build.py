@@ -183,10 +183,7 @@ class _Builder:
             ),
             "averaging": self.averaging(),
             "forcing": self.forcing(),
-            "limits": tuple(
-                Limit(self.formulas.read(item.margin, ("limits", k, "margin"), self.formulas.scope), item.beyond)
-                for k, item in enumerate(entry.limits)
-            ),
+            "limits": self.limits(),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
             "mass": self.mass(),
             **self.boundary(numbers),
@@ -299,6 +296,14 @@ class _Builder:
                 continue
             images[state] = self.formulas.read(value, path, self.formulas.scope)
         return images
+
+    def limits(self) -> tuple[Limit, ...]:
+        def margin(k: int, text: object) -> Expression:
+            return self.formulas.read(text, ("limits", k, "margin"), self.formulas.scope)
+
+        return tuple(
+            Limit(margin(k, item.margin), item.beyond, item.accuracy) for k, item in enumerate(self.entry.limits)
+        )
 
     def averaging(self) -> Averaging | None:
         item = self.entry.averaging

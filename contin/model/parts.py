@@ -64,11 +64,13 @@ class Start:
 class Limit:
     """The equations are an approximation that holds where margin >= 0, a formula in states and parameters.
 
-    `beyond` says what ends there, and what to do.
+    `beyond` says what ends there, and what to do.  accuracy : relative error of the equations that the limit lets pass,
+    of quadratures; errors of special points count it.
     """
 
     margin: Expression
     beyond: str
+    accuracy: float = 0.0
 
 
 @dataclass(frozen=True)

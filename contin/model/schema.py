@@ -173,6 +173,7 @@ class LimitEntry(_Entry):
 
     margin: Formula
     beyond: Text
+    accuracy: float = Field(default=0.0, ge=0.0, lt=1.0)
 
 
 class TotalEntry(_Entry):

@@ -125,7 +125,10 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
     if model.limits:
         yield "limits:"
         for limit in model.limits:
-            yield f"  - {_mapping({'margin': _flow(formula(limit.margin)), 'beyond': _text(limit.beyond)})}"
+            parts = {"margin": _flow(formula(limit.margin)), "beyond": _text(limit.beyond)}
+            if limit.accuracy:
+                parts["accuracy"] = repr(limit.accuracy)
+            yield f"  - {_mapping(parts)}"
     yield from _totals(model, formula)
     if model.expect:
         yield "expect:"

@@ -63,6 +63,7 @@ class Solved:
     residual: float
     error: float
     noise: float  # of the residual: what it can be at a true solution
+    sensitivity: float = 0.0  # of y's last entry to relative errors of the equations and their derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +149,8 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
             error += along * _reach(system, x, position, g, direction, limits)
     size = float(np.max(np.abs(matrix))) or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.max(np.abs(g))) / size
-    return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size)
+    sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.max(np.abs(x))))
+    return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size, sensitivity)
 
 
 def _reach(system: System, x: Array, position: int, g: Array, direction: Array, limits: Array) -> float:

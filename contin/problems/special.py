@@ -271,7 +271,8 @@ def _accept(
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     if is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)
-    error = solved.error * float(frame.scale[-1]) + rounding
+    approximate = max((limit.accuracy for limit in problem.system.limits), default=0.0)
+    error = (solved.error + approximate * solved.sensitivity) * float(frame.scale[-1]) + rounding
     if abs(z[-1]) <= min(error, np.finfo(float).eps * float(frame.scale[-1])):
         z[-1] = 0.0  # and not 1e-42 or -0.0
     return Verified(type_, z, solved.residual, error, values, int(np.sum(beyond > 0.0)), crowded=crowded)

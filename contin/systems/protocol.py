@@ -40,6 +40,10 @@ class Limit(Protocol):
     def beyond(self) -> str:
         """What to say where it does not."""
 
+    @property
+    def accuracy(self) -> float:
+        """Relative error of the equations that it lets pass, where they hold quadratures."""
+
 
 class Described(Protocol):
     """What a system's model says beside its equations."""

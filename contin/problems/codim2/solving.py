@@ -84,6 +84,10 @@ def solve(
     beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
     if with_poles and abs(float(g[-1])) * size > POLE * beside:
         return None
+    approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
+    if approximate > 0.0:
+        sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
+        scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
     drift = (float(np.max(scatter)) + lacking) * along
     return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
 

@@ -39,6 +39,7 @@ from contin.model.printing import to_text
 from contin.records import Sympy
 from contin.symbolic.averaging.cells import RADIUS, SAME, Arc, Region, assumptions, quarter, regions
 from contin.symbolic.averaging.gauss_rule import (
+    ACCURACY,
     Array,
     agreement,
     angle_of,
@@ -151,7 +152,7 @@ class RadialAverage:
             return self
         nodes = max(piece.nodes for piece in self.pieces)
         margin = self.chain(lambda piece: piece.agreement or ZERO)
-        return replace(self, limits=(*self.limits, Limit(margin, beyond_quadrature(nodes))))
+        return replace(self, limits=(*self.limits, Limit(margin, beyond_quadrature(nodes), ACCURACY)))
 
     @property
     def is_zero(self) -> bool:

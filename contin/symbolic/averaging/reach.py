@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from contin.model.expression import Expression, add, call, number, power, substitute
 from contin.model.parts import Limit
@@ -22,7 +23,7 @@ def limits_of(system: SlowSystem, amplitudes: Sequence[Complex]) -> tuple[Limit,
         for j, average in equation.radial.items():
             for limit in average.limits:
                 margin = substitute([limit.margin], {R: _modulus(amplitudes[j])})[0]
-                found.setdefault(margin, Limit(margin, limit.beyond))
+                found.setdefault(margin, replace(limit, margin=margin))
         for item in equation.general:
             limit = shared_limit(item.term, system.oscillators, system.setting, amplitudes)
             found.setdefault(limit.margin, limit)

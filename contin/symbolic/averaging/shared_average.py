@@ -20,7 +20,7 @@ from contin.model.expression import COMPARISONS, Expression, add, mul, number, p
 from contin.model.parts import Limit
 from contin.symbolic.averaging.cells import SAME
 from contin.symbolic.averaging.complex_formulas import Complex
-from contin.symbolic.averaging.gauss_rule import Array, agreement, beyond_quadrature, next_size
+from contin.symbolic.averaging.gauss_rule import ACCURACY, Array, agreement, beyond_quadrature, next_size
 from contin.symbolic.averaging.oscillators import WeakOscillators
 from contin.symbolic.averaging.piecewise_turn import Turn, pieces_of_turn, piecewise_rule
 from contin.symbolic.averaging.radial import Setting, first_size
@@ -44,7 +44,7 @@ def shared_limit(term: Expression, oscillators: WeakOscillators, setting: Settin
     n = shared.size()
     square = _Shared(power(term, number(2)), oscillators, setting).mean(n, amplitudes)
     margin = agreement(shared.rule(n, amplitudes), shared.rule(next_size(n), amplitudes), square)
-    return Limit(margin, beyond_quadrature(n))
+    return Limit(margin, beyond_quadrature(n), ACCURACY)
 
 
 @dataclass(frozen=True)

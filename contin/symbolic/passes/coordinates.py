@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import Expression, add, mul, substitute, symbol
 from contin.model.model import Model
-from contin.model.parts import Limit, Start, State, Symmetry
+from contin.model.parts import Start, State, Symmetry
 from contin.records import Record
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 from contin.symbolic.calculus.shorter import shorter
@@ -78,7 +79,7 @@ def change_coordinates(
         rotation={},
         starts=starts,
         averaging=None,
-        limits=tuple(Limit(converted(limit.margin), limit.beyond) for limit in model.limits),
+        limits=tuple(replace(limit, margin=converted(limit.margin)) for limit in model.limits),
         expect=(),
     )
 

@@ -1,0 +1,63 @@
+"""Labels of averaged models without a closed form lie within their stated errors: quadratures have errors, too.
+
+The averages are known: <exp(-k x^2) sin^2> by Bessel functions I, <cos(k x) sin^2> = J1(k r)/(k r), whose folds are the
+zeros of J2. The places are computed by mpmath in 30 digits.
+"""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+import contin
+from contin.model.model import Model
+
+
+def slow(force: str, parameters: dict[str, float], form: str) -> Model:
+    model = Model(
+        "oscillator", states={"x": 1.2, "y": 0}, parameters={"eps": 0.01, **parameters},
+        equations={"x": "y", "y": f"-x + eps*({force})"},
+        averaging={"small": "eps", "oscillators": [{"position": "x", "velocity": "y"}]},
+    )  # fmt: skip
+    return contin.average(model, form=form, reach=25.0)
+
+
+def folds(model: Model, form: str, a: float, bounds: tuple[float, float], r: float) -> list:
+    start = {"r": r} if form == "polar" else {"u1": r, "v1": 0.0}
+    line = contin.continuation(contin.equilibrium(model, start=start, parameters={"a": a}), "a", bounds)
+    return [point for point in line.points if point.type == "LP"]
+
+
+@pytest.mark.parametrize(("form", "k"), [("polar", 1.0), ("cartesian", 0.37)])
+def test_folds_of_a_gaussian_damping_are_where_bessel_functions_say(form, k):
+    """a r = 2 r <exp(-k x^2) sin^2> + 3/4 c r^3: the fold is the minimum of a over r."""
+    c = 1e-4
+    model = slow(f"a*y - y*exp(-{k}*x^2) - {c}*y^3", {"a": 0.6}, form)
+    with mp.workdps(30):
+        parameter = lambda r: (  # noqa: E731
+            mp.exp(-k * r * r / 2) * (mp.besseli(0, k * r * r / 2) + mp.besseli(1, k * r * r / 2))
+            + mpf(3) / 4 * mpf(c) * r * r
+        )
+        at = mp.findroot(lambda r: mp.diff(parameter, r), mpf(15))
+        exact = parameter(at)
+    start = 2.0
+    (point,) = folds(model, form, float(parameter(start)), (0.01, 1.0), start)
+    assert abs(mpf(point.values["a"]) - exact) <= point.error
+    assert point.error < 1e-9
+
+
+def test_folds_of_a_cosine_are_at_zeros_of_a_bessel_function():
+    """a = 2 J1(s)/s, s = 1.3 r: d/ds (J1/s) = -J2/s."""
+    model = slow("a*y - y*cos(1.3*x)", {"a": 0.6}, "polar")
+    start = 1.0
+    found = folds(model, "polar", float(2 * mpmath.besselj(1, 1.3 * start) / (1.3 * start)), (-1.0, 0.99), start)
+    assert len(found) >= 3
+    for point in found:
+        with mp.workdps(30):
+            s = mp.findroot(lambda s: mp.besselj(2, s), mpf(1.3) * mpf(point.values["r"]))
+            exact = 2 * mp.besselj(1, s) / s
+        assert abs(mpf(point.values["a"]) - exact) <= point.error, float(mpf(point.values["a"]) - exact)
+        assert point.error < 1e-9
+    assert np.all(np.diff([abs(point.values["a"]) for point in found]) != 0.0)
