@@ -19,6 +19,7 @@ _EXPORTS = {
     "boundary_problem": "contin.api",
     "continuation": "contin.api",
     "diagram": "contin.api",
+    "draw": "contin.api",
     "equilibrium": "contin.api",
     "find_equilibria": "contin.api",
     "find_start": "contin.api",

@@ -20,6 +20,13 @@ MODULES: Final = {
     "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "auto start": "contin.api.auto_start",  # simulates to rest, to a cycle, searches: few starts need that
     "conditions": "contin.api.conditions",  # few runs have conditions
+    "notebook branches": "contin.notebook.branches",  # how a result looks is asked for in notebooks only
+    "notebook models": "contin.notebook.models",
+    "notebook trajectories": "contin.notebook.trajectories",
+    "picture of branches": "contin.plot.figure",  # a branch draws itself with what is made of branches
+    "drawn trajectories": "contin.plot.trajectory",
+    "drawn sweeps": "contin.plot.sweep",
+    "drawn scans": "contin.plot.scan",
     "boundary": "contin.bvp.start",  # a run of a boundary-value problem starts from a guess of functions
     "responses": "contin.problems.responses",  # ... of a forced flow from what a trajectory settles on
     "discretisation": "contin.transitions.discretisation",  # neither discretisation of orbits knows the other

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
     from contin.api.orbit_starts import connecting_orbit, periodic_orbit
+    from contin.api.pictures import draw
     from contin.api.searches import find_equilibria
     from contin.api.solutions import solution
     from contin.api.starts import equilibrium
@@ -21,6 +22,7 @@ _HOMES = {
     "connecting_orbit": "orbit_starts",
     "continuation": "branches",
     "diagram": "diagrams",
+    "draw": "pictures",
     "equilibrium": "starts",
     "find_equilibria": "searches",
     "find_start": "auto_start",
@@ -38,6 +40,7 @@ __all__ = [
     "connecting_orbit",
     "continuation",
     "diagram",
+    "draw",
     "equilibrium",
     "find_equilibria",
     "find_start",

@@ -17,6 +17,7 @@ from contin.cli.printable import printable
 from contin.cli.report import print_report
 from contin.continuation.defects import described
 from contin.errors import ContinError, InputError
+from contin.plot.look import Look
 from contin.plot.write import write_picture
 from contin.records import Record
 from contin.runs.outputs import make_folder
@@ -170,7 +171,7 @@ def _write(plan: Plan, kind: str, document: Record) -> str:
         else:
             if kind == "plot":
                 load_matplotlib()
-            write_picture(document, path, x=plan.x, y=plan.y)
+            write_picture(document, path, Look.of(plan.look))
     elif kind == "save":
         sqlite.save(document, path, provenance(plan))
     else:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+from contin.cli.look_options import as_look
 from contin.cli.scan import plot_scan
 from contin.errors import InputError
 from contin.plot.orbit import write_orbit
@@ -19,6 +21,7 @@ def plot_file(
     y: list[str] | None,
     over: Path | None = None,
     orbit: str | None = None,
+    look: Mapping[str, object] | None = None,
 ) -> int:
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
@@ -30,6 +33,6 @@ def plot_file(
         write_orbit(read_results(file), orbit, out, x, y[0] if y else None)
         print(out)
         return 0
-    write_picture(read_results(file), out, x=x, y=y or None)
+    write_picture(read_results(file), out, as_look(look or {}, x, y))
     print(out)
     return 0

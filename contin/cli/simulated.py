@@ -54,7 +54,7 @@ def draw_sweep(plan: Plan, document: Record, path: Path) -> None:
 
     found = document["sweep"]
     over = document if document["branches"] else None
-    y = plan.y[0] if plan.y else None
+    y = (plan.look.get("y") or [None])[0]
     drawing = figure(found["columns"], found["parameter"], found["quantities"], title=plan.title, y=y, over=over)
     write_figure(drawing, path)
 

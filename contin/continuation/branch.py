@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 from contin import lazy
 from contin.abi import Array, Vector
 from contin.continuation.frames import dataframe, dataset
+from contin.continuation.orbit import Orbit, orbit_of
 from contin.records import Record
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from pandas import DataFrame
     from xarray import Dataset
 
@@ -62,6 +65,14 @@ class SpecialPoint:
         """Where the branches that cross here start: hand it to `contin.continuation`."""
         seeds: list[Any] = lazy.module("births").switch(self.problem, self, parameter or self.problem.parameters[0])
         return seeds
+
+    @property
+    def orbit(self) -> Orbit:
+        """The periodic orbit here: `t`, `columns`, `multipliers`; InputError where the point is no orbit."""
+        return orbit_of(self.problem, self.z, self.eigenvalues, f"{self.branch}.{self.label}")
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook branches").point_page(self))
 
     def locus(self, parameters: Sequence[str] | None = None) -> Any:
         """Where the curves of such points in two parameters start: hand it to `contin.continuation` with the same two.
@@ -139,6 +150,23 @@ class Branch:
                 return point
         known = ", ".join(p.label for p in self.points) or "none"
         raise KeyError(f"branch {self.name!r} has no point {label!r}; its points: {known}")
+
+    def orbit(self, row: int) -> Orbit:
+        """The periodic orbit at a row (negative rows count from the last): `t`, `columns`, `multipliers`."""
+        if not -len(self) <= row < len(self):
+            raise IndexError(f"branch {self.name!r} has rows 0 to {len(self) - 1}; got {row}")
+        return orbit_of(self.problem, self.z[row], self.eigenvalues[row], f"row {row} of {self.name}")
+
+    def plot(self, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure: solid stable, dashed unstable, special points marked; options: `contin.plot.look.Look`.
+
+        ax : draw into these axes instead.
+        """
+        picture: Figure = lazy.module("picture of branches").picture_of([self], ax, options)
+        return picture
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook branches").branch_page(self))
 
     def to_dataframe(self) -> DataFrame:
         """A pandas.DataFrame with the columns and `label` ('' where a row has none); needs pandas."""

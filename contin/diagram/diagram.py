@@ -7,16 +7,20 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contin import lazy
 from contin.continuation.branch import Branch
 from contin.continuation.frames import dataframes
 from contin.diagram.graph import build_graph
 from contin.diagram.report import report
 from contin.plot.figure import draw
 from contin.plot.html import write_html
+from contin.plot.look import Look
 from contin.records import Fields
 from contin.store.results import save_branches
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from networkx import MultiGraph
     from pandas import DataFrame
 
@@ -64,9 +68,15 @@ class Diagram:
         """Follow what starts at a labelled point and is not in the diagram yet; the new branches join it."""
         return self.explorer.follow(self, branch, label)  # type: ignore[no-any-return]
 
-    def plot(self, x: str | None = None, y: str | None = None) -> Any:
-        """A matplotlib figure: solid stable, dashed unstable, special points marked."""
-        return draw(self.branches, x=x or self.parameter, y=y)
+    def plot(self, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure: solid stable, dashed unstable, special points marked; options: `contin.plot.look.Look`.
+
+        ax : draw into these axes instead.
+        """
+        return draw(self.branches, ax=ax, look=Look.of({"x": self.parameter, **options}))
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook branches").diagram_page(self))
 
     def to_html(self, path: str | Path, x: str | None = None, y: str | None = None) -> None:
         """An interactive page in one file."""

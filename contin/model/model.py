@@ -292,6 +292,9 @@ class Model:
         """The equations and definitions as lines of a LaTeX `align*` environment."""
         return model_latex(self)
 
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook models").model_page(self))
+
     def __str__(self) -> str:
         return summary(self)
 

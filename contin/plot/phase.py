@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.plot.figure import STYLE
+from contin.plot.house_style import style
 from contin.plot.labels import densify, place
 from contin.plot.places import deepest
 from contin.plot.smooth import smooth
@@ -46,13 +46,13 @@ def draw(
     data : the `phase` section of the results.  branches : those of the results; the curves in `data` are drawn.
     scan : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.
     """
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+
+    from contin.plot.picture import picture
 
     curves = [b for b in branches if b["name"] in set(data["curves"])]
-    with rc_context(STYLE):
-        figure = Figure(figsize=(8.0, HEIGHT), layout="constrained")
+    with style():
+        figure = picture(8.0, HEIGHT, dpi=100.0)
         FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         axes.spines[["top", "right"]].set_visible(True)

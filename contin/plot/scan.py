@@ -9,7 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.plot.figure import STYLE
+from contin.plot.house_style import style
 from contin.plot.vocabulary import PALETTE, locus_words
 from contin.records import Record
 
@@ -29,11 +29,11 @@ def figure(
     document : as `Scan.document` or `contin.store.scan_store.read_scan` give it.
     over : results of continuation whose curves in the two parameters are drawn on top.
     """
-    from matplotlib import rc_context
     from matplotlib.colors import ListedColormap
-    from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
+
+    from contin.plot.picture import picture
 
     columns, scan = document["columns"], document["scan"]
     if not columns["class"]:
@@ -42,11 +42,11 @@ def figure(
     starts = list(scan["starts"])[:MOST_PANELS]
     colours = _colours(scan["classes"], columns["class"])
     curves = _curves(over, across, up) if over is not None and up is not None else []
-    with rc_context(STYLE):
+    with style():
         count = len(starts)
         wide = 2 if count == 4 else min(count, 3)
         high = -(-count // wide)
-        drawing = Figure(figsize=(1.2 + 3.1 * wide, 1.2 + 2.9 * high), dpi=200, layout="constrained")
+        drawing = picture(1.2 + 3.1 * wide, 1.2 + 2.9 * high)
         grid = drawing.subplots(high, wide, squeeze=False, sharex=True, sharey=True)
         for k, ax in enumerate(grid.ravel()):
             if k >= count:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation.branch import Branch
 from contin.errors import InputError
+from contin.plot.typeset import axis_label
 from contin.records import Record
 
 
@@ -53,13 +54,14 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One branch in one panel; orbits have two strands (maximum and minimum), everything else one."""
+    """One branch in one panel; orbits have two strands (maximum and minimum), cycles of maps one an iterate."""
 
     name: str
     kind: str
     locus: str | None
     pieces: tuple[Piece, ...]
     marks: tuple[tuple[float, float, Mark], ...]
+    strands: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +172,8 @@ def panels(
         two = len(source.parameters) > 1
         abscissa = x or source.parameters[0]
         ordinate = y or (source.parameters[1] if two and x in (None, source.parameters[0]) else default_y)
+        if two and ordinate not in source.parameters and _flat(sources):
+            continue  # the projection of a curve in two parameters says nothing beside branches in one
         curve = _curve(source, abscissa, ordinate, periods)
         if curve is not None:
             groups.setdefault((abscissa, ordinate), []).append(curve)
@@ -184,14 +188,13 @@ def panels(
     ]
 
 
-def axis_label(name: str, units: Mapping[str, str], suffix: str = "") -> str:
-    """The axis text: name, unit, and what the strands of orbits are."""
-    unit = f" ({units[name]})" if units.get(name) else ""
-    return f"{name}{suffix}{unit}"
-
-
 def _strands(curves: Sequence[Curve]) -> str:
-    return ", orbits: max and min" if any(curve.kind == "orbit" and len(curve.pieces) > 1 for curve in curves) else ""
+    return ", orbits: max and min" if any(curve.kind == "orbit" and curve.strands == 2 for curve in curves) else ""
+
+
+def _flat(sources: Sequence[Source]) -> bool:
+    """Whether some branch is in one parameter."""
+    return any(len(source.parameters) == 1 for source in sources)
 
 
 def ordinates(source: Source) -> list[str]:
@@ -225,7 +228,10 @@ def is_constant(values: Array) -> bool:
 
 
 def _columns(source: Source, name: str) -> list[Array]:
-    """The strands of a name: its column, or the maximum and minimum over each orbit."""
+    """The strands of a name: its column (of a cycle of a map: every iterate), or maximum and minimum of each orbit."""
+    iterates = [key for key in source.columns if key.startswith(f"{name}.") and key[len(name) + 1 :].isdigit()]
+    if name in source.columns and iterates:
+        return [np.asarray(source.columns[key], float) for key in iterates]
     if name in source.columns:
         return [np.asarray(source.columns[name], float)]
     if f"{name}.max" in source.columns and f"{name}.min" in source.columns:
@@ -245,7 +251,7 @@ def _curve(source: Source, x: str, y: str, periods: Mapping[str, float]) -> Curv
         pieces += _pieces(source, abscissa, ordinate, jumps)
     top = wrapped(strands[0], periods.get(y))
     marks = tuple((float(abscissa[mark.index]), float(top[mark.index]), mark) for mark in source.marks)
-    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks)
+    return Curve(source.name, source.kind, source.locus, tuple(pieces), marks, len(strands))
 
 
 def wrapped(values: Array, period: float | None) -> Array:

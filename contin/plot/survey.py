@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from contin.plot.figure import STYLE
+from contin.plot.house_style import style
 from contin.plot.vocabulary import colour_of, style_of
 from contin.records import Record
 
@@ -21,14 +21,13 @@ MOST: Final = 60  # parameters in a panel: those to which something happens firs
 
 def figure(document: Record) -> Figure:
     """One panel an attractor, the parameter that matters most on top; a marker where a bifurcation ends the bar."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
+    from contin.plot.picture import picture
 
     columns, names = document["survey"], list(document["attractors"])
     rows = {name: [k for k, a in enumerate(columns["attractor"]) if a == name][:MOST] for name in names}
     height = 1.3 + LINE * max((len(r) for r in rows.values()), default=1)
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(1.4 + 4.2 * len(names), max(height, 2.2)), dpi=200, layout="constrained")
+    with style():
+        drawing = picture(1.4 + 4.2 * len(names), max(height, 2.2))
         axes = drawing.subplots(1, len(names), squeeze=False)[0]
         seen: dict[str, Line2D] = {}
         for ax, name in zip(axes, names, strict=True):

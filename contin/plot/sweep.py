@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contin.errors import InputError
-from contin.plot.figure import STYLE, image_names
 from contin.plot.figure import figure as diagram_figure
+from contin.plot.figure import image_names
+from contin.plot.house_style import style
+from contin.plot.look import Look
 from contin.plot.series import from_document, panels
 from contin.plot.vocabulary import PALETTE
 from contin.records import Record
@@ -29,15 +31,14 @@ def figure(
 
     over : a result document; its diagram of y is drawn beneath (of orbits, their column y.max).
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
+    from contin.plot.picture import picture
 
     quantity = y or names[0]
     if quantity not in names:
         raise InputError(f"there is no quantity {quantity!r} in the sweep; there are {', '.join(names)}")
-    with rc_context(STYLE):
+    with style():
         if over is None:
-            drawing = Figure(figsize=(5.4, 4.0), dpi=200, layout="constrained")
+            drawing: Figure = picture(5.4, 4.0)
             ax = drawing.subplots()
             ax.set_xlabel(parameter)
             ax.set_ylabel(quantity)
@@ -71,6 +72,6 @@ def _diagram(over: Record, parameter: str, quantity: str, title: str | None) -> 
     model = over["model"]
     drawing = diagram_figure(
         panels(sources, x=parameter, y=quantity, periods=model.get("periods"), units=model.get("units")),
-        title=title, images=image_names(sources), periods=model.get("periods"),
+        look=Look(title=title), images=image_names(sources), periods=model.get("periods"),
     )  # fmt: skip
     return drawing, drawing.axes[0]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.errors import InputError
-from contin.plot.figure import STYLE
+from contin.plot.house_style import style
 from contin.plot.vocabulary import PALETTE
 from contin.records import Record
 
@@ -27,8 +27,7 @@ def figure(
     columns : "t" and everything that may be drawn, of equal length. One state alone is drawn against time only.
     closed : a periodic orbit, which has no start and no end.
     """
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
+    from contin.plot.picture import picture
 
     for name in (x, y):
         if name is not None and name not in columns:
@@ -36,8 +35,8 @@ def figure(
     shown = list(states)[:MOST_PANELS]
     across = x or states[0]
     up = y or (states[1] if len(states) > 1 else None)
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(8.8 if up else 5.6, max(3.4, 1.15 * len(shown))), dpi=200, layout="constrained")
+    with style():
+        drawing = picture(8.8 if up else 5.6, max(3.4, 1.15 * len(shown)))
         grid = drawing.add_gridspec(len(shown), 2 if up else 1, width_ratios=[1.5, 1.0] if up else [1.0])
         first: Any = None
         for k, name in enumerate(shown):

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
 from contin.plot.figure import figure, image_names
+from contin.plot.house_style import style
 from contin.plot.html import html_page
+from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.phase import draw
 from contin.plot.series import from_document, panels
 from contin.records import Record
@@ -22,41 +24,33 @@ PICTURES: Final = (".png", ".pdf", ".svg")
 PAGES: Final = (".html",)
 
 
-def picture(
-    document: Record, suffix: str, *, x: str | None = None, y: str | Sequence[str] | None = None
-) -> bytes:
+def picture(document: Record, suffix: str, look: Look = PLAIN_LOOK) -> bytes:
     """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results."""
     model = document["model"]
-    title, periods, units = model.get("title") or model["name"], model.get("periods"), model.get("units")
+    title, periods, units = look.title or model.get("title") or model["name"], model.get("periods"), model.get("units")
     sources = from_document(document)
     if not sources:
         raise InputError("there is nothing to plot: the results hold no branch")
     if suffix in PAGES:
-        return html_page(sources, title=title, x=x, y=y, periods=periods, units=units).encode()
+        return html_page(sources, title=title, x=look.x, y=look.y, periods=periods, units=units).encode()
     if suffix not in PICTURES:
         raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
 
-    if document.get("phase") and x is None and y is None:
+    if document.get("phase") and look.x is None and look.y is None:
         return _drawn(draw(document["phase"], document["branches"], title), suffix)
-    drawing = figure(
-        panels(sources, x=x, y=y, periods=periods, units=units),
-        title=title,
-        images=image_names(sources),
-        periods=periods,
-    )
+    shown = panels(sources, x=look.x, y=look.y, periods=periods, units=units)
+    drawing = figure(shown, look=replace(look, title=title), images=image_names(sources), periods=periods)
     return _drawn(drawing, suffix)
 
 
 def _drawn(drawing: Figure, suffix: str) -> bytes:
     stream = io.BytesIO()
-    drawing.savefig(stream, format=suffix[1:])
+    with style():
+        drawing.savefig(stream, format=suffix[1:])
     return stream.getvalue()
 
 
-def write_picture(
-    document: Record, path: Path, *, x: str | None = None, y: str | Sequence[str] | None = None
-) -> None:
+def write_picture(document: Record, path: Path, look: Look = PLAIN_LOOK) -> None:
     """Write `picture` to a file whose ending chooses the kind."""
-    data = picture(document, path.suffix, x=x, y=y)
-
+    data = picture(document, path.suffix, look)
     write_bytes(path, data)

@@ -19,7 +19,7 @@ from contin.model.registry import find
 from contin.model.relations import relations_on_orbits
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
-from contin.records import Json, Record
+from contin.records import Fields, Json, Record
 from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
 from contin.runs.references import check_references
@@ -94,8 +94,7 @@ class Plan:
     diagram: DiagramPlan | None = None
     phase: PhasePlan | None = None
     outputs: Mapping[str, FilePath] = field(default_factory=dict)
-    x: str | None = None
-    y: Sequence[str] | None = None
+    look: Fields = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
     title: str | None = None
     simulations: Sequence[SimulationPlan] = ()
     sweep: SweepPlan | None = None
@@ -139,17 +138,17 @@ def make_plan_for(
     phase = None if entry.phase is None else planner.phase(entry.phase)
     runs = planner.runs(entry.continuations, file)
     check_references(entry, model, problems)
-    axes = entry.outputs
+    look = entry.outputs.look()
     quantities = [] if entry.sweep is None else list(entry.sweep.measures)
-    shown = [(("outputs", "x"), axes.x), *((("outputs", "y"), name) for name in axes.y or [])]
+    shown = [(("outputs", "x"), look.get("x")), *((("outputs", "y"), name) for name in look.get("y") or [])]
     check_columns(shown, model, problems, quantities)
     problems.raise_if_any()
-    return Plan(model, planner.overrides, runs, diagram, phase, outputs, axes.x, axes.y, entry.title or model.title)
+    return Plan(model, planner.overrides, runs, diagram, phase, outputs, look, entry.title or model.title)
 
 
 def _written_files(entry: RunEntry) -> dict[str, str]:
     files = {
-        "plot": entry.outputs.plot,
+        "plot": entry.outputs.plot_file,
         "html": entry.outputs.html,
         "save": entry.outputs.save,
         "json": entry.outputs.json_,

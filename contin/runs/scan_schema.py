@@ -8,18 +8,8 @@ from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag,
 
 from contin.limits import MOST_RUNS
 from contin.model.schema import FORMAT_VERSION, Formula, Text
-from contin.runs.schema import (
-    Count,
-    File,
-    ModelReference,
-    Pass,
-    Positive,
-    Section,
-    Start,
-    Starts,
-    _listed,
-    _version,
-)
+from contin.runs.entry_types import Count, File, Positive, Section, listed
+from contin.runs.schema import ModelReference, Pass, Start, Starts, _version
 
 
 class AxisEntry(Section):
@@ -88,7 +78,7 @@ class ScanFileEntry(Section):
     model: ModelReference
     title: Text | None = None
     description: Text | None = None
-    transform: Annotated[list[Pass], BeforeValidator(_listed, json_schema_input_type=Pass | list[Pass])] = Field(
+    transform: Annotated[list[Pass], BeforeValidator(listed, json_schema_input_type=Pass | list[Pass])] = Field(
         default_factory=list
     )
     parameters: dict[str, Formula] = Field(default_factory=dict)

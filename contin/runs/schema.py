@@ -5,7 +5,6 @@ What the names mean (parameters, states, starts) is decided in `plan`; here a nu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Final, Literal
 
 from pydantic import (
@@ -19,90 +18,29 @@ from pydantic import (
     WithJsonSchema,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
-from contin.limits import LARGEST_COUNT, LARGEST_TABLE, MOST_INTERVALS, MOST_POINTS, as_double, is_finite
+from contin.limits import LARGEST_TABLE, MOST_INTERVALS, MOST_POINTS
 from contin.model.schema import FORMAT_VERSION, Formula, Range, Text, shown
 from contin.records import Fields
+from contin.runs.entry_types import (
+    Count,
+    File,
+    Formulas,
+    Interval,
+    Positive,
+    Ranges,
+    Reference,
+    RunName,
+    Section,
+    Texts,
+    listed,
+    mapping_or_not,
+    not_negative,
+    wrong,
+)
+from contin.runs.picture_entry import Picture, PictureEntry
 
 DIRECTIONS: Final = ("both", "up", "down")
-
-
-def _wrong(message: str) -> PydanticCustomError:
-    return PydanticCustomError("contin", "{text}", {"text": message})  # braces in the text itself stay as they are
-
-
-def _run_name(value: object) -> object:
-    if not isinstance(value, str) or not value.strip():
-        raise _wrong(f"expected a name, got {shown(value)}")
-    if not value.isprintable():
-        raise _wrong(f"a run's name may not contain control characters, got {shown(value)}")
-    if "." in value:
-        raise _wrong(f"a run's name may not contain a dot (`from: NAME.LABEL` is split there), got {shown(value)}")
-    return value
-
-
-def _reference(value: object) -> object:
-    name, dot, label = value.rpartition(".") if isinstance(value, str) else ("", "", "")
-    if not (name and dot and label):
-        raise _wrong(f"expected NAME.LABEL, such as line.BP1, got {shown(value)}")
-    return value
-
-
-def _interval(value: object) -> object:
-    numbers = [as_double(v) for v in value if isinstance(v, int | float)] if isinstance(value, list) else []
-    if len(numbers) == 2 and not numbers[0] < numbers[1]:
-        raise _wrong(f"expected [low, high] with low < high, got [{numbers[0]:g}, {numbers[1]:g}]")
-    return value
-
-
-def _positive(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (value > 0 and is_finite(value)):
-        raise _wrong(f"expected a positive number, got {shown(value)}")
-    return float(value)
-
-
-def _not_negative(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (value >= 0 and is_finite(value)):
-        raise _wrong(f"expected 0 or a positive number, got {shown(value)}")
-    return float(value)
-
-
-def _count(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise _wrong(f"expected a whole number, 1 or more, got {shown(value)}")
-    if value > LARGEST_COUNT:
-        raise _wrong(f"expected a whole number, {LARGEST_COUNT} at most, got {shown(value)}")
-    return value
-
-
-def _listed(value: object) -> object:
-    return value if isinstance(value, list) else [value]
-
-
-def _file(value: object) -> object:
-    if not isinstance(value, str) or not value.strip():
-        raise _wrong(f"expected a file name, got {shown(value)}")
-    return value
-
-
-def _mapping_or_not(value: object) -> str:
-    return "(long)" if isinstance(value, Mapping) else "(short)"
-
-
-Positive = Annotated[float, PlainValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
-Count = Annotated[
-    int, PlainValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": LARGEST_COUNT})
-]
-RunName = Annotated[str, PlainValidator(_run_name), WithJsonSchema({"type": "string", "pattern": r"^[^.]+$"})]
-Reference = Annotated[str, PlainValidator(_reference), WithJsonSchema({"type": "string", "pattern": r"^.+\..+$"})]
-File = Annotated[str, PlainValidator(_file), WithJsonSchema({"type": "string"})]
-Interval = Annotated[Range, BeforeValidator(_interval)]
-Ranges = Annotated[
-    Annotated[Interval, Tag("(short)")] | Annotated[dict[str, Interval], Tag("(long)")], Discriminator(_mapping_or_not)
-]
-Formulas = Annotated[list[Formula], BeforeValidator(_listed, json_schema_input_type=Formula | list[Formula])]
-Texts = Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text]), Field(min_length=1)]
 
 
 class StartMapping(BaseModel):
@@ -114,23 +52,17 @@ class StartMapping(BaseModel):
 
 
 Start = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[StartMapping, Tag("(long)")], Discriminator(_mapping_or_not)
+    Annotated[Text, Tag("(short)")] | Annotated[StartMapping, Tag("(long)")], Discriminator(mapping_or_not)
 ]
 Starts = Annotated[
-    list[Start], BeforeValidator(_listed, json_schema_input_type=Start | list[Start]), Field(min_length=1)
+    list[Start], BeforeValidator(listed, json_schema_input_type=Start | list[Start]), Field(min_length=1)
 ]
 Pass = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(_mapping_or_not)
+    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(mapping_or_not)
 ]
 ModelReference = Annotated[
-    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(_mapping_or_not)
+    Annotated[Text, Tag("(short)")] | Annotated[Fields, Tag("(long)")], Discriminator(mapping_or_not)
 ]
-
-
-class Section(BaseModel):
-    """Base of every part: unknown keys are mistakes, not ignored."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True)
 
 
 class SettingsEntry(Section):
@@ -168,26 +100,26 @@ class ContinuationEntry(Section):
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
-    free: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
-    conditions: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
-    extrema: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=Text | list[Text])] = []
+    free: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
+    conditions: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
+    extrema: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
     settings: SettingsEntry = SettingsEntry()
 
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
         origins = [name for name, place in ORIGINS.items() if getattr(self, place) is not None]
         if len(origins) > 1:
-            raise _wrong(f"has both `{origins[0]}` and `{origins[1]}`; keep one of them")
+            raise wrong(f"has both `{origins[0]}` and `{origins[1]}`; keep one of them")
         if self.samples is not None and self.as_ not in (None, "orbit"):
-            raise _wrong("has `samples`, one period of an orbit; write `as: orbit`, or nothing")
+            raise wrong("has `samples`, one period of an orbit; write `as: orbit`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
-            raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`")
+            raise wrong(f"names {self.parameter[0]!r} twice in `parameter`")
         if self.as_ == "connection" and (self.start is None or len(self.parameter) < 2):
-            raise _wrong("is a connection: give `start`, the saddle that it leaves, and two parameters")
+            raise wrong("is a connection: give `start`, the saddle that it leaves, and two parameters")
         if self.to is not None and self.as_ != "connection":
-            raise _wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
+            raise wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
         if len(self.parameter) == 2 and self.from_ is None and self.as_ != "connection":
-            raise _wrong("two parameters need a point to start from; write `from: NAME.LABEL`")
+            raise wrong("two parameters need a point to start from; write `from: NAME.LABEL`")
         return self
 
 
@@ -225,7 +157,7 @@ class PhaseEntry(Section):
     @model_validator(mode="after")
     def _two_parameters(self) -> PhaseEntry:
         if len(set(self.parameter)) < 2:
-            raise _wrong(f"names {self.parameter[0]!r} twice in `parameter`; a phase diagram has two parameters")
+            raise wrong(f"names {self.parameter[0]!r} twice in `parameter`; a phase diagram has two parameters")
         return self
 
 
@@ -237,7 +169,7 @@ class SimulateEntry(Section):
     start: Start | None = None
     parameters: dict[str, Formula] = {}
     time: Positive = 100.0
-    transient: Annotated[float, PlainValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})] = 0.0
+    transient: Annotated[float, PlainValidator(not_negative), WithJsonSchema({"type": "number", "minimum": 0})] = 0.0
     samples: Annotated[Count, Field(ge=2, le=LARGEST_TABLE)] | None = None
     method: Literal["DOP853", "Radau", "LSODA", "BDF"] | None = None
     rtol: Positive | None = None
@@ -280,17 +212,28 @@ class SweepEntry(Section):
 class OutputsEntry(Section):
     """Files to write, in or below the run file's folder, and the axes of the picture."""
 
-    plot: File | None = None
+    plot: Picture | None = None
     html: File | None = None
     save: File | None = None
     json_: File | None = Field(default=None, alias="json")
     x: Text | None = None
     y: Texts | None = None
 
+    @property
+    def plot_file(self) -> str | None:
+        """The picture's file."""
+        return self.plot.file if isinstance(self.plot, PictureEntry) else self.plot
+
+    def look(self) -> Fields:
+        """What is said of the picture, as `contin.plot.look.Look.of` takes it."""
+        said = self.plot.look() if isinstance(self.plot, PictureEntry) else {}
+        axes = {"x": self.x, "y": self.y}
+        return {**{key: value for key, value in axes.items() if value is not None}, **said}
+
 
 def _version(value: object) -> object:
     if value != FORMAT_VERSION or isinstance(value, bool):
-        raise _wrong(f"expected the format version {FORMAT_VERSION}, got {shown(value)}")
+        raise wrong(f"expected the format version {FORMAT_VERSION}, got {shown(value)}")
     return value
 
 
@@ -301,7 +244,7 @@ class RunEntry(Section):
     model: ModelReference
     title: Text | None = None
     description: Text | None = None
-    transform: Annotated[list[Pass], BeforeValidator(_listed, json_schema_input_type=Pass | list[Pass])] = []
+    transform: Annotated[list[Pass], BeforeValidator(listed, json_schema_input_type=Pass | list[Pass])] = []
     parameters: dict[str, Formula] = {}
     diagram: DiagramEntry | None = None
     phase: PhaseEntry | None = None
@@ -315,5 +258,5 @@ class RunEntry(Section):
         asked = (self.diagram, self.phase, self.sweep, *self.continuations, *self.simulate)
         if all(part is None for part in asked):
             kinds = "`continuations:`, `diagram:`, `phase:`, `simulate:`, `sweep:` or `scan:`"
-            raise _wrong(f"there is nothing to run; write {kinds}")
+            raise wrong(f"there is nothing to run; write {kinds}")
         return self

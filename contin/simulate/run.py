@@ -22,6 +22,8 @@ from contin.simulate.reach import left_reach
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from contin.lowering.system import CompiledSystem
 
 METHODS: Final = ("DOP853", *STIFF)
@@ -69,6 +71,15 @@ class Simulation:
         labels = {name: self.model.labels.get(name, name) for name in self.columns if name != TIME}
         clock = next(name for name in (TIME, "time", "time_") if name not in labels.values())
         return {labels.get(name, clock): column for name, column in self.columns.items()}
+
+    def plot(self, x: str | None = None, y: str | None = None) -> Figure:
+        """A matplotlib figure: time series beside column y over column x (default: the first two states)."""
+        names = [*self.model.state_names, *self.model.observables]
+        drawn: Figure = lazy.module("drawn trajectories").figure(self.columns, names, x=x, y=y)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook trajectories").simulation_page(self))
 
     def __str__(self) -> str:
         if self.outcome in (NO_EVENT, ESCAPED):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering import compile_system
@@ -20,6 +21,8 @@ from contin.simulate.watch import watching
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from contin.lowering.system import CompiledSystem
     from contin.model.model import Model
 
@@ -50,6 +53,14 @@ class Sweep:
             for row, what in enumerate(STATISTICS):
                 columns[f"{name}.{what}"] = self.statistics[:, row, k]
         return columns
+
+    def plot(self, y: str | None = None) -> Figure:
+        """A matplotlib figure: extrema of quantity y (default: the first) over the parameter, up and down."""
+        drawn: Figure = lazy.module("drawn sweeps").figure(self.columns, self.parameter, self.names, y=y)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook trajectories").sweep_page(self))
 
     def jumps(self, quantity: str, factor: float = 10.0) -> list[tuple[int, float, float]]:
         """(direction, before, after): steps at which the largest value changes `factor` times more than usual."""

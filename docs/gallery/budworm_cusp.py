@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 import contin
+from contin.plot.picture import picture
 
 MODEL = {
     "name": "budworm",
@@ -27,7 +28,7 @@ def cusp(folds) -> float:
 
 def draw() -> Figure:
     line, folds = compute()
-    figure = Figure(figsize=(8, 3.2), layout="constrained")
+    figure = picture(8, 3.2, dpi=100.0)
     left, right = figure.subplots(1, 2)
     stable = line.columns["stable"]
     for wanted, style in ((True, "-"), (False, "--")):

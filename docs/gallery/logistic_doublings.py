@@ -3,6 +3,7 @@
 from matplotlib.figure import Figure
 
 import contin
+from contin.plot.picture import picture
 
 LEVELS = 5
 
@@ -25,7 +26,7 @@ def ratio(branches) -> float:
 
 def draw() -> Figure:
     branches = compute()
-    figure = Figure(figsize=(8, 3.6), layout="constrained")
+    figure = picture(8, 3.6, dpi=100.0)
     axes = figure.subplots()
     for level, branch in enumerate(branches):
         r, x = branch.columns["r"], branch.columns["x"]

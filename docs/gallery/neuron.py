@@ -19,6 +19,4 @@ def onset(firing) -> float:
 
 
 def draw() -> Figure:
-    from contin.plot.figure import draw as picture
-
-    return picture(list(compute()), x="I", y="V")
+    return contin.draw(*compute(), x="I", y="V")

@@ -7,10 +7,9 @@ import json
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.figure import Figure
 
-from contin.plot.figure import STYLE
+from contin.plot.house_style import style
+from contin.plot.picture import picture
 from contin.plot.vocabulary import PALETTE
 
 BLUE, RED, GREEN, PINK, SKY, ORANGE, BLACK = PALETTE
@@ -44,8 +43,8 @@ def points(branch: dict, type_: str, name: str) -> list[float]:
 
 def panels(rows: int, columns: int, width: float, height: float, letters: str = "abcdefghij"):
     """A figure and its axes, each with a letter."""
-    with rc_context(STYLE):
-        drawing = Figure(figsize=(width, height), dpi=160, layout="constrained")
+    with style():
+        drawing = picture(width, height, dpi=160.0)
         axes = drawing.subplots(rows, columns, squeeze=False)
     for ax, letter in zip(axes.ravel(), letters, strict=False):
         ax.set_title(letter, loc="left", fontweight="bold", fontsize=10)

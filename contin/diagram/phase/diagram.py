@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contin import lazy
 from contin.abi import Array
 from contin.continuation.branch import Branch
 from contin.diagram.phase.checks import Check
@@ -126,6 +127,9 @@ class PhaseDiagram:
     def as_data(self) -> Fields:
         """Parameters, box, regions (representative point, states, outline) and borders, for JSON."""
         return as_data(self)
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook branches").phase_page(self))
 
     def plot(self, scan: object = None) -> Any:
         """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.

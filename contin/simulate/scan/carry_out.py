@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from contin import lazy
 from contin.errors import InputError
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
@@ -21,6 +22,8 @@ from contin.simulate.scan.grid import Outcome, ScanSpec, table
 from contin.simulate.scan.runner import Runner, run_batch
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from contin.model.model import Model
 
 BATCH: Final = 16  # runs that a worker of a cluster is given at once
@@ -48,6 +51,14 @@ class Scan:
     def counts(self) -> dict[str, int]:
         """How many runs of each class, the most frequent first."""
         return dict(Counter(outcome.label for outcome in self.rows.values()).most_common())
+
+    def plot(self, x: str | None = None, y: str | None = None) -> Figure:
+        """A matplotlib figure: classes over one or two axes, a panel a start."""
+        drawn: Figure = lazy.module("drawn scans").figure(self.document, x=x, y=y)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook trajectories").scan_page(self))
 
     def __str__(self) -> str:
         return "\n".join([f"{len(self.rows)} runs", *(f"  {name}: {count}" for name, count in self.counts.items())])

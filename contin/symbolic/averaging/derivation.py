@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from contin import lazy
 from contin.model.expression import ZERO, Expression, add, call, mul, neg, number, substitute, symbol
 from contin.model.latex import latex_name
 from contin.model.model import Model
@@ -41,6 +42,9 @@ class Derivation:
     def markdown(self) -> str:
         """Markdown with LaTeX formulas."""
         return as_markdown(self.blocks)
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook models").derivation_page(self))
 
     def latex(self) -> str:
         """A LaTeX article."""

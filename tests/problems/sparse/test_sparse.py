@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from scipy.optimize import brentq
+from scipy.sparse.linalg import splu
 
 import contin
 from contin import api
 from contin.errors import InputError, NoSolutionError
 from contin.linalg.bordered import bordered
-from contin.linalg.eigen import Region, leading
+from contin.linalg.eigen import CONVERGED, Region, leading
 from contin.linalg.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
 from contin.linalg.krylov import gmres
 from contin.linalg.linear import DirectLinear, KrylovLinear
@@ -102,14 +103,18 @@ def test_leading_eigenvalues_are_those_of_the_dense_matrix():
     matrix = (sp.kron(laplacian, sp.identity(2)) + sp.kron(sp.identity(n), rotation)).tocsc()
     right, up = Region().of(matrix)
     radius = float(np.hypot(right, up))
-    found = leading(DirectLinear(matrix, Factoriser()), 2 * n, GENERATOR.normal(size=2 * n), radius)
+    start = np.random.default_rng(n).normal(size=2 * n)  # of this test alone, whichever tests run before
+    found = leading(DirectLinear(matrix, Factoriser()), 2 * n, start, radius)
+    inverse = splu(matrix.astype(complex))
     assert found.certain
     exact = np.linalg.eigvals(matrix.toarray())
     inside = exact[np.abs(exact) <= radius]
     assert len(found.values) >= len(inside)
     for value, vector in zip(found.values, found.vectors.T, strict=True):
         assert np.abs(exact - value).min() < 1e-3 * abs(value)
-        assert np.linalg.norm(matrix @ vector - value * vector) < 1e-2 * np.linalg.norm(matrix @ vector)
+        # the residual that Arnoldi's method bounds is that of the inverse; A may magnify it by its condition
+        residual = np.linalg.norm(inverse.solve(vector) - vector / value)
+        assert residual <= 1.01 * CONVERGED * np.linalg.norm(vector / value)
     assert int(np.sum(found.values.real > 0)) == int(np.sum(exact.real > 0)) == 2
 
 

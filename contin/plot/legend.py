@@ -1,0 +1,87 @@
+"""What a picture's lines and signs mean: beside the axes, never more than a quarter of the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+from contin.plot.look import Look
+from contin.plot.series import Panel
+from contin.plot.strokes import STABLE, UNSTABLE
+from contin.plot.vocabulary import KINDS, locus_words, style_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+MOST_NAMES: Final = 8  # with more branches than this the legend names kinds of lines only
+QUARTER: Final = 0.25  # of the picture's height
+LINE: Final = 0.17  # inches: of an entry
+
+
+def entries(
+    panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str], named: bool
+) -> dict[str, Line2D]:
+    """Words and samples: branches (if `named`), stability, types of special points."""
+    from matplotlib.lines import Line2D
+
+    curves = [curve for panel in panels for curve in panel.curves]
+    found: dict[str, Line2D] = {}
+    if named:
+        for curve in curves:
+            original = images.get(curve.name, curve.name)
+            what = locus_words(curve.locus) if curve.kind == "locus" else KINDS.get(curve.kind, curve.kind)
+            found.setdefault(f"{original} ({what})", Line2D([], [], color=colours[curve.name], linewidth=1.9))
+    pieces = [piece for curve in curves for piece in curve.pieces]
+    if any(piece.stable for piece in pieces):
+        found["stable"] = Line2D([], [], color="0.25", **STABLE)
+    if any(piece.stable is False for piece in pieces):
+        found["unstable"] = Line2D([], [], color="0.25", **UNSTABLE)
+    for type_code in dict.fromkeys(mark.type for curve in curves for *_, mark in curve.marks):
+        look = style_of(type_code)
+        found[f"{type_code}  {look.words}"] = Line2D(
+            [], [], linestyle="none", marker=look.marker, color="black", markerfacecolor="white", markersize=5.5
+        )
+    return found
+
+
+def add_legend(
+    drawing: Figure, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str], look: Look
+) -> None:
+    """Below the axes; the names of branches are left out where they would need more than a quarter of the height."""
+    if look.legend == "none":
+        return
+    width, room = float(drawing.get_figwidth()), QUARTER * float(drawing.get_figheight())
+    few = len(set(colours)) <= MOST_NAMES
+    shown, columns = entries(panels, colours, images, few), 1
+    for named in (few, False):
+        shown = entries(panels, colours, images, named)
+        columns = _columns([len(text) for text in shown], width, 3 * len(panels))
+        if -(-len(shown) // columns) * LINE <= room:
+            break
+    size = min(1.0, room / max(-(-len(shown) // columns) * LINE, 1e-9))
+    if shown:
+        drawing.legend(
+            list(shown.values()), list(shown), loc="outside lower center", ncols=columns, frameon=False,
+            handlelength=2.6, columnspacing=1.6, fontsize=max(8.0 * size, 4.0) if size < 1.0 else None,
+        )  # fmt: skip
+
+
+def legend_inside(
+    ax: Axes, panels: Sequence[Panel], colours: Mapping[str, str], images: Mapping[str, str]
+) -> None:
+    """Within the axes, where it hides least."""
+    shown = entries(panels, colours, images, len(set(colours)) <= MOST_NAMES)
+    if shown:
+        ax.legend(list(shown.values()), list(shown), loc="best", framealpha=0.9, fontsize="small")
+
+
+def _columns(lengths: Sequence[int], width: float, most: int) -> int:
+    """Columns of a legend with entries of these lengths (characters), filled one after another, that fit the width."""
+    for count in range(min(len(lengths), most), 1, -1):
+        rows = -(-len(lengths) // count)
+        widest = [max(lengths[k : k + rows]) for k in range(0, len(lengths), rows)]
+        if sum(0.062 * n + 0.52 for n in widest) <= width:
+            return count
+    return 1
