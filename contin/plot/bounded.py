@@ -38,8 +38,8 @@ def bounded(curves: Sequence[tuple[Array, Array]], marks: Array) -> tuple[float,
     if not extent > 0 or np.ptp(values) <= RUNAWAY * extent:
         return None
     reached = np.concatenate([y[np.isfinite(y)] for _, y in curves])
-    margin = ROOM * extent
-    return max(float(reached.min()) - 0.1 * margin, low - margin), min(float(reached.max()) + 0.1 * margin, high + margin)
+    margin, edge = ROOM * extent, 0.1 * ROOM * extent
+    return max(float(reached.min()) - edge, low - margin), min(float(reached.max()) + edge, high + margin)
 
 
 def _weighted(x: Array, y: Array) -> tuple[Array, Array]:
