@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 import numpy as np
@@ -12,7 +12,7 @@ from contin.continuation.problem import Verified
 from contin.special.table import special_type
 
 ANY: Final = 1_000_000
-BESIDE: Final = 3  # rows about a nonsmooth fold that the corrector may put on either of its arms
+BESIDE: Final = 3  # rows about a corner that the corrector may put on either of its arms
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
 
 
@@ -40,21 +40,43 @@ def unexplained(
     not smooth and any number of values changes.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
-    corners: set[int] = set()  # rows beside a corner of the equations: of either side, whatever their place
+    corners = list(jumps)
     for row, point in labels:
         allowed[row] = allowed.get(row, 0) + moved(point)
         if point.normal_form.get("kind") == "nonsmooth":
-            corners.update(range(row - BESIDE, row + BESIDE + 1))
-    for row in jumps:
-        corners.update(range(row - BESIDE, row + BESIDE + 1))
+            corners.append(row)
     counted = np.ones(len(unstable), dtype=bool)
     counted[[row for row in allowed if 0 <= row < len(unstable)]] = False
     rows = np.flatnonzero(counted)
+    excused = _of_arms(unstable, rows, corners, allowed)
     changes = np.abs(np.diff(unstable[rows]))
     found = []
     for place in np.flatnonzero(changes).tolist():  # from one counted row to the next one
         first, row = int(rows[place]), int(rows[place + 1])
         slack = sum(allowed[between] for between in range(first + 1, row))
-        if changes[place] > slack and row not in corners:
+        if changes[place] > slack and not (first in excused and row in excused):
             found.append(row)
     return found
+
+
+def _of_arms(
+    unstable: NDArray[np.int64], rows: NDArray[np.intp], corners: Iterable[int], allowed: Mapping[int, int]
+) -> set[int]:
+    """Counted rows about corners whose `unstable` is that of one of the two arms that meet there.
+
+    Next to a corner two solutions of the equations' two formulas are closer than a step, and the corrector may end on
+    either, whatever its row's place: so a row within `BESIDE` of a corner says nothing about where the change is, but
+    it is one arm's or the other's, and these are known from the first rows beyond. A row with a third number is none
+    of them, and its change stays without explanation.
+    """
+    excused: set[int] = set()
+    for corner in corners:
+        window = rows[np.abs(rows - corner) <= BESIDE]
+        before, after = rows[rows < corner - BESIDE], rows[rows > corner + BESIDE]
+        ends = [int(before[-1])] if len(before) else []
+        ends += [int(after[0])] if len(after) else []
+        others = sum(v for row, v in allowed.items() if 0 < abs(row - corner) <= BESIDE)
+        arms = unstable[ends] if len(ends) == 2 else unstable[[*ends, *window]]  # an arm that ends in the window
+        near = [int(r) for r in window if len(arms) and int(np.abs(arms - unstable[r]).min()) <= others]
+        excused.update(near, ends)
+    return excused

@@ -18,7 +18,15 @@ from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
-from contin.continuation.looking_again import is_clear, is_linear, points_between, rounding, solved, told_apart
+from contin.continuation.looking_again import (
+    crossings_together,
+    is_clear,
+    is_linear,
+    points_between,
+    rounding,
+    solved,
+    told_apart,
+)
 from contin.continuation.march import is_dip
 from contin.continuation.problem import (
     NOTHING,
@@ -134,7 +142,7 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
     point = replace(found.sample, z=found.point.z)
     crossing = a.tests * b.tests < 0.0
     close = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE
-    simple = True
+    simple, together = True, []
     for far in (a, b):
         width = stretch.distance(point, far)
         if width < 4.0 * close:
@@ -143,11 +151,19 @@ def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) ->
         near, nearer = stretch.several(point, far, (close / width, 0.25 * close / width))
         if near is None:
             continue
-        simple &= nearer is None or is_linear(stretch, point, near, nearer, crossing)
+        if nearer is not None and not is_linear(stretch, point, near, nearer, crossing):
+            simple = False
+            together.append(crossings_together(point, near, nearer, crossing))
         yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
     if not simple:
-        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it"
+        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{_seen(together)}"
         yield Note(_where(stretch, point, text), hides=stretch.problem.adaptive)
+
+
+def _seen(together: list[int | None]) -> str:
+    """How many crossings were seen at one place, as far as rounding lets them be."""
+    most = max((count for count in together if count is not None), default=0)
+    return f" (its test vanishes as at {most} crossings together)" if most > 1 else ""
 
 
 def next_to_event(

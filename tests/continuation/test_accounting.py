@@ -43,6 +43,23 @@ def test_a_corner_explains_the_jump_there_and_no_other_change():
     assert unexplained(unstable, [], [], [10, 20]) == []
 
 
+@pytest.mark.parametrize("row", range(7, 14))
+def test_rows_next_to_a_corner_may_lie_on_either_arm_and_on_no_third(row):
+    """The corner of equations lies at row 10; the corrector may put a row within three of it on the other arm."""
+    for arms in ((0, 2), (1, 1)):
+        unstable = np.array([arms[0]] * 10 + [arms[1]] * 11)
+        unstable[row] = arms[row < 10]
+        assert unexplained(unstable, [], [], [10]) == []
+        unstable[row] = 5
+        assert unexplained(unstable, [], [], [10]) == [row, row + 1]
+
+
+def test_rows_farther_from_a_corner_are_not_excused():
+    unstable = np.array([0] * 10 + [2] * 11)
+    unstable[5] = 2
+    assert unexplained(unstable, [], [], [10]) == [5, 6]
+
+
 def piece(*unstable: int, marks: tuple[int, ...] = (), jumps: tuple[int, ...] = ()) -> Piece:
     count, zeros = len(unstable), np.zeros((len(unstable), 2))
     z = zeros + np.arange(count)[:, None]

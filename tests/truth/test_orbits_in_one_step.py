@@ -69,5 +69,6 @@ def test_all_crossings_of_one_step_are_labelled_or_a_note_says_that_they_were_no
     else:
         assert e <= 1e-3, "crossings this far apart are told apart"
         assert any("degenerate" in note or "told apart" in note for note in branch.notes)
+        assert branch.unexplained > 0, "the exit code says that crossings may be missing"
     assert len(branch.points) == len(found), "nothing is invented"
     assert branch.unexplained == 0 or branch.notes
