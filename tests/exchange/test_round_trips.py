@@ -140,6 +140,15 @@ def test_names_that_a_language_does_not_take_are_changed_and_told(tmp_path):
     assert all(len(line.split("=")[0]) <= 13 for line in written.text.splitlines() if line.startswith("par "))
 
 
+def test_a_definition_that_is_observed_keeps_its_name(tmp_path):
+    model = load({**BRUSSELATOR, "definitions": {"total": "x + y"}, "observables": {"total": "total"}})
+    other, _, _ = there_and_back(model, SBML, tmp_path)
+    assert "total" in other.observables
+    assert list(other.definitions) == ["total"]
+    assert "        total = " in registry.write(model, "x.jl").text
+    assert "aux total=" in registry.write(model, "x.ode").text
+
+
 def test_lines_are_as_short_as_the_languages_want(tmp_path):
     for ending, longest in ((ODE, 1_000), (AUTO, 132)):
         _, written, _ = there_and_back(load(NETWORK), ending, tmp_path)

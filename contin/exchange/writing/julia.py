@@ -51,7 +51,8 @@ def write(model: Model) -> Exported:
         "f(u, p, t = 0.0) = f!(similar(u, promote_type(eltype(u), typeof.(values(p))...)), u, p, t)",
     ]
     if text.observables:
-        items = [f"        {names.take(name)} = {formula}," for name, formula in text.observables.items()]
+        fields = ForeignNames(_RESERVED)
+        items = [f"        {fields.take(name)} = {formula}," for name, formula in text.observables.items()]
         lines += ["", "function observables(u, p, t = 0.0)", *head, "    return (;", *items, "    )", "end"]
     return Exported("\n".join(lines) + "\n", (*notes, *names.notes))
 

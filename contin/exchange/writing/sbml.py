@@ -32,7 +32,13 @@ def write(model: Model) -> Exported:
     names = ForeignNames(_RESERVED)
     symbols = {**names.all(model.state_names), **names.all(model.parameter_names), "t": "time"}
     observed = names.all(model.observables)
-    text = written(model, SBML, symbols, lambda name: names.take(name, quiet=True), None)
+
+    def defined(name: str) -> str:
+        """A definition that is observed under its own name is one rule."""
+        same = name in observed and model.observables[name] is model.definitions[name]
+        return observed[name] if same else names.take(name, quiet=True)
+
+    text = written(model, SBML, symbols, defined, None)
     numbers = values(model)
     document = libsbml.SBMLDocument(3, 2)
     target = document.createModel()
@@ -43,8 +49,9 @@ def write(model: Model) -> Exported:
         _quantity(target, symbols[name], value, constant=True)
     for name, value in numbers.states.items():
         _quantity(target, symbols[name], value, constant=False)
-    rules = [*text.before, *((observed[name], formula) for name, formula in text.observables.items())]
-    for name, formula in rules:
+    rules = dict(text.before)
+    rules.update((observed[name], formula) for name, formula in text.observables.items() if observed[name] not in rules)
+    for name, formula in rules.items():
         _quantity(target, name, None, constant=False)
         _rule(target.createAssignmentRule(), name, formula)
     for name, formula in zip(model.state_names, text.equations, strict=True):
