@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from importlib import import_module
+from types import ModuleType
 from typing import Final
 
 WORK: Final = {
@@ -29,5 +31,16 @@ WORK: Final = {
 
 def work(name: str) -> Callable[..., int]:
     """The function that does the work of a command; the result is the exit code."""
-    function: Callable[..., int] = getattr(import_module(WORK[name]), name)
+    function: Callable[..., int] = getattr(imported(WORK[name]), name)
     return function
+
+
+def imported(module: str) -> ModuleType:
+    """A module with many others behind it, imported without looking for garbage meanwhile: all of it stays."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        return import_module(module)
+    finally:
+        if collects:
+            gc.enable()

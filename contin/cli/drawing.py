@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from typing import Any, Final
 
+from contin.cli.commands import imported
+
 DOCUMENTING: Final = "_update_set_signature_and_docstring"
 
 
@@ -16,13 +18,12 @@ def load_matplotlib() -> None:
     """
     if "matplotlib.figure" in sys.modules:
         return
-    from matplotlib.artist import Artist
-
+    Artist = imported("matplotlib.artist").Artist
     original = vars(Artist).get(DOCUMENTING)
     if original is not None:
         setattr(Artist, DOCUMENTING, classmethod(_mark))
     try:
-        import matplotlib.figure  # noqa: F401
+        imported("matplotlib.figure")
     finally:
         if original is not None:
             setattr(Artist, DOCUMENTING, original)

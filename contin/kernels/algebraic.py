@@ -12,8 +12,10 @@ Test functions of a point (the columns of `tests`):
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from contin.kernels.compile import allocating, call4, kernel
+from contin.abi import Array
+from contin.kernels.compile import call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
 from contin.kernels.grading import grade, uniform_rates
@@ -180,26 +182,35 @@ def measure(
     return flow_tests(re, im, rates, tests)
 
 
-@allocating("i, b, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1")
+def memory(n: int, p_size: int) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+    """Arrays that `probes` and `march` work in, for n equations with so many parameters: their last arguments.
+
+    vectors (10, max(n + 1, TESTS)), jacobian (n, n + p_size), matrix (n + 1, n + 1), block and work (n, n), pivots
+    (n + 1,).
+    """
+    square = np.empty((2, n, n))
+    return (
+        np.empty((10, max(n + 1, TESTS))), np.empty((n, n + p_size)), np.empty((n + 1, n + 1)), square[0], square[1],
+        np.empty(n + 1, np.int64),
+    )  # fmt: skip
+
+
+@kernel("i, b, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, f2, f2, f2, f2, f2, i1")
 def probes(
     address, is_map, z0, tangent, lengths, p, active, scale, tolerance, trust, reference, z, tangents, tests, re, im,
-    unstable,
+    unstable, vectors, jacobian, matrix, block, work, pivots,
 ):  # fmt: skip
     """Solve on the planes tangent . (z - z0) / D = lengths[k] from guesses, the rows of z, and measure there.
 
-    unstable[k] : the count; -1 where Newton fails, -2 where something is not finite.
+    unstable[k] : the count; -1 where Newton fails, -2 where something is not finite.  vectors, jacobian, matrix, block,
+    work, pivots : see `memory`.
     """
     n = z0.size - 1
-    y = np.empty(n + 1)
-    f = np.empty(n)
-    jacobian = np.empty((n, n + p.size))
-    matrix = np.empty((n + 1, n + 1))
-    block = np.empty((n, n))
-    pivots = np.empty(n + 1, np.int64)
-    step = np.empty(n + 1)
-    sizes = np.zeros(2)
-    rates = np.empty(n)
-    work = np.empty((n, n))
+    y = vectors[0][: n + 1]
+    step = vectors[1][: n + 1]
+    f = vectors[2][:n]
+    rates = vectors[3][:n]
+    sizes = vectors[4][:2]
     for k in range(lengths.size):
         for j in range(n + 1):
             y[j] = (z[k, j] - z0[j]) / scale[j]
@@ -217,10 +228,11 @@ def probes(
         )  # fmt: skip
 
 
-@allocating("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1 -> i")
+@kernel("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1, f2, f2, f2, f2, f2, i1 -> i")
 def march(
     address, is_map, p, active, scale, bounds, controls, limit, previous_tangent, previous_tests,
     loop_z, loop_tangent, periods, out_z, out_t, out_tests, out_unstable, out_re, out_im, out_h, info,
+    vectors, jacobian, matrix, block, work, pivots,
 ):  # fmt: skip
     """Follow the curve from row 0 of out_z (with guide tangent out_t[0], scaled) for up to `limit` accepted points.
 
@@ -235,21 +247,17 @@ def march(
     n = scale.size - 1
     h, h_min, h_max, cos_max, tolerance = controls[0], controls[1], controls[2], controls[3], controls[4]
     h_previous, target_angle, trust = controls[5], controls[6], controls[7]
-    y = np.empty(n + 1)
-    z = np.empty(n + 1)
-    tangent = np.empty(n + 1)
-    old = np.empty(n + 1)
-    f = np.empty(n)
-    jacobian = np.empty((n, n + p.size))
-    matrix = np.empty((n + 1, n + 1))
-    block = np.empty((n, n))
-    pivots = np.empty(n + 1, np.int64)
-    step = np.empty(n + 1)
-    sizes = np.zeros(2)
-    tests = np.empty(TESTS)
-    every = np.ones(n + 1)
-    rates = np.empty(n)
-    work = np.empty((n, n))
+    y = vectors[0][: n + 1]
+    step = vectors[1][: n + 1]
+    f = vectors[2][:n]
+    rates = vectors[3][:n]
+    sizes = vectors[4][:2]
+    z = vectors[5][: n + 1]
+    tangent = vectors[6][: n + 1]
+    old = vectors[7][: n + 1]
+    tests = vectors[8][:TESTS]
+    every = vectors[9][: n + 1]
+    every[:] = 1.0
     info[:] = 0.0
     info[1] = h
     for j in range(n + 1):

@@ -7,8 +7,10 @@ sources and versions; this process never imports numba, so a result does not dep
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable, Collection, Iterable, Sequence
+from importlib import import_module
 from typing import Any, Final
 
 from contin.kernels import sources
@@ -24,6 +26,10 @@ from contin.machine.objects import Piece
 
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
 _DTYPES: Final = {"i": "int64", "u": "uint64", "f": "float64", "b": "bool"}
+
+NEXT: Final = {"grading": "algebraic", "eigen": "algebraic"}
+"""Kernels that are needed soon after others: whoever asks for an equilibrium's eigenvalues follows it next. Processes
+that make kernels take a second to begin."""
 
 _lock = threading.RLock()
 _loaded: set[str] = set()
@@ -66,11 +72,15 @@ def _called_by_symbol(declaration: Declaration) -> Iterable[Declaration]:
 
 
 def _companions(declaration: Declaration) -> Iterable[Declaration]:
-    """The other kernels of its module, with all that they need."""
-    for value in declaration.function.__globals__.values():
-        other = declared(value)
-        if other is not None and other.function.__module__ == declaration.function.__module__:
-            yield from _called_by_symbol(other)
+    """The other kernels of its module and of the one that is needed next, with all that they need."""
+    modules = [declaration.function.__module__]
+    if (next_one := NEXT.get(module_of(declaration))) is not None:
+        modules.append(import_module(sources.BASE + next_one).__name__)
+    for module in modules:
+        for value in vars(sys.modules[module]).values():
+            other = declared(value)
+            if other is not None and other.function.__module__ == module:
+                yield from _called_by_symbol(other)
 
 
 def module_of(declaration: Declaration) -> str:

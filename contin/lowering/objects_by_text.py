@@ -1,8 +1,8 @@
 """Object files of models, by the text they are made from: in this process, and in the user's folder for the next one.
 
 The same few models are lowered again and again, in the runs of a file and in tests. Compiling takes most of the time of
-lowering, and LLVM keeps some memory of everything it ever optimised. Files are checked as those of kernels are
-(`contin.machine.objects`); one that is not what it should be is made anew.
+lowering. Files are checked as those of kernels are (`contin.machine.objects`); one that is not what it should be is
+made anew.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from contin.machine.folder import COMPILED, folder
 from contin.machine.objects import Piece
 
 MOST: Final = 300  # object files in memory
-MOST_FILES: Final = 400
+MOST_FILES: Final = 2000
 LARGEST: Final = 200_000  # bytes of one that is kept
 WORTH_KEEPING: Final = 0.005  # seconds of compiling
 EVERY: Final = 40  # files after which the oldest are looked for
