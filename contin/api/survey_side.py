@@ -14,7 +14,6 @@ from contin.special.table import table
 
 STEPS: Final = 400  # of an arm
 ORBIT_STEPS: Final = 120
-WIDER: Final = 1e-9  # part of a range by which a start may lie outside by rounding
 BORN: Final = {  # reasons for which families of orbits end, and the bifurcation that it is
     "hopf": ("HB", "born here"), "homoclinic": ("HOM", ""), "heteroclinic": ("HOM", "heteroclinic")
 }  # fmt: skip

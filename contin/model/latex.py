@@ -7,13 +7,11 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Final
 
-from contin.errors import InputError
 from contin.model.expression import COMPARISONS, Expression, Number, number, numeric_value
 from contin.model.printing import (
     AND,
     ATOM,
     COMPARE,
-    MAX_TEXT,
     NOT,
     OR,
     POWER,
@@ -21,11 +19,13 @@ from contin.model.printing import (
     SIGN,
     SUM,
     TERNARY,
+    Alphabet,
     Piece,
     finite_decimal,
     is_division,
     leading_number,
     signed_terms,
+    written,
 )
 
 _GREEK: Final = frozenset(
@@ -47,26 +47,7 @@ _RELATIONS: Final = {"<": "<", "<=": r"\le", ">": ">", ">=": r"\ge", "==": "=", 
 
 def to_latex(expression: Expression, names: Mapping[Expression, str] | None = None) -> str:
     """The formula in LaTeX; nodes that are keys of `names` are written by that name."""
-    pieces: list[str] = []
-    length = 0
-    stack: list[Piece] = [(expression, TERNARY)]
-    while stack:
-        piece = stack.pop()
-        if isinstance(piece, str):
-            pieces.append(piece)
-            length += len(piece)
-            if length > MAX_TEXT:
-                raise InputError(f"the formula is longer than {MAX_TEXT} characters when it is written out")
-            continue
-        node, weakest = piece
-        if names and node in names:
-            pieces.append(latex_name(names[node]))
-            continue
-        level, parts = _parts(node)
-        if level < weakest:
-            parts = [r"\left(", *parts, r"\right)"]
-        stack.extend(reversed(parts))
-    return "".join(pieces)
+    return written(expression, names, Alphabet(_parts, latex_name, (r"\left(", r"\right)")))
 
 
 def latex_name(name: str) -> str:

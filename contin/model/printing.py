@@ -6,7 +6,8 @@ subtraction. The text is emitted piece by piece from an explicit stack: O(length
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Union
 
@@ -29,8 +30,22 @@ TERNARY, OR, AND, NOT, COMPARE, SUM, PRODUCT, SIGN, POWER, ATOM = range(10)
 Piece = Union[str, tuple[Expression, int]]  # text, or a node with the weakest level it may have without parentheses
 
 
+@dataclass(frozen=True)
+class Alphabet:
+    """How formulas are written: a node's level and parts, a name, and what stands around a weaker part."""
+
+    parts: Callable[[Expression], tuple[int, Sequence[Piece]]]
+    name: Callable[[str], str]
+    brackets: tuple[str, str]
+
+
 def to_text(expression: Expression, names: Mapping[Expression, str] | None = None) -> str:
     """The formula as text; nodes that are keys of `names` (definitions, say) are written by that name."""
+    return written(expression, names, Alphabet(_parts, str, ("(", ")")))
+
+
+def written(expression: Expression, names: Mapping[Expression, str] | None, alphabet: Alphabet) -> str:
+    """The formula in an alphabet; nodes that are keys of `names` are written by that name."""
     pieces: list[str] = []
     length = 0
     stack: list[Piece] = [(expression, TERNARY)]
@@ -44,11 +59,12 @@ def to_text(expression: Expression, names: Mapping[Expression, str] | None = Non
             continue
         node, weakest = piece
         if names and node in names:
-            pieces.append(names[node])
+            pieces.append(alphabet.name(names[node]))
             continue
-        level, parts = _parts(node)
+        level, parts = alphabet.parts(node)
         if level < weakest:
-            parts = ["(", *parts, ")"]
+            opening, closing = alphabet.brackets
+            parts = [opening, *parts, closing]
         stack.extend(reversed(parts))
     return "".join(pieces)
 

@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Final
-
 from contin.records import Record
 from contin.special.table import special_type, table
-
-CRITICALITY: Final[Mapping[str, str]] = {
-    "supercritical": "the new branch takes over the stability",
-    "subcritical": "the new branch is unstable beside the stable state",
-    "degenerate": "the deciding coefficient is zero to its estimated error",
-}
 
 
 def describe(type_: str, normal_form: Record | None = None) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.simulate.natural import natural_metric
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def relax(system: System, u: Array, p: Array, steps: int | None = None) -> Relax
 
     steps : default `STEPS`, fewer for large systems.
     """
-    steps = steps or int(np.clip(EFFORT / float(system.n) ** 3, FEWEST, STEPS))
+    steps = steps or int(np.clip(EFFORT / float(system.n * system.n * system.n), FEWEST, STEPS))
     u, p = np.array(u, dtype=float), np.asarray(p, dtype=float)
     time, used = 0.0, 0
     for attempt in range(PUSHES + 1):
@@ -112,7 +113,7 @@ def _run(
         trial = _step(system, u, p, h, f, matrix[:, :n])
         error = np.inf if trial is None else float(np.max(np.abs(trial[1]) / np.maximum(size, np.abs(trial[0]))))
         if not error <= tolerance:  # NaN is caught too
-            h *= 0.1 if not np.isfinite(error) else max(0.2, 0.8 * (tolerance / error) ** (1.0 / 3.0))
+            h *= 0.1 if not np.isfinite(error) else max(0.2, 0.8 * elementary.pow(tolerance / error, 1.0 / 3.0))
             if h <= 1e-14 * max(time, metric.time):
                 return Relaxed(u, time, "failed"), taken
             continue
@@ -129,7 +130,7 @@ def _run(
         calm = calm + 1 if change < STILL else 0
         if calm >= CALM:
             return Relaxed(u, time, "rest"), taken
-        h *= min(5.0, 0.8 * (tolerance / max(error, 1e-300)) ** (1.0 / 3.0))
+        h *= min(5.0, 0.8 * elementary.pow(tolerance / max(error, 1e-300), 1.0 / 3.0))
     return Relaxed(u, time, "moving", mean=weighted / weight if weight > 0.0 else None), steps
 
 

@@ -265,13 +265,6 @@ class OrbitLinear:
             local = local.astype(complex)
         return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)
 
-    def variational_by_angle(self, rho: complex, v: Vector) -> Vector:
-        """d (variational matrix v) / d theta, rho = exp(i theta), (nu,)."""
-        n = self.profile.n
-        out = np.zeros(self.nu, complex)
-        out[-n:] = -1j * rho * v[:n] * self.units[:n] / self.sizes
-        return out
-
 
 def branch_tangents(problem: OrbitProblem, z: Array, scale: Array) -> list[Array]:
     """Unit tangents (scaled, like z) of the families through z: one, or at a branch point two."""

@@ -19,7 +19,6 @@ from contin.model.expression import ONE, ZERO, Expression, add, call, mul, numbe
 from contin.model.printing import to_text
 from contin.records import Sympy
 from contin.symbolic.averaging.switching_lines import (
-    PLANE,
     Circle,
     Line,
     X,
@@ -289,8 +288,3 @@ def assumptions(found: Sequence[Region], values: Mapping[str, float]) -> list[st
     if not any(radius.free_symbols for radius in radii):
         return []
     return [" < ".join(["0", *(to_text(from_sympy(radius)) for radius in radii)])]
-
-
-def is_piecewise(function: Expression) -> bool:
-    """True where a condition on x or y chooses the formula."""
-    return bool(state_comparisons(function)) and bool(function.mask & PLANE)
