@@ -7,48 +7,25 @@ on user-supplied files and on constants.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from contin.errors import InputError
 from contin.exchange.assignments import Assignments, element
+from contin.exchange.auto.assigned import Assigned, assigned, inserted
 from contin.exchange.auto.constants import Constants, beside
 from contin.exchange.auto.run import run_of
-from contin.exchange.auto.source import Row, Subroutine, formula, subroutines
-from contin.exchange.formulas.contin_text import Call, Writer
+from contin.exchange.auto.source import Subroutine, subroutines
 from contin.exchange.formulas.functions import FORTRAN, unknown
 from contin.exchange.formulas.parser import FormulaError
-from contin.exchange.formulas.tree import Node, substituted, walk
+from contin.exchange.formulas.tree import walk
 from contin.exchange.imported import Imported, UnsupportedError
 from contin.exchange.naming import Names, cleaned
 from contin.model.evaluate import evaluate
 from contin.model.parser import parse as parse_formula
 
-_DECLARED: Final = re.compile(
-    r"(implicit|integer|real|double\s*precision|logical|character|intent|dimension|save|external|use)\b.*",
-    re.IGNORECASE | re.DOTALL,
-)
-_ASSIGNED: Final = re.compile(r"(\w+)\s*(\([^()]*(?:\([^()]*\)[^()]*)*\))?\s*=(?!=)(.*)", re.DOTALL)
-_JACOBIAN: Final = re.compile(r"if\s*\(\s*ijac\b.*", re.IGNORECASE | re.DOTALL)
-_CONTROL: Final = re.compile(
-    r"(if|do|else|endif|end|call|select|case|where|goto|go|while|forall|allocate)\b", re.IGNORECASE
-)
-_SECTION: Final = re.compile(r"(\w+)\s*(\(\s*(\d*)\s*:\s*(\w*)\s*\))?\s*=\s*(.*)", re.DOTALL)
-_LIST: Final = re.compile(r"\(/(.*)/\)|\[(.*)\]", re.DOTALL)
 KINDS: Final = {-1: "map", 0: "algebraic", 1: "flow", 2: "flow", -2: "flow", 3: "flow"}
-
-
-@dataclass(frozen=True)
-class Assigned:
-    """variable = node, array(index) = node, or the statement function variable(arguments) = node."""
-
-    line: int
-    variable: str
-    index: int | None
-    node: Node
-    arguments: tuple[str, ...] = ()
 
 
 def read(text: str, path: Path) -> Imported:
@@ -73,7 +50,7 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
         notes.append(f"there is no file of constants c.{path.stem} beside it: it is read as a flow")
     func = parts["func"]
     _, vector, _, par, _, right = func.arguments[:6]
-    rows = _assigned(func, notes)
+    rows = assigned(func, notes)
     sizes = [a.index for a in rows if a.variable == right and a.index is not None]
     if not sizes:
         raise FormulaError("FUNC assigns no F(1) = ...")
@@ -94,7 +71,7 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
                 equations[item.index] = program.text(item.node)
                 program.elements[(right, item.index)] = f"({equations[item.index]})"
             elif item.arguments:
-                program.calls = {**program.calls, item.variable: _inserted(item)}
+                program.calls = {**program.calls, item.variable: inserted(item)}
             elif item.index is not None:
                 raise FormulaError(f"{item.variable}({item.index}) = ...: arrays of its own are not read")
             else:
@@ -115,90 +92,6 @@ def _imported(parts: dict[str, Subroutine], found: Constants, path: Path) -> Imp
     heading = {"name": cleaned(path.stem), "source": f"AUTO equations file {path.name}"}
     model = {**heading, **{k: v for k, v in sections.items() if v}}
     return Imported(model, tuple(dict.fromkeys(notes)), run_of(found, parameters))
-
-
-def _assigned(routine: Subroutine, notes: list[str]) -> list[Assigned]:
-    """The assignments of a subroutine up to its Jacobian."""
-    found: list[Assigned] = []
-    literals: list[str] = []
-    for row in routine.rows:
-        if _JACOBIAN.fullmatch(row.text) or row.text.lower() == "return":
-            break
-        declared = _DECLARED.fullmatch(row.text)
-        texts = [row.text]
-        if declared is not None:
-            _, colons, after = row.text.partition("::")
-            texts = [part for part in _parts(after) if "=" in part] if colons else []
-        elif re.match(r"parameter\s*\(", row.text, re.IGNORECASE):
-            texts = _parts(row.text.partition("(")[2].rpartition(")")[0])
-        for text in (single for several in texts for single in _elements(several)):
-            item = _one(Row(row.line, text), literals, routine.arguments)
-            if item.variable not in ("dfdu", "dfdp"):
-                found.append(item)
-    if literals:
-        shown = ", ".join(literals[:3]) + (", ..." if literals[3:] else "")
-        notes.append(f"numbers without D0, which Fortran rounds to single precision, are read as written: {shown}")
-    return found
-
-
-def _elements(text: str) -> list[str]:
-    """PAR(2:3) = (/ a, b /) as an assignment for each element."""
-    found = _SECTION.fullmatch(text)
-    listed = None if found is None else _LIST.fullmatch(found[5].strip())
-    if found is None or (found[2] is None and listed is None):
-        return [text]
-    first = int(found[3] or 1)
-    if listed is not None:
-        values = _parts(listed[1] if listed[1] is not None else listed[2])
-    elif found[4].isdigit():
-        values = [found[5]] * (int(found[4]) - first + 1)
-    else:
-        return [text]
-    return [f"{found[1]}({first + k}) = {value}" for k, value in enumerate(values)]
-
-
-def _one(row: Row, literals: list[str], arrays: tuple[str, ...]) -> Assigned:
-    found = _ASSIGNED.fullmatch(row.text)
-    if found is None or (_CONTROL.match(row.text) and not re.match(r"\w+\s*=(?!=)", row.text)):
-        word = re.split(r"\W", row.text, maxsplit=1)[0] or row.text[:20]
-        raise FormulaError(f"line {row.line}: {word!r}: only assignments are read (no IF, DO, CALL)")
-    variable, index = found[1].lower(), found[2]
-    if variable in ("dfdu", "dfdp"):
-        return Assigned(row.line, variable, None, Node("number", text="0"))
-    try:
-        node = formula(found[3], literals, row.line)
-        place = None if index is None else element(formula(variable + index, [], row.line))
-    except FormulaError as error:
-        raise FormulaError(f"line {row.line}: {error}") from None
-    if index is None or place is not None:
-        return Assigned(row.line, variable, place, node)
-    arguments = tuple(a.strip().lower() for a in index[1:-1].split(","))
-    if variable in arrays or not all(a.isidentifier() for a in arguments):
-        raise FormulaError(f"line {row.line}: {variable}{index} = ...: the index is not a number")
-    return Assigned(row.line, variable, None, node, arguments)
-
-
-def _inserted(item: Assigned) -> Call:
-    """A statement function: its formula with the arguments of a call, and the present values of other variables."""
-
-    def call(writer: Writer, node: Node) -> Node:
-        if len(node.args) != len(item.arguments):
-            raise FormulaError(f"{item.variable} takes {len(item.arguments)} arguments, got {len(node.args)}")
-        return substituted(item.node, dict(zip(item.arguments, node.args, strict=True)))
-
-    return call
-
-
-def _parts(text: str) -> list[str]:
-    """Parts between commas outside of parentheses."""
-    depth, found = 0, [""]
-    for letter in text:
-        depth += (letter == "(") - (letter == ")")
-        if letter == "," and depth == 0:
-            found.append("")
-        else:
-            found[-1] += letter
-    return [part.strip() for part in found]
 
 
 def _indices(rows: list[Assigned], array: str) -> set[int]:
@@ -234,13 +127,13 @@ def _starting(routine: Subroutine | None, size: int, notes: list[str]) -> Starti
         return values
     _, vector, par = routine.arguments[:3]
     time = dict.fromkeys(routine.arguments[3:4], "0")
-    if time and any(n.text in time for item in _assigned(routine, []) for n in walk(item.node)):
+    if time and any(n.text in time for item in assigned(routine, []) for n in walk(item.node)):
         notes.append("STPNT is read at T = 0")
     program = Assignments(Names([]), FORTRAN, unknown, time)
     constants: dict[str, float] = {}
-    for item in _assigned(routine, notes):
+    for item in assigned(routine, notes):
         if item.arguments:
-            program.calls = {**program.calls, item.variable: _inserted(item)}
+            program.calls = {**program.calls, item.variable: inserted(item)}
             continue
         value = float(evaluate(parse_formula(program.text(item.node), list(constants)), constants))
         name = f"v{len(constants)}"

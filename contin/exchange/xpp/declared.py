@@ -1,15 +1,16 @@
-"""What an .ode file declares, before formulas are read."""
+"""Statements of an .ode file -> what they declare."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Final
 
 from contin.exchange.xpp.constants import leading_number
+from contin.exchange.xpp.declarations import Declared, Formula, Table
 from contin.exchange.xpp.lines import INTEGRAL
-from contin.exchange.xpp.options import Options, read_options
+from contin.exchange.xpp.options import read_options
 from contin.exchange.xpp.statements import Statement, values
 
 _TABLE: Final = re.compile(r"(\S+)\s+%\s*(\d+)\s+(\S+)\s+(\S+)\s+(.*)", re.DOTALL)
@@ -25,51 +26,6 @@ MISSING: Final = {
     "export": "right-hand sides in a library of their own (export)",
     "chemistry": "solution chemistry (pHtools)",
 }
-
-
-@dataclass(frozen=True)
-class Formula:
-    """A formula and the line it stands on; functions have arguments."""
-
-    line: int
-    name: str
-    text: str
-    arguments: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Table:
-    """Values of a formula in t at equal distances, between which XPP draws straight lines."""
-
-    formula: Formula
-    points: int
-    low: float
-    high: float
-
-
-@dataclass
-class Declared:
-    """Statements by what they declare, in the order of the file."""
-
-    states: list[Formula] = field(default_factory=list)
-    algebraic: list[Formula] = field(default_factory=list)  # 0 = ..., with the names of the variables that solve it
-    solved: list[tuple[str, float]] = field(default_factory=list)  # these variables and their guesses
-    fixed: list[Formula] = field(default_factory=list)
-    derived: list[Formula] = field(default_factory=list)
-    functions: list[Formula] = field(default_factory=list)
-    tables: list[Table] = field(default_factory=list)
-    observed: list[Formula] = field(default_factory=list)
-    parameters: dict[str, float] = field(default_factory=dict)  # as they are spelled
-    numbers: dict[str, float] = field(default_factory=dict)
-    initial: list[tuple[str, float]] = field(default_factory=list)
-    noise: dict[str, int] = field(default_factory=dict)  # line of each Wiener variable
-    boundary: list[int] = field(default_factory=list)
-    sets: dict[str, list[tuple[str, float]]] = field(default_factory=dict)
-    options: Options = field(default_factory=Options)
-    is_map: bool = False
-    notes: list[str] = field(default_factory=list)
-    missing: list[str] = field(default_factory=list)  # what stands in the way, a sentence each
-    lines: dict[str, int] = field(default_factory=dict)  # where each name was declared first
 
 
 def declared(statements: list[Statement], notes: list[str]) -> Declared:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from contin.exchange.naming import cleaned, label
-from contin.exchange.xpp.declared import Declared
+from contin.exchange.xpp.declarations import Declared
 from contin.exchange.xpp.entries import Entry
 from contin.exchange.xpp.formulas import Formulas
 from contin.exchange.xpp.run import parameter_ranges

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from contin.exchange.formulas.parser import FormulaError
 from contin.exchange.formulas.tree import Node, walk
-from contin.exchange.xpp.declared import Formula
+from contin.exchange.xpp.declarations import Formula
 from contin.exchange.xpp.formulas import Formulas
 from contin.exchange.xpp.symbols import Symbols
 

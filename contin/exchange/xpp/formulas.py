@@ -11,7 +11,7 @@ from contin.exchange.formulas.parser import FormulaError, parse
 from contin.exchange.formulas.tree import Node, either, name, number, own, rebuilt, substituted, total, walk
 from contin.exchange.naming import cleaned
 from contin.exchange.xpp.constants import constant, folded
-from contin.exchange.xpp.declared import Formula, Table
+from contin.exchange.xpp.declarations import Formula, Table
 from contin.exchange.xpp.grammar import INDEX, REFUSED, XPP, surprising
 from contin.exchange.xpp.symbols import Symbols
 

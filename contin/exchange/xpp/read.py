@@ -14,7 +14,8 @@ from typing import Final
 from contin.errors import InputError
 from contin.exchange.imported import Imported, UnsupportedError
 from contin.exchange.naming import Names, cleaned
-from contin.exchange.xpp.declared import Declared, declared
+from contin.exchange.xpp.declarations import Declared
+from contin.exchange.xpp.declared import declared
 from contin.exchange.xpp.document import Document, document
 from contin.exchange.xpp.entries import Entry, circular, entry, reached
 from contin.exchange.xpp.formulas import Formulas

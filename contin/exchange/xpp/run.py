@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contin.exchange.xpp.declared import Declared
+from contin.exchange.xpp.declarations import Declared
 from contin.records import Fields
 
 TOTAL = 20.0  # XPP's own default
