@@ -14,6 +14,7 @@ from contin.continuation.departure import Seed
 from contin.continuation.extrema import Extremum
 from contin.continuation.targets import Target
 from contin.errors import InputError
+from contin.model.advice import closest
 from contin.model.model import Model
 from contin.problems.functions.problem import FunctionProblem
 
@@ -107,8 +108,11 @@ def as_seed(start: object, parameter: str) -> Seed:
     if isinstance(start, Start):
         known = varying(start.system.parameter_names)
         if parameter not in known:
-            raise InputError(f"no parameter {parameter!r}; the model has {', '.join(known) or 'none'}")
+            advice = closest(parameter, known) or f"the model has {', '.join(known) or 'none'}"
+            raise InputError(f"no parameter {parameter!r}: {advice}")
         return start.seed(parameter)
+    if isinstance(start, LocusStart | StartOfCurve):
+        raise InputError("point.locus() starts a curve in two parameters: give both, such as ('a', 'b')")
     raise InputError(f"a continuation starts from an equilibrium or a switched point; got {type(start).__name__}")
 
 

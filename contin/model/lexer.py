@@ -119,6 +119,10 @@ def decimal(text: str, position: int = 0) -> Expression:
     return number(rounded)
 
 
+_OF_LIBRARIES: Final = re.compile(r"(?<![\w.])(np|numpy|math|scipy|sympy|sp|cmath|torch|jnp|jax)\Z")
+_WORD: Final = re.compile(r"[^\W\d]\w*\(?")
+
+
 def _checked_name(word: str, position: int) -> str:
     if not word.isidentifier():  # \w also matches superscripts and the like
         bad = next(i for i in range(1, len(word) + 1) if not word[:i].isidentifier()) - 1
@@ -131,6 +135,10 @@ def _unknown_character(text: str, position: int, offset: int = 0) -> ExpressionE
     shown = character if character.isprintable() else f"U+{ord(character):04X}"
     before = text[:position]
     if character == "." and before and (before[-1].isalnum() or before[-1] == "_"):
+        after = _WORD.match(text[position + 1 :])
+        if after and _OF_LIBRARIES.search(before):
+            instead = f"{after[0]}x)" if after[0].endswith("(") else after[0]
+            return ExpressionError(f"functions stand without their library: write {instead}", offset + position)
         return ExpressionError("names may not contain a dot; write an underscore: a_b", offset + position)
     advice = _ADVICE.get(character, "allowed are numbers, names, + - * / ^ ( ) , < <= > >= == != and or not if else")
     return ExpressionError(f"unexpected character {shown!r}: {advice}", offset + position)

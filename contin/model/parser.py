@@ -170,7 +170,11 @@ class _Parser:
         name = token.text
         if name not in self.scope.functions and name not in FUNCTIONS and name not in self.scope.calls:
             if self.scope.names is not None and name in self.scope.names:
-                raise ExpressionError(f"{name} is not a function; for a product write {name}*(...)", token.position)
+                raise ExpressionError(
+                    f"{name} is not a function; for a product write {name}*(...); its value at another time "
+                    "(a delay equation) is not supported",
+                    token.position,
+                )
             raise ExpressionError(advice.unknown_function(name, self.scope.functions), token.position)
         self.push(_Frame("bracket", token.position, name=name))
         return None, 2

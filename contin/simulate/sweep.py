@@ -12,6 +12,7 @@ from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering import compile_system
+from contin.model.advice import closest
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
@@ -93,7 +94,9 @@ def sweep(
     low, high = (float(v) for v in range)
     model = with_named_totals(model, [parameter, *(parameters or ())])
     if parameter not in model.parameter_names:
-        raise InputError(f"no parameter {parameter!r}; the model has {', '.join(model.parameter_names) or 'none'}")
+        known = model.parameter_names
+        advice = closest(parameter, known) or f"the model has {', '.join(known) or 'none'}"
+        raise InputError(f"no parameter {parameter!r}: {advice}")
     if not (np.isfinite(low) and np.isfinite(high) and low < high):
         raise InputError(f"range: the lower end must be below the upper one; got [{low:g}, {high:g}]")
     if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= LARGEST:

@@ -46,7 +46,7 @@ def test_a_model_without_parameters_has_solutions_and_no_branches():
     assert contin.equilibrium(model).u == pytest.approx([0.0, 0.0], abs=1e-12)
     assert [f.unstable for f in contin.find_equilibria(model)] == [2]
     assert contin.periodic_orbit(model).period == pytest.approx(6.66328686, rel=1e-8)  # van der Pol, mu = 1
-    with pytest.raises(InputError, match="no parameter 'k'; the model has none"):
+    with pytest.raises(InputError, match="no parameter 'k': the model has none"):
         contin.continuation(contin.equilibrium(model), "k", (0.0, 1.0))
 
 

@@ -153,7 +153,7 @@ def test_bound_value_and_user_value_are_hit_exactly():
 def test_messages_say_what_to_write():
     with pytest.raises(InputError, match=r"residual must return 2 numbers.*\(3,\)"):
         api.continuation(contin.FunctionProblem(lambda u, p: np.zeros(3), [0.0, 0.0], {"a": 1.0}), "a", (0, 1))
-    with pytest.raises(InputError, match=r"no parameter 'b'; the model has a"):
+    with pytest.raises(InputError, match=r"no parameter 'b': the model has a"):
         api.continuation(contin.FunctionProblem(lambda u, p: u - p["a"], [0.0], {"a": 1.0}), "b", (0, 1))
     with pytest.raises(InputError, match="jacobian must return"):
         api.equilibrium(contin.FunctionProblem(lambda u, p: u, [0.0, 1.0], {"a": 1.0}, lambda u, p: np.eye(3)))
