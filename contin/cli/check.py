@@ -25,9 +25,11 @@ from contin.runs.plan import make_plan
 from contin.runs.scan_plan import plan_scan
 from contin.runs.simulation_plan import described
 from contin.store.verify import is_result, verify
+from contin.symbolic.passes.conserved import conserved_notes, without_conserved
 from contin.symbolic.passes.index_one import index_one
 
 if TYPE_CHECKING:
+    from contin.model.model import Model
     from contin.model.yaml_reader import Document
 
 MODEL_KEYS: Final = frozenset({"states", "equations"})  # a run file has neither
@@ -99,6 +101,8 @@ def check_document(file: Path, place: Path, document: Document, execute: bool) -
         + described(plan.simulations, plan.sweep)
     )
     print(f"{file}: good. Model {plan.model.name}, {len(plan.model.states)} states; runs: {what}")
+    for line in conserved_notes(plan.model):
+        print(f"  {line}")
     return 0
 
 
@@ -106,7 +110,13 @@ def check_foreign(file: Path) -> int:
     """Check a model in the format of another program."""
     model = find(file)
     print(f"{file}: good. Model {model.name}: {len(model.states)} states, {len(model.parameters)} parameters")
+    _tell_conserved(model)
     return 0
+
+
+def _tell_conserved(model: Model) -> None:
+    for line in conserved_notes(without_conserved(model)):
+        print(f"  {line}")
 
 
 def check_model(file: Path, document: Document, execute: bool) -> int:
@@ -115,6 +125,7 @@ def check_model(file: Path, document: Document, execute: bool) -> int:
     index_one(model)
     counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
     print(f"{file}: good. Model {model.name}: {counts}")
+    _tell_conserved(model)
     if not execute:
         return 0
 
