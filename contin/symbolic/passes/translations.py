@@ -45,9 +45,11 @@ def translation_notes(model: object) -> list[str]:
     found = []
     for direction in translations(model):
         parts = ", ".join(n if c == 1 else f"{c}*{n}" for n, c in direction.items())
+        moved = "are shifted together" if len(direction) > 1 else "is shifted"
+        advice = " Differences of these states as new ones (transform: coordinates) divide it out"
         found.append(
-            f"the equations do not change when {parts} are shifted together: solutions come in lines along this "
-            "symmetry, or move along it. Differences of these states as new ones (transform: coordinates) divide it out"
+            f"the equations do not change when {parts} {moved}: solutions come in lines along this symmetry, or move "
+            f"along it.{advice if len(direction) > 1 else ''}"
         )
     return found
 
