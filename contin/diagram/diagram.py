@@ -38,6 +38,7 @@ class Diagram:
     notes: list[str] = field(default_factory=list)
     explorer: Any = None
     stopped: bool = False  # by the user
+    unfinished: list[str] = field(default_factory=list)  # those of the notes that say what a budget left
 
     def __iter__(self) -> Iterator[Branch]:
         return iter(self.branches)

@@ -109,7 +109,8 @@ class Explorer:
             reason = self._spent(diagram, began)
             if reason:
                 waiting = ", ".join(task.name for task in queue)
-                diagram.notes.append(f"{reason}; not followed: {waiting}")
+                diagram.unfinished.append(f"{reason}; not followed: {waiting}")
+                diagram.notes.append(diagram.unfinished[-1])
                 break
             task = queue.popleft()
             branch = None

@@ -150,9 +150,8 @@ class LociSearch:
                 with self.notes.surviving(f"families of orbits across {locus.name}"):
                     line.add(families_across(locus, axis, value, line.orbits))
         self._incomplete(line)
-        for text in line.diagram.notes:
-            if text.startswith("budget of"):
-                self.notes.add(f"at {self.parameters[1 - axis]} = {value:.6g}, {text}")
+        for text in line.diagram.unfinished:
+            self.notes.add(f"at {self.parameters[1 - axis]} = {value:.6g}, {text}")
         return line
 
     def _incomplete(self, line: Line) -> None:
