@@ -86,7 +86,7 @@ def find_start(
         first = _found(for_branches(model), parameters, start, cycles, deflate)
     except NoSolutionError as error:
         first = error
-    held = with_zeros_held(model, parameters) if isinstance(first, Exception) or _is_singular(first) else None
+    held = with_zeros_held(model, parameters) if isinstance(first, Exception) or is_singular(first) else None
     if held is None:
         if isinstance(first, Exception):
             raise first
@@ -211,7 +211,7 @@ def _solved(system: Any, u: Array, p: Array, periods: Array, near: float | None)
     return None
 
 
-def _is_singular(found: FoundStart) -> bool:
+def is_singular(found: FoundStart) -> bool:
     """True where an equilibrium is not isolated, to rounding."""
     one = found.solution
     if not isinstance(one, Equilibrium) or one.system.is_forced:

@@ -11,7 +11,7 @@ from multiprocessing import get_all_start_methods, get_context
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.api.attractors import MOST, attractors
-from contin.api.auto_start import FoundStart
+from contin.api.auto_start import FoundStart, is_singular
 from contin.api.fixed_totals import varying
 from contin.api.survey_side import Side, follow
 from contin.errors import InputError
@@ -21,6 +21,7 @@ from contin.model.model import Model
 from contin.plot.survey import figure
 from contin.records import Fields, Record
 from contin.symbolic.passes.conserved import conserved_notes
+from contin.symbolic.passes.translations import translation_notes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -129,13 +130,16 @@ def survey(
     values = dict(zip(system.parameter_names, started.found[0].solution.p.tolist(), strict=True))
     notes = [*conserved_notes(model), *started.notes]
     spans = dict(_spans(model, parameters, list(names) or known, values, factor, notes))
+    followed = [name for name, one in found.items() if not is_singular(one)]
+    notes += [f"{name}: {_why_not(model)}" for name in found if name not in followed]
     jobs = [
-        _Job(attractor, name, values[name], far) for attractor in found for name, ends in spans.items() for far in ends
-    ]
+        _Job(attractor, name, values[name], far)
+        for attractor in followed for name, ends in spans.items() for far in ends
+    ]  # fmt: skip
     sides = _carry_out({name: one.solution for name, one in found.items()}, jobs, processes, watch)
     rows = [
         Row(attractor, name, values[name], *(sides[_Job(attractor, name, values[name], far)] for far in ends))
-        for attractor in found for name, ends in spans.items()
+        for attractor in followed for name, ends in spans.items()
     ]  # fmt: skip
     order = list(found)
     rows.sort(key=lambda r: (order.index(r.attractor), r.margin))
@@ -143,6 +147,12 @@ def survey(
         f"{r.attractor}, {r.parameter}: {s.text}" for r in rows for s in (r.below, r.above) if not s.complete and s.text
     ]
     return Survey(model.name, found, tuple(rows), factor, tuple(notes), time.perf_counter() - began)
+
+
+def _why_not(model: Any) -> str:
+    """Why an equilibrium that is not isolated has no branches."""
+    reasons = translation_notes(model) or ["it is one of a line of them, or stands exactly at a bifurcation"]
+    return f"the Jacobian is singular here, so it is not followed: {'; '.join(reasons)}"
 
 
 def _name(one: FoundStart, k: int, count: int) -> str:

@@ -60,7 +60,7 @@ def survey_model(
     document = found.document()
     drawing = None if picture is None else partial(draw, picture)
     outputs = table_outputs(found.columns, out["csv"], drawing, document, out["json"])
-    whole = all(side.complete for row in found.rows for side in (row.below, row.above))
+    whole = bool(found.rows) and all(side.complete for row in found.rows for side in (row.below, row.above))
     return write_all(outputs, report, tell).code(DONE if whole else CUT_SHORT)
 
 

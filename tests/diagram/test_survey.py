@@ -87,3 +87,12 @@ def test_the_command_writes_table_picture_and_json(tmp_path, monkeypatch, capsys
     assert [row["parameter"] for row in table] == document["survey"]["parameter"] == ["B", "A"]
     assert float(table[0]["above"]) == pytest.approx(2.0, rel=1e-9)
     assert "parameter / its value" in (tmp_path / "s.svg").read_text() or (tmp_path / "s.svg").stat().st_size > 5000
+
+
+def test_an_equilibrium_of_a_line_is_named_once_and_not_followed():
+    line = model({"x": "a*sin(y - x)", "y": "2*a*sin(x - y)*cos(x - y)"}, {"x": 0.1, "y": 0.1}, {"a": 1.0})
+    found = contin.survey(line, processes=1)
+    assert found.rows == ()
+    (note,) = found.notes
+    assert "x, y are shifted together" in note
+    assert len(found.plot().axes) == 1
