@@ -202,7 +202,7 @@ def _solved(system: Any, u: Array, p: Array, periods: Array, near: float | None)
         size = np.maximum(np.abs(u), natural_metric(system, u, p).states)
         try:
             far = float(np.max(np.abs(np.linalg.solve(square, f)) / size))
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # not isolated: where a trajectory leads is looked for
             return None
         if not far <= near:
             return None

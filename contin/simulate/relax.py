@@ -141,7 +141,7 @@ def _step(system: System, u: Array, p: Array, h: float, f: Array, matrix: Array)
         return None
     try:
         inverse = np.linalg.inv(inner)
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # the step is repeated with a tenth of its length
         return None
     k1 = inverse @ f
     f1 = system.value(u + 0.5 * h * k1, p)
