@@ -50,7 +50,7 @@ def solve(
     with_poles : None where the function has no zero there, but changes its sign at a pole.  turning : null vectors are
     not unique there, and may turn at no cost: steps and errors are those without such directions.
     """
-    curve, rows, count = problem.curve, scale[:-1], len(near.z)
+    curve, rows = problem.curve, scale[:-1]
     parameters = curve.parameters(near.z)
     steps = DIFFERENCE * np.diag(scale)
     gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
@@ -73,12 +73,7 @@ def solve(
         inverse = np.linalg.pinv(matrix, rcond=FREE) if turning else np.linalg.inv(matrix)
     except np.linalg.LinAlgError:  # not verified, in words
         return None
-    generator = np.random.default_rng(12345)
-    estimates = []
-    for _ in range(defining.SAMPLES):
-        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, count)
-        estimates.append(shift - inverse @ residual(y + shift)[0])
-    scatter = SAFETY * np.max(np.abs(estimates), axis=0)
+    scatter = _scatter(lambda at: residual(at)[0], matrix, inverse, y)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
     beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
@@ -90,6 +85,22 @@ def solve(
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
     drift = (float(np.max(scatter)) + lacking) * along
     return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
+
+
+def _scatter(residual: Callable[[Array], Array], matrix: Array, inverse: Array, y: Array) -> Array:
+    """Estimated errors of all unknowns: how rounding errors of the residual reach them.
+
+    Steps of 1e-12 leave the rounding of terms like 1 + small as it is; of longer ones the odd part, without what is
+    curved, shows it (as in `defining`).
+    """
+    generator, longer = np.random.default_rng(12345), defining.ROUNDED / defining.PERTURBATION
+    estimates, odd = [], np.zeros(len(y))
+    for _ in range(defining.SAMPLES):
+        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, len(y))
+        estimates.append(shift - inverse @ residual(y + shift))
+        ahead, behind = residual(y + longer * shift), residual(y - longer * shift)
+        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - longer * (matrix @ shift)))
+    return np.asarray(np.maximum(SAFETY * np.max(np.abs(estimates), axis=0), np.abs(inverse) @ odd))
 
 
 def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tuple[Array, float] | None:
