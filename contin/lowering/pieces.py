@@ -83,7 +83,8 @@ class Pieces:
 
 def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | None) -> Pieces:
     """Machine code of `equations` with modes; `time` is the name of the last of `layout.others` in a forced model."""
-    frozen, functions = freeze(equations, layout.names)
+    varying = layout.states if time is None else (*layout.states, time)
+    frozen, functions = freeze(equations, varying)
     parameters = layout.others[:-1] if time is not None else layout.others
     modes = tuple(MODE.format(k) for k in range(len(functions)))
     others = parameters + modes + ((time,) if time is not None else ())
@@ -98,8 +99,8 @@ def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | 
 def freeze(equations: Sequence[Expression], names: Iterable[str]) -> tuple[list[Expression], list[Expression]]:
     """Equations with every choice of formula made by mode symbols, and the surface functions that belong to these.
 
-    `names` are what may vary along a trajectory (states, parameters, time); conditions without them are left as they
-    are.
+    `names` are what may vary along a trajectory (states and time); conditions without them, such as k == 2 of a
+    parameter k, are left as they are.
     """
     chosen = set(piecewise_nodes(equations))
     surfaces = Surfaces(mask_of(names))

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from contin.errors import InputError
+from contin.model.expression import depends_on, postorder
+from contin.model.parts import TIME
+
+JUMPING: Final = frozenset({"floor", "ceil", "mod"})
 
 
 def need_time(model: Any, what: str) -> None:
@@ -36,5 +40,16 @@ def need_autonomous(model: Any) -> None:
             "contin.simulate). For branches there are two ways out: declare `forcing: {period: ...}` where it is "
             "periodic in t, or replace t by a parameter (or by a state with an equation of its own)"
         )
+    if getattr(model, "kind", "flow") == "flow" and has_steps(model):
+        raise InputError(
+            f"model {name} has floor, ceil or mod of a state or of the time: these jump, so it can only be simulated "
+            "(`contin simulate`). For branches write the jump as a condition (u if c else v), or an angle with `period`"
+        )
     if not getattr(model, "states", True):
         raise InputError(f"model {name} has no states, so it can only be simulated (`contin simulate`)")
+
+
+def has_steps(model: Any) -> bool:
+    """True where a step function of a state or of the time occurs in the equations."""
+    moving = [*model.state_names, TIME]
+    return any(node.op in JUMPING and depends_on(node, moving) for node in postorder(model.equations))

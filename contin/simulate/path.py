@@ -10,11 +10,13 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering.system import compile_in_time
+from contin.model.kinds import has_steps
 from contin.records import Fields
+from contin.simulate.between_jumps import fly_between_jumps
 from contin.simulate.flight import DONE, fly
 from contin.simulate.held import finite_at_start, held_states
 from contin.simulate.natural import absolute_tolerances
-from contin.simulate.steps_in_time import fly_between_jumps, stepped_in_time
+from contin.simulate.stepped import stepped
 from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 from contin.simulate.until import fly_until, with_clock
 
@@ -63,7 +65,7 @@ def path_of(
         if until is not None:
             raise InputError("until: events are located by the method DOP853 only")
         t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
-        why = NONSMOOTH if outcome == DONE and system.n_switches else why
+        why = NONSMOOTH if outcome == DONE and (system.n_switches or has_steps(model)) else why
         return Path(t, states, float(t[-1]) if len(t) else 0.0, steps, 0, outcome, why)
     options = {"rtol": rtol, "atol": errors, "box": box, "budget": budget}
     flight, outcome, why = _flown(model, system, u, p, times, until, options)
@@ -78,12 +80,14 @@ def _flown(
 ) -> tuple[Any, str, str]:
     """(flight, outcome, why) of the compiled integrator."""
     if until is None:
-        stepped = stepped_in_time(model)
-        if stepped is not None:
-            flight = fly_between_jumps(stepped, u, p, times, **options)
+        taken = stepped(model)
+        if taken is not None:
+            flight = fly_between_jumps(taken, u, p, times, **options)
             return flight, flight.outcome, flight.why
         flight = fly(system, u, p, float(times[-1]), times=times, **options)
         return flight, flight.outcome, flight.why
+    if has_steps(model):
+        raise InputError("until: events are not located beside step functions (floor, ceil, mod) of states or the time")
     clocked = compile_in_time(with_clock(model, until))
     flight, came = fly_until(clocked, u, p, float(times[-1]), times=times, **options)
     if came:

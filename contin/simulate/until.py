@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
-from contin.model.expression import if_, number, symbol
+from contin.model.expression import Expression, if_, number, symbol
 from contin.model.parts import TIME, State
 from contin.records import Fields
 from contin.simulate.condition import condition
@@ -35,6 +35,11 @@ def with_clock(model: Model, until: str) -> Any:
     holds = condition(until, {**model.observables, **model.definitions, **names}, model.functions, "until")
     if set("=!") & set(until.replace("<=", "").replace(">=", "")):
         raise InputError(f"until: {until!r}: a single value is crossed, not met; write < or >")
+    return with_event(model, holds)
+
+
+def with_event(model: Model, holds: Expression) -> Any:
+    """The flow with the further state e' = (1 if the condition `holds` else -1)."""
     return model.replace(
         states=(*model.states, State(CLOCK, number(0))),
         equations=(*model.equations, if_(holds, number(1), number(-1))),
@@ -44,23 +49,24 @@ def with_clock(model: Model, until: str) -> Any:
 
 def fly_until(
     clocked: Any, u: Array, p: Array, duration: float, *, times: Array, rtol: float, atol: Array, box: float,
-    budget: int,
+    budget: int, begin: float = 0.0,
 ) -> tuple[Flight, bool]:  # fmt: skip
-    """(flight, whether the event came): to the end of the time, or to the event; states without the clock.
+    """(flight, whether the event came): from `begin` to the end, `duration`, or to the event; states without
+    the clock.
 
     clocked : the compiled system of `with_clock`. The event is where the condition becomes true; one that holds from
     the beginning must first become false.
     """
-    errors = np.append(atol, 1e-3 * rtol * duration)  # of the clock: it runs for the time of the flight
+    errors = np.append(atol, 1e-3 * rtol * (duration - begin))  # of the clock: it runs for the time of the flight
     boxes = np.append(np.full(len(atol), box), np.inf)
     options: Fields = {"rtol": rtol, "atol": errors, "box": boxes}
-    y, t, steps, crossed, before = np.append(np.asarray(u, dtype=float), 0.0), 0.0, 0, 0, 1.0
+    y, t, steps, crossed, before = np.append(np.asarray(u, dtype=float), 0.0), begin, 0, 0, 1.0
     kept_t, kept_u = [times[:0]], [np.empty((0, y.size))]
-    length, came = duration / PIECES, False
+    length, came = (duration - begin) / PIECES, False
     while True:
         last = t + length >= duration * (1.0 - 1e-12)
         y[-1] = 0.0
-        wanted = times[(times > t if t > 0.0 else times >= 0.0) & ((times <= t + length) | last)]
+        wanted = times[(times > t if t > begin else times >= begin) & ((times <= t + length) | last)]
         flight = fly(clocked, y, p, duration - t if last else length, start=t, times=wanted, budget=budget, **options)
         if flight.crossed > CROSSINGS:
             length *= 0.5  # not all crossings are known
@@ -71,6 +77,9 @@ def fly_until(
             wanted = wanted[wanted <= when]
             if when > t:
                 flight = fly(clocked, y, p, when - t, start=t, times=wanted, **options)
+            else:  # at the very beginning of this part of the time
+                kept = int(np.searchsorted(flight.t, t, side="right"))
+                flight = replace(flight, t=flight.t[:kept], samples=flight.samples[:kept], end_time=t, end=y.copy())
         kept_t.append(flight.t)
         kept_u.append(flight.u)
         steps, crossed = steps + flight.steps, crossed + flight.crossed

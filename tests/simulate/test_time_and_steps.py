@@ -95,3 +95,47 @@ def test_a_parameter_may_be_observed_as_itself_only():
     assert run({"x": "-k"}, parameters={"k": 2}, observables={"k": "k"}).columns["k"].tolist() == [2.0] * 11
     with pytest.raises(InputError, match="already declared under parameters"):
         run({"x": "-k"}, parameters={"k": 2}, observables={"k": "2*k"})
+
+
+def test_step_functions_of_states_are_integrated_from_jump_to_jump():
+    """x = t: y' = floor(x), z' = 1 where floor(3 x) is 4; and down again, where whole numbers are passed from above."""
+    found = run({"x": "1", "y": "floor(x)", "z": "1 if floor(3*x) == 4 else 0", "w": "mod(x, 0.7)"}, time=10.0)
+    t, whole = found.t, np.floor(found.t)
+    np.testing.assert_allclose(found.states[:, 1], whole * (whole - 1) / 2 + whole * (t - whole), atol=1e-10)
+    np.testing.assert_allclose(found.states[:, 2], np.clip(t - 4 / 3, 0, 1 / 3), atol=1e-10)
+    turns = np.floor(t / 0.7)
+    rest = t - 0.7 * turns
+    np.testing.assert_allclose(found.states[:, 3], 0.245 * turns + rest**2 / 2, atol=1e-10)
+    falling = run({"x": "-1", "y": "1 if mod(x, 1) < 0.25 else 0"}, {"x": 0.2, "y": 0}, time=10.0)
+    assert falling.states[-1, 1] == pytest.approx(2.5, abs=1e-10)
+
+
+def test_a_step_in_a_nonlinear_function_of_the_time():
+    found = run({"y": "floor(t^2)"}, time=2.0, samples=3)  # jumps at sqrt(1), sqrt(2), sqrt(3)
+    exact = (np.sqrt(2) - 1) + 2 * (np.sqrt(3) - np.sqrt(2)) + 3 * (2 - np.sqrt(3))
+    assert found.states[-1, 0] == pytest.approx(exact, abs=1e-10)
+
+
+def test_sliding_along_a_jump_is_said():
+    found = run({"x": "0.5 - 2*floor(x)"}, {"x": 0.2})
+    assert found.outcome == "sliding"
+    assert found.end_time == pytest.approx(1.6)
+    assert "both sides lead back" in found.why
+
+
+def test_branches_of_flows_with_jumps_are_refused_in_words():
+    model = Model("jumping", states={"x": 0.2}, parameters={"a": 1}, equations={"x": "a - floor(x)"})
+    with pytest.raises(InputError, match="these jump, so it can only be simulated"):
+        contin.equilibrium(model)
+
+
+@pytest.mark.parametrize("condition", ["k == 4", "k >= 4", "not k > 4", "k != 3"])
+def test_conditions_on_parameters_alone_are_no_surfaces(condition):
+    found = run({"x": f"1 if {condition} else 0"}, parameters={"k": 4})
+    np.testing.assert_allclose(found.states[:, 0], found.t, atol=1e-12)
+
+
+def test_an_event_at_the_end_of_a_part_of_the_time_is_where_it_is():
+    model = Model("line", states={"x": 0}, equations={"x": "1"})
+    for place in (1, 1.1, 3):  # the time is looked at in 64 parts of 1/16
+        assert contin.simulate(model, time=4.0, until=f"x > {place}").end_time == pytest.approx(place, abs=1e-12)
