@@ -83,8 +83,7 @@ class Pieces:
 
 def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | None) -> Pieces:
     """Machine code of `equations` with modes; `time` is the name of the last of `layout.others` in a forced model."""
-    varying = layout.states if time is None else (*layout.states, time)
-    frozen, functions = freeze(equations, varying)
+    frozen, functions = freeze(equations, layout.names, parameters=set(layout.others) - {time})
     parameters = layout.others[:-1] if time is not None else layout.others
     modes = tuple(MODE.format(k) for k in range(len(functions)))
     others = parameters + modes + ((time,) if time is not None else ())
@@ -96,18 +95,21 @@ def compile_pieces(equations: Sequence[Expression], layout: Layout, time: str | 
     return Pieces(len(layout.states), len(others), len(parameters), tuple(functions), code, extended)
 
 
-def freeze(equations: Sequence[Expression], names: Iterable[str]) -> tuple[list[Expression], list[Expression]]:
+def freeze(
+    equations: Sequence[Expression], names: Iterable[str], parameters: Iterable[str] = ()
+) -> tuple[list[Expression], list[Expression]]:
     """Equations with every choice of formula made by mode symbols, and the surface functions that belong to these.
 
-    `names` are what may vary along a trajectory (states and time); conditions without them, such as k == 2 of a
-    parameter k, are left as they are.
+    `names` are what may vary (states, parameters, time); conditions without them are left as they are. Of conditions
+    on `parameters` alone, too, which no trajectory crosses, the surfaces are listed, but k == 2 is asked of k itself.
     """
     chosen = set(piecewise_nodes(equations))
-    surfaces = Surfaces(mask_of(names))
+    names = list(names)
+    surfaces, moving = Surfaces(mask_of(names)), mask_of(set(names).difference(parameters))
     replaced: dict[Expression, Expression] = {}
     for node in postorder(equations):  # operands first
         condition = surfaces.condition(node) if node in chosen else None
-        if condition is None:
+        if condition is None or not any(a.mask & moving for a in node.args):
             continue
         if node.op in COMPARISONS:
             replaced[node] = condition
