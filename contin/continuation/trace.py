@@ -199,7 +199,8 @@ def _assemble(
         columns["unstable"] = unstable
         columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
-    eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
+    if len(problem.finite(z[0], eigenvalues[0])) < eigenvalues.shape[1]:  # of as many equations in every row
+        eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
     effort = {
         "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
         "steps": sum(r.accepted for r in records.values()),
