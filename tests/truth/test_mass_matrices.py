@@ -10,7 +10,7 @@ from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
 import contin
-from contin.errors import InputError
+from contin.errors import InputError, NotFiniteError
 from contin.model.yaml_loader import load_model_text
 
 BRUSSELATOR = {
@@ -191,6 +191,14 @@ def test_a_small_mass_in_place_of_none_moves_the_hopf_point_by_its_first_order()
         q, l1 = line["HB1"].vectors["q"], line["HB1"].normal_form["l1"]  # with a mass, w counts in |q| = 1
         assert l1 / np.linalg.norm(q[:2]) ** 2 == pytest.approx(-0.5, abs=0.01)
     assert moved[0] / moved[1] == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_mass_that_is_zero_at_the_defaults_alone_is_a_mass():
+    model = contin.Model(**with_algebraic(BRUSSELATOR, "x^2*y") | {"parameters": {"B": 1, "e": 0}, "mass": {"w": "e"}})
+    line = contin.continuation(contin.equilibrium(model, parameters={"e": -1e-3}), "B", (0, 4))
+    assert line["HB1"].values["B"] == pytest.approx(2.0, abs=5e-3)
+    with pytest.raises(NotFiniteError, match="division by zero, 'e' = 0"):
+        contin.equilibrium(model)
 
 
 @pytest.mark.parametrize(("mass", "matrix"), [

@@ -35,6 +35,7 @@ class ConditionedEquilibria(Conditioned):
 
     inner: EquilibriumProblem
     relations: tuple[Relation, ...]
+    offset: tuple[float, ...] = ()  # what the conditions are to be, on the way to 0
     rate: float = 1.0  # about the largest at the start: eigenvalues of a flow are measured in it
 
     TESTS = ("zero", "pair", "flip")
@@ -65,6 +66,7 @@ class ConditionedEquilibria(Conditioned):
         n, (u, p) = self.inner.n, self._point(z)
         f, jacobian = self.inner.system.jacobian(u, p)
         c, slopes = self._formulas.at(u, p)
+        c = c - np.array(self.offset) if self.offset else c
         chosen = [*range(n), *(n + k for k in self.free[::-1]), n + self.inner.active]
         matrix, rows = jacobian[:, chosen].copy(), slopes[:, chosen] * scale
         if self.is_map:
@@ -100,6 +102,9 @@ class ConditionedEquilibria(Conditioned):
         t = np.linalg.svd(jacobian * metric / metric[:-1, None])[2][-1]
         return Sample(bare, t, np.full(4, np.nan), near.unstable, near.eigenvalues), Frame(metric)
 
+    def shifted(self, offset: Array, z: Array) -> ConditionedEquilibria:
+        return replace(self, offset=tuple(offset.tolist()))
+
     def finer(self, near: Sample, frame: Frame) -> tuple[Conditioned, Sample, Frame] | None:
         return None
 
@@ -108,7 +113,7 @@ class ConditionedEquilibria(Conditioned):
     def configured(self, seed: Seed, settings: Settings) -> Seed:
         """On the conditions."""
         scale = self.initial_scale(seed.z, (-np.inf, np.inf))
-        found = self.at_parameter(seed.z, float(seed.z[-1]), scale)
+        found = self.onto_conditions(seed.z, scale)
         if found is None:
             names, texts = ", ".join(self.free_names), ", ".join(r.text for r in self.relations)
             raise InputError(

@@ -28,6 +28,7 @@ from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.renewal import refitted
 
 ENDLESS: Final = 1e300  # the period of an unknown that is no angle
+LARGE: Final = 30.0  # times the scale of a free parameter, beyond which it is not followed
 ALIKE: Final = 1e-7  # relative distance of parameters below which two points are one
 
 
@@ -38,6 +39,8 @@ class ConditionedOrbits(Conditioned):
     inner: OrbitProblem
     conditions: OrbitConditions
     reference: tuple[Array, ...] = ()  # the orbit that the phase condition refers to
+
+    offset: tuple[float, ...] = ()  # what the conditions are to be, on the way to 0
 
     TESTS = ("zero", "flip", "pair")
     adaptive = True
@@ -77,6 +80,7 @@ class ConditionedOrbits(Conditioned):
             rows.append(row / size if size > 0.0 else row)
             sizes.append(size or 1.0)
         top = sparse.hstack([*columns, matrix[:, -1:]])
+        values = values - np.array(self.offset) if self.offset else values
         equations = np.append(own.residual, values / np.array(sizes))
         where = self._unknowns(z)
         whole = sparse.vstack([top, sparse.csc_matrix(np.array(rows)), tangent[where][None, :]], format="csc")
@@ -120,6 +124,9 @@ class ConditionedOrbits(Conditioned):
         tangent = branch_tangents(inner, bare, metric)[0]
         return Sample(bare, tangent, np.full(4, np.nan), near.unstable, inner.multipliers(bare)), Frame(metric)
 
+    def shifted(self, offset: Array, z: Array) -> ConditionedOrbits:
+        return replace(self, offset=tuple(offset.tolist()), reference=(self.inner_vector(z),))
+
     def finer(self, near: Sample, frame: Frame) -> tuple[Conditioned, Sample, Frame] | None:
         profile = self.profile(near.z)
         return self._moved(near, frame, np.repeat(profile.h / 2.0, 2))
@@ -152,7 +159,7 @@ class ConditionedOrbits(Conditioned):
         problem = replace(self, inner=chosen.problem, reference=(chosen.z,))
         z = self.joined(chosen.z, self.free_values(seed.z))
         scale = problem.initial_scale(z, (-np.inf, np.inf))
-        found = problem.at_parameter(z, float(z[-1]), scale)
+        found = problem.onto_conditions(z, scale)
         if found is None:
             names, texts = ", ".join(self.free_names), ", ".join(r.text for r in self.conditions.relations)
             raise InputError(
@@ -178,7 +185,12 @@ class ConditionedOrbits(Conditioned):
         if self.inner.autonomous and has_shrunk(self, origin.z, frame.scale):
             at = f"{self.parameters[0]} = {origin.z[-1]:.8g}"
             return Renewal(frame.scale, origin, before, None, End("hopf", f"the orbit shrank to a Hopf point at {at}"))
-        inner, metric = self.at(self.free_values(origin.z)), self.inner_vector(frame.scale)
+        free, widths = self.free_values(origin.z), self.free_values(frame.scale)
+        for name, value, width in zip(self.free_names, free, widths, strict=True):
+            if abs(value) > LARGE * width:
+                text = f"{name} has grown to {value:.6g}, {LARGE:g} times its scale: it may grow without bound"
+                return Renewal(frame.scale, origin, before, None, End("bound", f"{text} (or declare its scale)"))
+        inner, metric = self.at(free), self.inner_vector(frame.scale)
         profile, bare = self.profile(origin.z), self.inner_vector(origin.z)
         fit = refitted(inner, profile, inner.sizes(bare, metric), float(metric[profile.u.size]))
         if fit is None:

@@ -42,6 +42,7 @@ TEST_OF: Final = {  # the test whose zero a labelled point is
 }  # fmt: skip
 TOLERANCE: Final = 1e-11
 ITERATIONS: Final = 12
+SHORTEST: Final = 1.0 / 256.0  # step of the homotopy onto the conditions
 DIFFERENCE: Final = 1e-5  # part of a free parameter's scale by which it is moved for a derivative
 SOLVED: Final = 1e-12  # of the conditions, relative to their change over the scale of the free parameters
 STALLED: Final = 1e-7
@@ -220,6 +221,29 @@ class Conditioned(Problem):
         z = found.z.copy()
         z[-1] = value
         return z
+
+    def onto_conditions(self, z: Array, scale: Array) -> Array | None:
+        """From a solution to one that meets the conditions, at the same value of the varying parameter.
+
+        By homotopy: what they are off by is taken away in steps as long as Newton's method can follow.
+        """
+        off, done, step = self.condition_values(z), 0.0, 1.0
+        if not np.all(np.isfinite(off)):
+            return None
+        while done < 1.0:
+            share = min(1.0, done + step)
+            found = self.shifted((1.0 - share) * off, z).at_parameter(z, float(z[-1]), scale)
+            if found is None:
+                step *= 0.5
+                if step < SHORTEST:
+                    return None
+                continue
+            z, done, step = found, share, 2.0 * step
+        return z
+
+    @abstractmethod
+    def shifted(self, offset: Array, z: Array) -> Conditioned:
+        """The same with conditions c = offset, near the solution z."""
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         """One event for each test that changes its sign; None where they do not account for the count."""

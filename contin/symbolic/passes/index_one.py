@@ -91,9 +91,12 @@ def _split(model: Model) -> Split:
     n = len(matrix)
     still = tuple(k for k in range(n) if all(entry is ZERO for entry in matrix[k]))
     moving = tuple(k for k in range(n) if k not in still)
-    values = model.default_parameters()
-    rows = np.array([evaluate_all(matrix[k], values) for k in moving], dtype=float).reshape(len(moving), n)
-    y = _pivots(rows, moving)
+    values, generator = model.default_parameters(), np.random.default_rng(1)
+    others = {name: v or float(generator.uniform(0.5, 1.5)) for name, v in values.items()}  # a mass eps, here 0
+    y = None
+    for known in (values, others):
+        rows = np.array([evaluate_all(matrix[k], known) for k in moving], dtype=float).reshape(len(moving), n)
+        y = y or _pivots(rows, moving)
     if y is None:
         names = ", ".join(model.state_names[k] for k in moving)
         raise InputError(
