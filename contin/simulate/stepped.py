@@ -18,6 +18,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
 from contin.model.expression import (
+    COMPARISONS,
     Expression,
     add,
     compare,
@@ -33,11 +34,13 @@ from contin.model.expression import (
 )
 from contin.model.kinds import JUMPING, has_steps
 from contin.model.parts import TIME, Parameter
+from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import derivative
 
 if TYPE_CHECKING:
     from contin.model.model import Model
 
+BROKEN: Final = COMPARISONS | {"sign", "heaviside"}
 WHOLE: Final = "step {}"  # no name in a model contains a blank
 MOST_JUMPS: Final = 100_000
 SAME: Final = 1e-13  # relative: jumps that are one
@@ -112,6 +115,11 @@ def stepped(model: Model) -> Stepped | None:
         u = div(*args) if node.op == "mod" else args[0]
         if not depends_on(u, moving):
             continue
+        if any(n.op in BROKEN and depends_on(n, moving) for n in postorder([u])):
+            raise InputError(
+                f"model {model.name}: {node.op} of what jumps itself ({to_text(node)[:80]}) is not integrated; write "
+                "the cases as conditions (u if c else v)"
+            )
         if u not in arguments:
             linear = not depends_on(derivative(u, TIME), [TIME])
             others = [*model.state_names, *(WHOLE.format(k) for k in range(len(arguments)))]

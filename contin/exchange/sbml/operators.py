@@ -20,8 +20,10 @@ def _any(parts: Sequence[str]) -> str:
 
 def _xor(parts: Sequence[str]) -> str:
     """True where an odd number of operands is."""
-    count = " + ".join(f"(1 if {p} else 0)" for p in parts)
-    return f"(mod({count}, 2) > 0.5)" if parts else "(1 < 0)"
+    odd = parts[0] if parts else "(1 < 0)"
+    for part in parts[1:]:
+        odd = f"(({odd} and not {part}) or ({part} and not {odd}))"
+    return odd
 
 
 def _of(name: str) -> Translate:
