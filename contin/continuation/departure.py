@@ -20,6 +20,7 @@ from contin.continuation.piece import Piece
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified, is_planar
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Wanted
+from contin.continuation.walls import walls_passed
 from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 
@@ -88,6 +89,11 @@ class Departure:
         if origin is None:
             where = f"{problem.parameters[0]} = {seed.z[-1]:.10g}"
             return End("corrector", f"no second point found from {where}. {problem.describe_failure(seed.z)}")
+        passed = walls_passed(problem, origin.z, self.bounds)
+        if passed and not seed.born:  # as at a fold on the bound that turns away from the range
+            _, value, name = passed[0]
+            text = f"{name} starts on its bound {value:.10g}, and the branch turns there"
+            return End("bound", text, {"value": value})
         wanted: tuple[Wanted, ...] = (*targets, *own_tests(problem))
         course = Course(
             problem, self.bounds, self.settings, wanted, self.known, seed.symmetries, foundling=seed.parent is None

@@ -89,7 +89,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         if isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
             yield from companions
-            if len(companions) == 1 and not verified.point.touches and not is_planar(stretch.problem):
+            if len(companions) == 1 and not verified.point.touches:
                 yield from _beside(stretch, a, b, verified, depth)
         elif isinstance(verified, Nothing):  # a change that is no event, such as a neutral saddle
             yield from _around(stretch, (a, low, high, b), depth)
@@ -175,7 +175,7 @@ def next_to_event(
     the event along the stretch, which may have another mesh.
     """
     problem = stretch.problem
-    if event.touches or is_planar(problem) or problem.explain(near, far) != ():
+    if event.touches or problem.explain(near, far) != ():
         return
     if event.normal_form.get("kind") == "nonsmooth":  # what is divided out is a zero of a smooth function
         return

@@ -182,12 +182,14 @@ def _assemble(
             rows.add_piece(piece)
     (z, raw_tangents, unstable, eigenvalues), start_row = rows.joined(start_row)
     columns: Fields = dict(problem.columns(z))
+    properties: list[str] = []  # what holds all along the branch
     with contained(notes.append):
-        notes.extend(problem.remarks(z))
+        properties.extend(problem.remarks(z))
+    notes += properties
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
-    told = is_planar(problem) and bool(notes)  # a curve along which eigenvalues stay critical: their signs are rounding
+    told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
     labels = [(row, point) for row, point, _ in rows.labelled]
     changes = [] if told else unexplained(unstable, labels, born, rows.jumps)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]

@@ -27,6 +27,7 @@ FAR = 1e-6  # part of its size at the start below which a state is solved for on
 AGAIN = 20  # times at most: from 1e120
 TINY = 1e-12  # Newton steps shorter than this may be made of nothing but rounding
 ACCURATE = 1e-12  # scaled Newton correction at which a start is a solution
+LOST = 8.0  # roundings of the terms of f, to which it may be zero
 REAL = 1e-3  # relative difference of a state from the one that Newton's method finds from zero
 RADII = (0.1, 0.5, 2.0, 10.0)  # around a start that fails, relative to it, and ...
 STARTS = 8  # ... how many are tried within each
@@ -152,6 +153,8 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int
             return solution(u)
         step = _newton_step(a, f, scale)
         if step is None:
+            if _is_lost_in_its_terms(system, u, problem.base, f):
+                return solution(u)
             break
         size = float(np.max(np.abs(step) / np.maximum(scale, np.abs(u))))
         if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
@@ -170,7 +173,8 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int
                         break
             damping *= 0.5
         if not accepted:
-            if _is_rounding(lambda state: evaluate(state)[0], u, f, step, scale):
+            rounding = _is_rounding(lambda state: evaluate(state)[0], u, f, step, scale)
+            if rounding or _is_lost_in_its_terms(system, u, problem.base, f):
                 return solution(u)
             break
         before = size if damping == 1.0 else np.inf
@@ -213,6 +217,14 @@ def _is_rounding(function: Callable[[Array], Array], u: Array, f: Array, step: A
         return False
     back = function(u - 1000.0 * step)
     return bool(np.max(np.abs(back - 1001.0 * f)) <= 0.1 * np.max(np.abs(1001.0 * f)))
+
+
+def _is_lost_in_its_terms(system: System, u: Array, p: Array, f: Array) -> bool:
+    """True where f at u is no more than rounding errors of its terms, as at a fold, where Newton's steps are large."""
+    full = np.append(p, 0.0) if system.is_forced else p
+    values = np.abs(np.concatenate([u, full]))
+    terms = np.abs(np.asarray(system.jacobian(u, full)[1])) @ values + (np.abs(u) if system.kind == "map" else 0.0)
+    return bool(np.all(np.abs(f) <= LOST * np.finfo(float).eps * terms))
 
 
 def _without_rounding(evaluate: Callable[[Array], tuple[Array, Array]], u: Array, scale: Array) -> Array:

@@ -102,13 +102,15 @@ def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     return changed if len(changed) <= 1 else None
 
 
-def watch(type_: str) -> int:
-    return 2 + tests_of_connections().index(type_)
+def watch(type_: str) -> int | None:
+    tests = tests_of_connections()
+    return 2 + tests.index(type_) if type_ in tests else None
 
 
 def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test along the curve."""
     index = watch(type_)
+    assert index is not None
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:
         return unverified(type_, "its test function has no zero nearby")

@@ -35,8 +35,9 @@ def explain(locus: str, a: Sample, b: Sample) -> tuple[str, ...] | None:
     return types if len(types) <= 1 else None
 
 
-def watch(locus: str, type_: str) -> int:
-    return 2 + tests_of_orbits(locus).index(type_)
+def watch(locus: str, type_: str) -> int | None:
+    tests = tests_of_orbits(locus)
+    return 2 + tests.index(type_) if type_ in tests else None
 
 
 def critical(locus: str, further: float) -> tuple[complex, ...]:
@@ -52,6 +53,8 @@ def critical(locus: str, further: float) -> tuple[complex, ...]:
 def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> Outcome:
     """The zero of a test function along the curve, by secants in a bracket; none where a neutral pair crosses."""
     index = watch(problem.locus, type_)
+    if index is None:
+        return unverified(type_, "no test of this curve has it")
     zero = zero_of_test(problem, near, frame, index)
     if zero is None:
         return unverified(type_, "its test function has no zero nearby")
