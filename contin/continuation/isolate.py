@@ -89,7 +89,8 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         if isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
             yield from companions
-            own = not is_planar(stretch.problem) or verified.point.type == types[0]  # none that ends the curve, as DP
+            own = verified.point.type == types[0] and not stretch.problem.adaptive  # none that ends the curve, as DP
+            own |= not is_planar(stretch.problem)
             if len(companions) == 1 and not verified.point.touches and own:
                 yield from _beside(stretch, a, b, verified, depth)
         elif isinstance(verified, Nothing):  # a change that is no event, such as a neutral saddle
@@ -182,7 +183,7 @@ def next_to_event(
         return
     near, far = solved(stretch, near, far), solved(stretch, far, near)
     test = problem.watch(event.type)
-    if test is None and is_planar(problem):
+    if (test is None or problem.adaptive) and is_planar(problem):
         return
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
     yield from _rest(stretch, near, far, centre, crossing, 0)
