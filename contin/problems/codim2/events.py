@@ -20,7 +20,7 @@ from contin.problems.codim2.fold_ends import at_fold
 from contin.problems.codim2.forms import described
 from contin.problems.codim2.functions import critical_indices, function_of
 from contin.problems.codim2.matrices import eigenvalues, null_pair, scaled_matrix
-from contin.problems.codim2.solving import ILL_CONDITIONED, RESIDUAL_LIMIT, Solution, solve
+from contin.problems.codim2.solving import DIFFERENCE, ILL_CONDITIONED, RESIDUAL_LIMIT, Solution, solve
 from contin.problems.codim2.triple_zero import triple_zero
 from contin.special.table import signs_of_points, tests_of_points
 
@@ -122,6 +122,8 @@ def _verified(problem: LocusProblem, type_: str, near: Sample, frame: Frame) -> 
         return Rejected(
             f"{type_} not labelled: its defining system is singular there, a point more degenerate than its type"
         )
+    if type_ == "BT" and not solved.alone:  # rounding of its function makes changes of sign between two of them
+        return Rejected(f"{type_} not labelled: others lie closer than {DIFFERENCE:g} to it (scaled)")
     return _point(problem, type_, solved, frame)
 
 

@@ -36,6 +36,7 @@ class Solution:
     residual: float
     error: float
     drift: Array | None = None
+    alone: bool = True  # the function has two signs at `DIFFERENCE` on both sides: no second zero lies as near
 
 
 def solve(
@@ -76,7 +77,8 @@ def solve(
     scatter = _scatter(lambda at: residual(at)[0], matrix, inverse, y)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
-    beside = max(abs(function((y + step * along) * scale)) for step in (DIFFERENCE, -DIFFERENCE))
+    ahead, behind = (function((y + step * along) * scale) for step in (DIFFERENCE, -DIFFERENCE))
+    beside = max(abs(ahead), abs(behind))
     if with_poles and abs(float(g[-1])) * size > POLE * beside:
         return None
     approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
@@ -84,7 +86,7 @@ def solve(
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
     drift = (float(np.max(scatter)) + lacking) * along
-    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift)
+    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift, not ahead * behind > 0.0)
 
 
 def _scatter(residual: Callable[[Array], Array], matrix: Array, inverse: Array, y: Array) -> Array:
