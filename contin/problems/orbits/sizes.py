@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.orbits.layout import Profile
-from contin.simulate.natural import filled, natural_metric
+from contin.simulate.natural import filled
 
 if TYPE_CHECKING:
     from contin.problems.orbits.family import FamilyOfOrbits
@@ -26,10 +26,7 @@ def state_sizes(family: FamilyOfOrbits, profile: Profile) -> Array:
     largest = np.where(periods > 0.0, periods / (2.0 * np.pi), largest)
     small = largest <= TINY_STATE * float(largest.max())
     if small.any():
-        usual, unknown = filled(np.where(small, 0.0, largest), _coupling(family, profile))
-        if np.any(np.logical_and(small, unknown)):  # nothing couples them to the others
-            p = family.full_parameters(profile.vector())[: family.system.m]
-            usual = np.where(unknown, natural_metric(family.system, profile.u[0], p).states, usual)
+        usual, _ = filled(np.where(small, 0.0, largest), _coupling(family, profile))
         largest = np.where(small & (largest < TINY_STATE * usual), usual, largest)
     return np.asarray(largest)
 
