@@ -95,6 +95,12 @@ class Arm:
                 origin, before, length, step = corner[0], None, 0.0, settings.first_step
                 yield corner[1]
                 continue
+            beyond = self._other_arm(chunk, piece)
+            if beyond is not None:
+                self.accepted += 1
+                yield Piece.single(beyond, self.scale)
+                origin, before, length, step, event = beyond, None, 0.0, settings.first_step, None
+                continue
             step = chunk.next_step
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
@@ -156,10 +162,10 @@ class Arm:
         """What counts of a chunk, the sharp corner beyond it, and its piece with the arm's end, if that is reached."""
         if self.problem.parts_touching:
             chunk = _until_lowest(chunk)
-        if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk))) is not None:
+        if chunk.stop is Stop.CORNER and (corner := self._beyond_corner(_without_last(chunk), before)) is not None:
             chunk = _without_last(chunk)
         else:
-            corner = self._beyond_corner(chunk) if chunk.stop is Stop.CORRECTOR else None
+            corner = self._beyond_corner(chunk, before) if chunk.stop is Stop.CORRECTOR else None
         resolved = self._resolved(chunk, before, corner is not None, event)
         if resolved is None:  # the last step jumped to another branch: again, shorter
             self._forget(corner)
@@ -204,12 +210,20 @@ class Arm:
         if renewal.point is not None:
             yield Piece.labelled(renewal.point, origin, self.scale)
 
-    def _beyond_corner(self, chunk: Chunk) -> tuple[Sample, Piece] | None:
-        """A point past a sharp corner, and the piece that leads there (the corner's label, then the point)."""
-        course = self.course
-        crossed = self.problem.cross_corner(chunk.sample(-1), Frame(self.scale, chunk.reference), course.settings)
+    def _beyond_corner(self, chunk: Chunk, before: Sample | None) -> tuple[Sample, Piece] | None:
+        """A point past a sharp corner, and the piece that leads there (the corner's label, then the point).
+
+        A row that lies beyond the corner by rounding alone has the sense of the rows `before`: two arms that leave a
+        corner almost alike have almost opposite tangents where the branch passes from one to the other. From there
+        the corner would be crossed back to the arm by which the branch came; from the row before it is crossed rightly.
+        """
+        course, last = self.course, chunk.sample(-1)
+        frame = Frame(self.scale, chunk.reference)
+        crossed = self.problem.cross_corner(last, frame, course.settings)
         if crossed is None:
             return None
+        if len(chunk) == 1 and before is not None and crossed[0].unstable == before.unstable != last.unstable:
+            crossed = self.problem.cross_corner(before, frame, course.settings) or crossed
         beyond, point = crossed
         marks: tuple[Row, ...] = ()
         notes: tuple[str, ...] = ()
@@ -224,6 +238,20 @@ class Arm:
             notes = (f"{JUMPS} near {course.position(beyond.z)}",)
         jumps = () if isinstance(point, Verified) or chunk.unstable[-1] == beyond.unstable else (1,)
         return beyond, replace(Piece.single(beyond, self.scale), found=marks, notes=notes, jumps=jumps)
+
+    def _other_arm(self, chunk: Chunk, piece: Piece) -> Sample | None:
+        """Past a corner that the last step has labelled: a point with the sense in which the other arm leads away.
+
+        The last row is there already, but its tangent has the sense of the row before (see `_beyond_corner`).
+        """
+        mark = next((m for m in piece.found if m.point.normal_form.get("kind") == "nonsmooth"), None)
+        if mark is None or chunk.stop is not Stop.EVENT or not 1 <= mark.before == len(chunk) - 1:
+            return None
+        last = chunk.sample(mark.before - 1)
+        crossed = self.problem.cross_corner(last, Frame(self.scale, chunk.reference), self.course.settings)
+        if crossed is None or not isinstance(crossed[1], Verified) or crossed[0].unstable != chunk.unstable[-1]:
+            return None
+        return crossed[0]
 
     def _forget(self, corner: tuple[Sample, Piece] | None) -> None:
         """Forget a corner that the arm has not come to."""

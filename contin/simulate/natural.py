@@ -184,7 +184,8 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
             else:
                 continue
             found[i] = True
-    own = ~known & (scale > 0.0) & (~found | (scale > ROUNDING * result))  # small in its units, and no rounding
+    # small in its units, and no rounding; of a state to which nothing couples nobody knows: 2e-17 is mostly a zero
+    own = ~known & found & (scale > ROUNDING * result)
     return np.where(own, scale, result), ~(found | own)
 
 

@@ -55,7 +55,7 @@ class Runner:
             u[names.index(name)] = value
         try:
             u[:] = consistent_start(self.system, u, p)
-        except ContinError:
+        except ContinError:  # the run's outcome says so too
             return None
         return u, p, {**parameters_of(spec.model, start), **spec.parameters, **chosen}
 
