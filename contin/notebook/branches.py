@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from contin.continuation.branch import Branch, SpecialPoint
+from contin.errors import InputError
 from contin.normalforms.words import describe
 from contin.notebook import html
 from contin.plot.figure import draw
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from contin.diagram.diagram import Diagram
     from contin.diagram.phase.diagram import PhaseDiagram
 
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
 def branch_page(branch: Branch) -> str:
     """Picture, labels, ends."""
     return (
-        html.image(draw([branch]), repr(branch))
+        _picture(lambda: draw([branch]), repr(branch))
         + html.paragraph(_one_line(branch))
         + _points([branch], named=False)
         + html.notes(branch.notes)
@@ -46,7 +49,7 @@ def diagram_page(diagram: Diagram) -> str:
         return html.paragraph("a diagram without branches") + html.notes(diagram.notes)
     lines = [(branch.name, _one_line(branch)) for branch in diagram.branches]
     return (
-        html.image(diagram.plot(), f"bifurcation diagram in {diagram.parameter}")
+        _picture(diagram.plot, f"bifurcation diagram in {diagram.parameter}")
         + _points(diagram.branches, named=True)
         + html.notes(diagram.notes)
         + html.details(f"{len(lines)} branches", html.table(("branch", "what"), lines))
@@ -59,6 +62,14 @@ def phase_page(diagram: PhaseDiagram) -> str:
     return html.image(diagram.plot(), f"phase diagram in {first} and {second}") + html.details(
         "regions and notes", f"<pre>{html.text(diagram)}</pre>"
     )
+
+
+def _picture(make: Callable[[], Figure], words: str) -> str:
+    """The picture, or why there is none (a function of many states without columns, say)."""
+    try:
+        return html.image(make(), words)
+    except InputError as error:
+        return html.paragraph(f"no picture: {error}")
 
 
 def _one_line(branch: Branch) -> str:

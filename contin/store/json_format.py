@@ -133,7 +133,9 @@ def describe_model(model: Model, overrides: Record | None = None) -> Fields:
     units = {p.name: p.unit for p in model.parameters if p.unit} | {s.name: s.unit for s in model.states if s.unit}
     if units:
         described["units"] = units
-    angles = {s: float(t) for s, t in zip(model.state_names, model.periods(overrides), strict=True) if t > 0}
+    named = bool(model.state_names)  # a function of very many states gives none, and has no angles
+    periods = model.periods(overrides) if named else ()
+    angles = {s: float(t) for s, t in zip(model.state_names, periods, strict=True) if t > 0}
     if angles:
         described["periods"] = angles
     return described

@@ -106,3 +106,14 @@ def test_branches_in_memory_draw_into_axes_of_the_user(diagram):
     assert axes.get_xlabel() == "\u03bc"
     assert axes.get_legend() is None
     assert hysteresis()[0].plot(y="x").axes[0].get_ylabel() == "x"
+
+
+@pytest.mark.parametrize("n", [2, 60])
+def test_branches_of_functions_without_names_of_states_show_themselves(n):
+    def rate(u, p):
+        return p["p"] - u**2
+
+    problem = contin.FunctionProblem(rate, np.ones(n), {"p": 1.0}, ranges={"p": (0.2, 2.0)})
+    branch = contin.continuation(problem, "p", (0.2, 2.0))
+    check(branch._repr_html_(), 1 if n == 2 else 0)
+    assert ("no picture" in branch._repr_html_()) == (n == 60)
