@@ -81,9 +81,17 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
     """Gauss-Newton on G(x) = 0 (as many equations as unknowns, or more that are consistent) until rounding decides.
 
     The error of x[position] is estimated from the scatter of single Newton steps from solutions perturbed by 1e-12:
-    that measures how the rounding errors of G, whatever they are, reach the answer. Where Newton converges linearly (a
-    degenerate solution) its geometric series is summed, and what it still lacks is added; in directions in which the
+    that measures how the rounding errors of G, whatever they are, reach the answer. In directions in which the
     Jacobian nearly vanishes the error is how far G stays below its rounding errors.
+    """
+    reached = _converged(system, x, position)
+    return None if reached is None else _estimated(system, reached[0], position, reached[1])
+
+
+def _converged(system: System, x: Array, position: int) -> tuple[Array, float] | None:
+    """The solution without its errors, and what x[position] still lacks.
+
+    Where Newton converges linearly (a degenerate solution) its geometric series is summed.
     """
     before, ratio_before, lacking, step = np.inf, 0.0, 0.0, np.zeros_like(x)
     for _ in range(NEWTON_BUDGET):
@@ -111,7 +119,7 @@ def newton(system: System, x: Array, position: int) -> Solved | None:
         if not size < STALLED:
             return None
         lacking = 10.0 * abs(float(step[position]))
-    return _estimated(system, x, position, lacking)
+    return x, lacking
 
 
 def _estimated(system: System, x: Array, position: int, lacking: float) -> Solved | None:
@@ -244,6 +252,22 @@ def critical_pair(
 
     n + 2 k^2 real equations for (y, w); `rate` is d shift / d w, `angle` the guess of w, and its unit.
     """
+    unit = abs(angle) or 1.0
+    solved = newton(_critical_pair(local, y, shift, rate, angle, corank), np.append(y, angle / unit), local.n)
+    return None if solved is None else replace(solved, extra=unit * solved.extra)
+
+
+def hopf_nearby(local: Local, y: Array, omega: float) -> tuple[Array, float] | None:
+    """The point with eigenvalues +-i omega that Newton's method finds, and omega; without the work of its errors."""
+    system = _critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, omega, 1)
+    reached = _converged(system, np.append(y, 1.0), local.n)
+    return None if reached is None else (reached[0][:-1], abs(omega * float(reached[0][-1])))
+
+
+def _critical_pair(
+    local: Local, y: Array, shift: Callable[[float], complex], rate: Callable[[float], complex], angle: float,
+    corank: int,
+) -> System:  # fmt: skip
     n = local.n
     identity = local.identity
     b, c = singular_basis(local.linearise(y)[1][:, :n] - shift(angle) * identity, corank)
@@ -267,8 +291,7 @@ def critical_pair(
         g = _bordered_values(jacobians[:, :, :n] - shifts[:, None, None] * identity, b, c).swapaxes(1, 2)
         return np.concatenate([f, np.stack([g.real, g.imag], axis=2).reshape(len(x), -1)], axis=1)
 
-    solved = newton(System(at, values), np.append(y, angle / unit), n)
-    return None if solved is None else replace(solved, extra=unit * solved.extra)
+    return System(at, values)
 
 
 def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 SMALL = 0.12  # amplitude (relative to the states' sizes) below which a shrinking orbit may end at a Hopf point
 MISSED = 0.5  # ... and its distance from where the amplitude's fall foretells that point, relative to what remains
 VERTICAL = 1e-6  # ... or relative to the range
+VANISHED = 1e-5  # amplitude of a shrinking orbit on an equilibrium: what it says beyond, of squares, is rounding
 LINGERING = 0.3  # part of the period spent near equilibria from which an approach to a homoclinic orbit is looked for
 
 
@@ -48,6 +49,9 @@ def ending(problem: OrbitProblem, origin: Sample, before: Sample | None, frame: 
     found = shrunk(problem, origin, before, frame)
     if found is not None:
         return found
+    resting = vanished(problem, origin, before, frame)
+    if resting is not None:
+        return Ending(resting)
     grown = unbounded(problem, origin, frame) or joined(problem, origin.z, before.z, frame.scale)
     if grown is not None:
         return Ending(grown)
@@ -83,6 +87,21 @@ def _vanishing(profile: Profile, earlier: Profile, sizes: Array) -> float:
     return profile.parameter - now * (profile.parameter - earlier.parameter) / (now - then)
 
 
+def vanished(problem: OrbitProblem, origin: Sample, before: Sample, frame: Frame) -> End | None:
+    """The equilibrium without a Hopf point, such as a doubly degenerate one, onto which a family shrinks."""
+    profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
+    size = extent_of(profile, sizes)
+    if problem.winding.any() or not problem.autonomous or size > VANISHED:
+        return None
+    if size >= extent_of(problem.profile(before.z), sizes):
+        return None
+    name, centre = problem.parameters[0], profile.weights @ profile.u
+    where = ", ".join(f"{s} = {v:.6g}" for s, v in zip(problem.system.state_names, centre, strict=True))
+    at = f"at {name} = {profile.parameter:.10g} ({where}), period {profile.period:.3g}"
+    text = f"the orbits shrink to an equilibrium that is no Hopf point {at}; amplitude {size:.0e}"
+    return End("degenerate", text, {"at": {name: profile.parameter}})
+
+
 def shrunk(problem: OrbitProblem | ShootingProblem, origin: Sample, before: Sample, frame: Frame) -> Ending | None:
     """The Hopf point on which a family with falling amplitude closes."""
     profile, sizes = problem.profile(origin.z), problem.sizes(origin.z, frame.scale)
@@ -100,17 +119,20 @@ def shrunk(problem: OrbitProblem | ShootingProblem, origin: Sample, before: Samp
     metric = np.append(np.sqrt(problem.n) * sizes, frame.scale[-1])
     local = rest.scaled(metric)
     omega = 2.0 * np.pi / profile.period
-    solved = defining.critical_pair(local, z / metric, lambda w: 1j * w, lambda w: 1j, omega)
+    nearby = defining.hopf_nearby(local, z / metric, omega)
+    if nearby is None:
+        return None
+    y, frequency = nearby
+    if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(y - z / metric)) > 2.0 * size:
+        return None
+    at = float(y[-1] * metric[-1])
+    missed = abs(at - _vanishing(profile, earlier, sizes))
+    if missed > MISSED * abs(at - profile.parameter) + VERTICAL * float(frame.scale[-1]):
+        return None
+    solved = defining.critical_pair(local, y, lambda w: 1j * w, lambda w: 1j, frequency)
     if solved is None or solved.residual > 1e-8:
         return None
-    found = solved.y * metric
-    remaining = abs(float(found[-1]) - profile.parameter)
-    missed = abs(float(found[-1]) - _vanishing(profile, earlier, sizes))
-    if missed > MISSED * remaining + VERTICAL * float(frame.scale[-1]):
-        return None
-    frequency = abs(float(solved.extra[0]))
-    if abs(frequency - omega) > 0.2 * omega or float(np.linalg.norm(solved.y - z / metric)) > 2.0 * size:
-        return None
+    found, frequency = solved.y * metric, abs(float(solved.extra[0]))
     point = replace(
         profile, u=np.tile(found[:-1], (len(profile.u), 1)), period=2.0 * np.pi / frequency, parameter=float(found[-1])
     )

@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from scipy.special import beta
 
 from contin import api
 from contin.continuation.problem import Stop
@@ -117,3 +118,20 @@ def test_a_closed_family_ends_at_its_start_whatever_its_phase_there():
     mu, s = family.columns["mu"], family.columns["square.max"] - 1.0
     np.testing.assert_allclose(mu**2 + s**2, 0.04, atol=1e-6)
     assert len(family) < 100
+
+
+def test_a_family_that_shrinks_onto_a_doubly_degenerate_equilibrium_ends_there():
+    """x'' = n x' - x^3 - x^2 x': small orbits x = a u(a t), u'' = -u^3, have n = a^2 <u^2 u'^2>/<u'^2>; nothing bounds
+    the period, and no Hopf point is at the end. No row beyond the reach of rounding, and no note."""
+    system = Model("case", states={"x": 0.5, "y": 0}, parameters={"n": 0.02},
+                   equations={"x": "y", "y": "n*y - x^3 - x^2*y"})  # fmt: skip
+    orbit = api.periodic_orbit(system, transient=2000.0)
+    family = api.continuation(orbit, "n", (-0.02, 0.03))
+    (end,) = [e for e in family.ends if e.reason != "bound"]
+    assert end.reason == "degenerate"
+    amplitude, n = family.columns["x.max"], family.columns["n"]
+    assert amplitude.min() == pytest.approx(5e-6, rel=1.0)
+    small = (amplitude > 1e-3) & (amplitude < 5e-3)
+    means = beta(3 / 4, 3 / 2) / beta(1 / 4, 3 / 2)  # u'^2 = (1 - u^4)/2
+    np.testing.assert_allclose(n[small] / amplitude[small] ** 2, means, rtol=3e-6)
+    assert not family.notes and len(n) < 400
