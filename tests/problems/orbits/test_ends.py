@@ -134,4 +134,5 @@ def test_a_family_that_shrinks_onto_a_doubly_degenerate_equilibrium_ends_there()
     small = (amplitude > 1e-3) & (amplitude < 5e-3)
     means = beta(3 / 4, 3 / 2) / beta(1 / 4, 3 / 2)  # u'^2 = (1 - u^4)/2
     np.testing.assert_allclose(n[small] / amplitude[small] ** 2, means, rtol=3e-6)
-    assert not family.notes and len(n) < 400
+    assert not family.notes
+    assert len(n) < 400
