@@ -14,6 +14,7 @@ MODULES: Final = {
     "simulated": "contin.cli.simulated",  # files of simulations: integrators, which few runs need
     "printing": "contin.model.printing",  # an expression is printed by what is made of expressions
     "yaml": "contin.model.yaml_loader",  # a model that is unpickled is read again, by what makes models
+    "pde": "contin.pde.read",  # a file of kind: pde becomes a large sparse system, which is made with numbers
     "simulation plan": "contin.runs.simulation_plan",  # the plan of a run has parts that are planned as runs are
     "iterates": "contin.simulate.iterate",  # a map is simulated by other means, with the same result
     "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means

@@ -23,7 +23,7 @@ def check_names(entry: ModelEntry, problems: Problems) -> None:
                 if heading is None:
                     continue  # noted where the heading is read
                 name = canonical_name(heading.group(1))
-            if not _check_name(name, (section, key), problems):
+            if not check_name(name, (section, key), problems):
                 continue
             if name in declared:
                 problems.add((section, key), f"{name} is already declared under {declared[name]}", key=True)
@@ -32,12 +32,13 @@ def check_names(entry: ModelEntry, problems: Problems) -> None:
     for key in entry.observables:
         name = canonical_name(key)
         itself = columns.get(name) == "parameters" and str(entry.observables[key]).strip() == key
-        if _check_name(name, ("observables", key), problems) and name in columns and not itself:
+        if check_name(name, ("observables", key), problems) and name in columns and not itself:
             problems.add(("observables", key), f"{name} is already declared under {columns[name]}", key=True)
         columns.setdefault(name, "observables")
 
 
-def _check_name(name: str, path: Path, problems: Problems) -> bool:
+def check_name(name: str, path: Path, problems: Problems) -> bool:
+    """Whether `name` may be declared; what is wrong with it is noted."""
     if name in RESERVED:
         problems.add(path, f"{name!r} is a word of the formula language; choose another name", key=True)
     elif name in TAKEN_NAMES:

@@ -1,0 +1,1 @@
+"""Partial differential equations on intervals, rectangles and circles, as ordinary large sparse systems."""

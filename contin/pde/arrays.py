@@ -1,0 +1,76 @@
+"""Formulas in arrays: one pass of numpy over the graph of all of them, real or complex."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Vector
+from contin.model.evaluate import factorial
+from contin.model.expression import Expression, postorder
+
+Values = Mapping[str, Any]  # arrays of one length, or numbers
+_FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
+    **{name: getattr(np, name) for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()},
+    "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
+    "atanh": np.arctanh, "atan2": np.arctan2, "abs": np.abs, "sign": np.sign, "min": np.minimum, "max": np.maximum,
+    "floor": np.floor, "ceil": np.ceil, "mod": np.mod, "heaviside": lambda x: np.heaviside(x, 0.5),
+    "factorial": np.vectorize(factorial, otypes=[float]),
+    "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal,
+    "not": np.logical_not, "if": np.where,
+}  # fmt: skip
+
+
+class ArrayFormulas:
+    """Several formulas, evaluated together."""
+
+    def __init__(self, formulas: Sequence[Expression]) -> None:
+        order = postorder(formulas)
+        place = {node: k for k, node in enumerate(order)}
+        self._steps = [(node.op, node.value, tuple(place[a] for a in node.args)) for node in order]
+        self._roots = [place[f] for f in formulas]
+
+    def __call__(self, values: Values, size: int) -> list[Vector]:
+        """The value of each formula, (size,)."""
+        done: list[Any] = []
+        with np.errstate(all="ignore"):  # what is not finite is told where it matters
+            for op, value, arguments in self._steps:
+                done.append(_step(op, value, [done[a] for a in arguments], values))
+            return [np.broadcast_to(np.asarray(done[root]), (size,)) for root in self._roots]
+
+
+def _step(op: str, value: Any, x: list[Any], values: Values) -> Any:
+    if op == "number":
+        return float(value)
+    if op == "symbol":
+        return values[value]
+    if op == "pi":
+        return np.pi
+    if op == "add":
+        return sum(x[1:], x[0])
+    if op == "mul":
+        return _product(x)
+    if op == "pow":
+        return _power(x[0], x[1])
+    if op == "and":
+        return np.logical_and.reduce(np.broadcast_arrays(*x))
+    if op == "or":
+        return np.logical_or.reduce(np.broadcast_arrays(*x))
+    return _FUNCTIONS[op](*x)
+
+
+def _product(x: list[Any]) -> Any:
+    total = x[0]
+    for factor in x[1:]:
+        total = total * factor
+    return total
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if np.ndim(exponent) == 0 and float(np.real(exponent)).is_integer() and abs(exponent) <= 16 and exponent != 0:
+        count = int(np.real(exponent))
+        power = _product([base] * abs(count))
+        return power if count > 0 else np.divide(1.0, power)
+    return np.power(np.asarray(base) * 1.0, exponent)

@@ -1,0 +1,206 @@
+"""u' = F(u, p) of a discretised problem: value, sparse Jacobian and multilinear forms, all exact, by arrays.
+
+    b = B(p)                    values that conditions give
+    g = G(s(u, b), p)           slopes that conditions give, of fields' values beside them
+    F_f = f(s(u, b, g), p)      every equation at the nodes where its field is unknown
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_matrix, csr_matrix, vstack
+
+from contin.abi import Array, Vector
+from contin.model.expression import Expression
+from contin.pde.piece import NOTHING, Jet, Piece, Values, subsets
+from contin.pde.slots import Slots
+from contin.pde.unknowns import Data, LinearMap, Unknowns
+
+if TYPE_CHECKING:
+    from contin.pde.grid import Grid
+
+
+class Discretised:
+    """The equations of all fields on a grid."""
+
+    def __init__(self, equations: Mapping[str, Expression], slots: Slots, unknowns: Unknowns) -> None:
+        self.unknowns, self.slots, self.grid = unknowns, slots, unknowns.grid
+        self.n = unknowns.n
+        self._maps: dict[str, LinearMap] = {}
+        self._values = [self._piece(d.right, d.nodes) for d in unknowns.values]
+        self._slopes = [self._piece(d.right, d.nodes) for d in unknowns.slopes]
+        self.pieces = {f: self._piece(equations[f], unknowns.free[f]) for f in unknowns.fields}
+
+    def map_of(self, name: str) -> LinearMap:
+        """The map of a slot at all nodes."""
+        if name not in self._maps:
+            slot = self.slots.of(name)
+            assert slot is not None
+            self._maps[name] = self.unknowns.map_of(slot)
+        return self._maps[name]
+
+    def _piece(self, formula: Expression, nodes: NDArray[np.intp]) -> Piece:
+        maps = {name: self.map_of(name).rows(nodes) for name in self.slots.used([formula])}
+        coordinates = {name: x[nodes] for name, x in self.grid.coordinates.items()}
+        return Piece(formula, maps, coordinates, len(nodes))
+
+    def everywhere(self, formula: Expression) -> Piece:
+        """A formula at all nodes, for what is observed."""
+        return self._piece(formula, np.arange(self.grid.size))
+
+    # values -----------------------------------------------------------------------------------------------------------
+
+    def boundary(self, u: Vector, p: Values) -> tuple[Vector, Vector]:
+        """b and g."""
+        b = np.concatenate([np.empty(0), *(piece.value([], p) for piece in self._values)])
+        parts = [piece.value(piece.slot_values(u, b, None), p) for piece in self._slopes]
+        return b, np.concatenate([np.empty(0), *parts])
+
+    def slot_values(self, piece: Piece, u: Vector, p: Values) -> list[Vector]:
+        """Each slot of a piece."""
+        b, g = self.boundary(u, p)
+        return piece.slot_values(u, b, g)
+
+    def value(self, u: Vector, p: Values) -> Vector:
+        """F (n,), real or complex."""
+        b, g = self.boundary(u, p)
+        out = np.empty(self.n, np.result_type(u, float, *p.values()))
+        for field, piece in self.pieces.items():
+            out[self.unknowns.places[field]] = piece.value(piece.slot_values(u, b, g), p)
+        return out
+
+    # Jacobian ---------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _assembly(self) -> _Assembly:
+        return _Assembly(self.n, list(self.pieces.items()), self._slopes, self.unknowns)
+
+    def jacobian(self, u: Array, p: Values) -> csc_matrix:
+        """dF/du, exact, always with the same pattern."""
+        b, g = self.boundary(u, p)
+        outer = [a for piece in self.pieces.values() for a in piece.slopes(piece.slot_values(u, b, g), p)]
+        inner = [a for piece in self._slopes for a in piece.slopes(piece.slot_values(u, b, None), p)]
+        return self._assembly.matrix(_joined(outer), _joined(inner))
+
+    def forms(self, u: Array, p: Values, directions: Sequence[tuple[Array, Mapping[str, float]]]) -> Array:
+        """D^k F[d_1, ..., d_k], directions as (states (n,), {parameter: rate})."""
+        whole = frozenset(range(len(directions)))
+        rates = [rate for _, rate in directions]
+        jet_u: Jet = {NOTHING: u, **{frozenset({k}): v for k, (v, _) in enumerate(directions)}}
+        b = _stacked([piece.jet([], p, rates, whole) for piece in self._values], whole)
+        g = _stacked([piece.jet(_slot_jets(piece, jet_u, b, None), p, rates, whole) for piece in self._slopes], whole)
+        out = np.empty(self.n)
+        for field, piece in self.pieces.items():
+            jet = piece.jet(_slot_jets(piece, jet_u, b, g), p, rates, whole)
+            out[self.unknowns.places[field]] = jet[whole]
+        return out
+
+    def fields(self, u: Array, p: Values) -> dict[str, Array]:
+        """Each field at all nodes, (size,)."""
+        b, _ = self.boundary(u, p)
+        return {f: np.asarray(self.map_of(f).S @ u + self.map_of(f).T @ b) for f in self.unknowns.fields}
+
+
+def _joined(parts: Sequence[Vector]) -> Vector:
+    return np.concatenate([np.empty(0), *parts])
+
+
+def _stacked(jets: Sequence[Jet], whole: frozenset[int]) -> Jet:
+    return {s: _joined([jet[s] for jet in jets]) for s in [NOTHING, *subsets(whole)]}
+
+
+def _slot_jets(piece: Piece, u: Jet, b: Jet, g: Jet | None) -> list[Jet]:
+    found = []
+    for m in piece.maps:
+        jet: Jet = {}
+        for subset, vector in b.items():
+            total = m.T @ vector
+            if subset in u:
+                total = total + m.S @ u[subset]
+            jet[subset] = total if g is None else total + m.G @ g[subset]
+        found.append(jet)
+    return found
+
+
+class _Assembly:
+    """Entries of dF/du: sums of a slope times an entry of S, and of two slopes times entries of G and S.
+
+    outer and inner: the slopes of equations and of conditions, one array for each slot, behind each other.
+    """
+
+    def __init__(
+        self, n: int, pieces: Sequence[tuple[str, Piece]], conditions: Sequence[Piece], unknowns: Unknowns
+    ) -> None:
+        none = np.empty(0, np.intp)
+        rows, columns, factors, outer, inner = [none], [none], [np.empty(0)], [none], [none]
+        chain = _rows_of_slopes(conditions, unknowns.slopes, n)
+        first = 0
+        for field, piece in pieces:
+            place = unknowns.places[field]
+            for m in piece.maps:
+                S = m.S.tocoo()
+                parts = [(S.row, S.col, S.data, np.full(S.nnz, -1))]
+                if m.G.nnz and chain is not None:
+                    parts.append(_chained(m.G, *chain))
+                for row, column, factor, second in parts:
+                    rows.append(place[row])
+                    columns.append(column)
+                    factors.append(factor)
+                    outer.append(first + row)
+                    inner.append(second)
+                first += piece.size
+        self._factor, self._outer, self._inner = (np.concatenate(x) for x in (factors, outer, inner))
+        key = np.concatenate(columns).astype(np.int64) * n + np.concatenate(rows)
+        kept, self._entry = np.unique(key, return_inverse=True)
+        self._count, self._n = len(kept), n
+        self._indices = (kept % n).astype(np.int32)
+        self._indptr = np.searchsorted(kept, np.arange(n + 1, dtype=np.int64) * n).astype(np.int32)
+
+    def matrix(self, outer: Array, inner: Array) -> csc_matrix:
+        """dF/du from the slopes."""
+        terms = self._factor * outer[self._outer] * np.append(inner, 1.0)[self._inner]
+        data = np.bincount(self._entry, weights=terms, minlength=self._count)
+        return csc_matrix((data, self._indices, self._indptr), shape=(self._n, self._n))
+
+
+def _rows_of_slopes(
+    conditions: Sequence[Piece], data: Sequence[Data], n: int
+) -> tuple[csr_matrix, NDArray[np.intp]] | None:
+    """Entries of dg/du by rows: for every slot of every condition a copy of S; and the number of each row's slope."""
+    blocks: list[Any] = []
+    owners, numbers, first = [], [], 0
+    for piece, d in zip(conditions, data, strict=True):
+        for m in piece.maps:
+            blocks.append(m.S)
+            owners.append(np.arange(d.at.start, d.at.stop))
+            numbers.append(first + np.arange(piece.size))
+            first += piece.size
+    if not blocks:
+        return None
+    return csr_matrix(vstack(blocks)), np.stack([np.concatenate(owners), np.concatenate(numbers)])
+
+
+def _chained(
+    G: csr_matrix, slopes: csr_matrix, owners: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, NDArray[np.intp]]:
+    """Rows, columns, factors and numbers of slopes in G diag(.) S."""
+    entries = G.tocoo()
+    rows, columns, factors, numbers = [], [], [], []
+    by_owner: dict[int, list[int]] = {}
+    for k, owner in enumerate(owners[0].tolist()):
+        by_owner.setdefault(owner, []).append(k)
+    for i, j, value in zip(entries.row, entries.col, entries.data, strict=True):
+        for k in by_owner.get(int(j), ()):
+            a, z = slopes.indptr[k], slopes.indptr[k + 1]
+            columns.append(slopes.indices[a:z])
+            factors.append(value * slopes.data[a:z])
+            rows.append(np.full(z - a, i))
+            numbers.append(np.full(z - a, owners[1][k]))
+    if not rows:
+        return np.empty(0, np.intp), np.empty(0, np.intp), np.empty(0), np.empty(0, np.intp)
+    return np.concatenate(rows), np.concatenate(columns), np.concatenate(factors), np.concatenate(numbers)

@@ -1,0 +1,106 @@
+"""A formula at many nodes: its value, its slopes and its multilinear forms in arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.model.expression import ZERO, Expression, symbols_in
+from contin.pde.arrays import ArrayFormulas
+from contin.pde.unknowns import LinearMap
+from contin.symbolic.calculus.derivatives import direction_symbols, directional, sparse_jacobian
+from contin.symbolic.calculus.remove_singularities import remove_singularities
+
+Jet = dict[frozenset[int], Vector]
+"""Mixed derivatives along directions: the set of directions -> the derivative; the empty set is the value."""
+
+Values = Mapping[str, float]
+NOTHING: frozenset[int] = frozenset()
+
+
+class Piece:
+    """`formula` in slots, parameters and coordinates, at `size` nodes, with the maps of its slots there."""
+
+    def __init__(
+        self, formula: Expression, maps: Mapping[str, LinearMap], coordinates: Mapping[str, Array], size: int
+    ) -> None:
+        self.formula = remove_singularities([formula])[0]
+        used = symbols_in([self.formula])
+        self.slots = [name for name in used if name in maps]
+        self.maps = [maps[name] for name in self.slots]
+        self.coordinates = {name: values for name, values in coordinates.items() if name in used}
+        self.parameters = [name for name in used if name not in maps and name not in coordinates]
+        self.size = size
+        self._value = ArrayFormulas([self.formula])
+        self._forms: dict[int, ArrayFormulas] = {}
+
+    def slot_values(self, u: Vector, b: Vector, g: Vector | None) -> list[Vector]:
+        """Each slot at the nodes."""
+        return [m.S @ u + m.T @ b + (0.0 if g is None else m.G @ g) for m in self.maps]
+
+    def value(self, slots: Sequence[Vector], p: Values) -> Vector:
+        """(size,)"""
+        return self._value(self._named(slots, p), self.size)[0]
+
+    def slopes(self, slots: Sequence[Vector], p: Values) -> list[Vector]:
+        """The derivative in each slot."""
+        return self._slopes(self._named(slots, p), self.size)
+
+    def _named(self, slots: Sequence[Vector], p: Values) -> dict[str, object]:
+        return {**p, **self.coordinates, **dict(zip(self.slots, slots, strict=True))}
+
+    @cached_property
+    def _slopes(self) -> ArrayFormulas:
+        entries = sparse_jacobian([self.formula], self.slots)
+        return ArrayFormulas([entries.get((0, j), ZERO) for j in range(len(self.slots))])
+
+    def jet(self, slots: Sequence[Jet], p: Values, rates: Sequence[Mapping[str, float]], wanted: frozenset[int]) -> Jet:
+        """Derivatives along all subsets of `wanted`; rates[k] are those of the parameters along direction k."""
+        named = self._named([s[NOTHING] for s in slots], p)
+        out: Jet = {NOTHING: self._value(named, self.size)[0]}
+        for subset in subsets(wanted):
+            total: Vector = np.zeros(self.size)
+            for blocks in partitions(sorted(subset)):
+                total = total + self._form(blocks, slots, named, rates)
+            out[subset] = total
+        return out
+
+    def _form(
+        self, blocks: Sequence[frozenset[int]], slots: Sequence[Jet], named: Mapping[str, object],
+        rates: Sequence[Mapping[str, float]],
+    ) -> Vector:  # fmt: skip
+        """D^k f [q_1, ..., q_k], q_j the derivatives of slots and parameters along the j-th block."""
+        k, names = len(blocks), [*self.slots, *self.parameters]
+        if k not in self._forms:
+            directions = [direction_symbols(j + 1, len(names)) for j in range(k)]
+            self._forms[k] = ArrayFormulas(directional([self.formula], names, directions))
+        values = dict(named)
+        for j, block in enumerate(blocks):
+            along = [s.get(block, 0.0) for s in slots]
+            single = rates[next(iter(block))] if len(block) == 1 else {}
+            along += [single.get(name, 0.0) for name in self.parameters]
+            values.update({str(s.value): x for s, x in zip(direction_symbols(j + 1, len(names)), along, strict=True)})
+        return self._forms[k](values, self.size)[0]
+
+
+def subsets(whole: frozenset[int]) -> list[frozenset[int]]:
+    """All but the empty one, smaller ones first."""
+    members = sorted(whole)
+    found = [frozenset(m for i, m in enumerate(members) if code >> i & 1) for code in range(1, 1 << len(members))]
+    return sorted(found, key=lambda s: (len(s), sorted(s)))
+
+
+def partitions(members: Sequence[int]) -> list[list[frozenset[int]]]:
+    """All ways to cut a set into blocks."""
+    if not members:
+        return [[]]
+    first, rest = members[0], partitions(members[1:])
+    found = []
+    for blocks in rest:
+        found.append([frozenset({first}), *blocks])
+        for k, block in enumerate(blocks):
+            found.append([*blocks[:k], block | {first}, *blocks[k + 1 :]])
+    return found

@@ -1,0 +1,154 @@
+"""`PdeProblem`: a discretised partial differential equation, an ordinary large sparse system of every verb."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import InputError
+from contin.model.advice import closest
+from contin.model.expression import Expression
+from contin.model.parts import Parameter, Start
+from contin.model.values import parameter_values
+from contin.pde.arrays import ArrayFormulas
+from contin.pde.equations import Discretised
+from contin.pde.measures import Observer
+from contin.problems.functions.problem import FunctionProblem
+from contin.records import Fields, Record
+
+Reader = Callable[[Record], Start]
+
+
+class PdeProblem(FunctionProblem):
+    """u' = F(u, p) on the unknown values of fields at nodes; `profile` gives the fields of a solution.
+
+    Starts are named, or mappings of fields to formulas in coordinates and parameters, or vectors (n,).
+    """
+
+    def __init__(
+        self,
+        discretised: Discretised,
+        observer: Observer,
+        parameters: Sequence[Parameter],
+        starts: Sequence[Start],
+        guess: Start,
+        read_start: Reader,
+        described: Record,
+    ) -> None:
+        self.discretised, self._read_start = discretised, read_start
+        self._formulas = tuple(parameters)
+        values = parameter_values(self._formulas, [])
+        self._guess = guess
+        self.fields = discretised.unknowns.fields
+        grid = discretised.grid
+        where = np.empty(discretised.n, object)
+        for field in self.fields:
+            free = discretised.unknowns.free[field]
+            places = zip(*(grid.coordinates[axis.name][free] for axis in grid.axes), strict=True)
+            for place, x in zip(discretised.unknowns.places[field], places, strict=True):
+                where[place] = field, x
+        self._where = where
+        names = list(values)
+
+        def derivative(u: Array, p: Mapping[str, float], *directions: Array) -> Array:
+            split = [(d[: discretised.n], dict(zip(names, d[discretised.n :].tolist(), strict=True))) for d in directions]
+            return discretised.forms(u, p, split)
+
+        def parameter_jacobian(u: Array, p: Mapping[str, float], name: str) -> Array:
+            return discretised.forms(u, p, [(np.zeros(discretised.n), {name: 1.0})])
+
+        bounds = {q.name: q.range for q in parameters if q.range is not None}
+        numbers = {name: tuple(evaluated(pair, values)) for name, pair in bounds.items()}
+        super().__init__(
+            discretised.value,
+            self._vector(guess, values),
+            values,
+            discretised.jacobian,
+            parameter_jacobian=parameter_jacobian,
+            derivative=derivative,
+            record=observer,
+            states=[f"{field}[{k}]" for k, (field, _) in enumerate(where)],
+            ranges={name: (pair[0], pair[1]) for name, pair in numbers.items()},
+            explain=self._explained,
+            **described,
+        )
+        self.state_names = ()
+        self.starts = tuple(starts)  # type: ignore[assignment]
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return tuple(axis.name for axis in self.discretised.grid.axes)
+
+    @property
+    def starting_names(self) -> tuple[str, ...]:
+        """What a start may give."""
+        return self.fields
+
+    def default_parameters(self, overrides: Record | None = None) -> dict[str, float]:
+        """Values of all parameters with overrides, which may be formulas."""
+        return parameter_values(self._formulas, [overrides or {}])
+
+    def start_point(self, start: Any = None, parameters: Record | None = None) -> tuple[Array, Array]:
+        """Vectors u (n,) and p (m,): `start` is None (the fields' own), a name, a mapping of fields, or a vector."""
+        chosen: Start | None = None
+        if start is None:
+            chosen = self._guess
+        elif isinstance(start, str):
+            chosen = next((s for s in self.starts if s.name == start), None)
+            if chosen is None:
+                known = [s.name for s in self.starts]
+                advice = closest(start, known) or (f"there are {', '.join(known)}" if known else "it declares no starts")
+                raise InputError(f"{self.name} has no start {start!r}: {advice}")
+        elif isinstance(start, Mapping):
+            chosen = self._read_start(start)
+        if chosen is None:
+            values = self.default_parameters(parameters)
+            return super().start_point(start, values)
+        values = parameter_values(self._formulas, [chosen.parameters, parameters or {}])
+        return self._vector(chosen, values), np.array(list(values.values()))
+
+    def _vector(self, start: Start, p: Mapping[str, float]) -> Array:
+        d = self.discretised
+        u = np.empty(d.n)
+        for field in self.fields:
+            formula = start.states.get(field, self._guess.states[field])
+            free = d.unknowns.free[field]
+            at = {name: x[free] for name, x in d.grid.coordinates.items()}
+            u[d.unknowns.places[field]] = ArrayFormulas([formula])({**p, **at}, len(free))[0]
+        if not np.all(np.isfinite(u)):
+            field, x = self._where[int(np.flatnonzero(~np.isfinite(u))[0])]
+            raise InputError(f"{self.name}: the start of {field} is not finite at {self._place(x)}")
+        return u
+
+    def _place(self, x: Sequence[float]) -> str:
+        return ", ".join(f"{name} = {value:.6g}" for name, value in zip(self.axes, x, strict=True))
+
+    def _explained(self, u: Array, p: Array) -> str | None:
+        """Which equation is not finite, and where."""
+        values = dict(zip(self.parameter_names, p.tolist(), strict=True))
+        bad = np.flatnonzero(~np.isfinite(self.discretised.value(u, values)))
+        if not len(bad):
+            return None
+        field, x = self._where[int(bad[0])]
+        return f"the equation of {field} is not finite at {self._place(x)}"
+
+    def profile(self, u: Array, p: Mapping[str, float]) -> dict[str, Array]:
+        """Coordinates of the axes' nodes, and every field on the grid, (points,) or (points, points)."""
+        grid = self.discretised.grid
+        fields = self.discretised.fields(np.asarray(u, dtype=float), p)
+        nodes = {axis.name: axis.nodes for axis in grid.axes}
+        return {**nodes, **{name: values.reshape(grid.shape) for name, values in fields.items()}}
+
+    def text(self) -> str:
+        """What a store keeps of it."""
+        sizes = " x ".join(str(n) for n in self.discretised.grid.shape)
+        return f"# {sizes} nodes\n{super().text()}"
+
+
+def evaluated(formulas: Sequence[Expression], values: Fields) -> list[float]:
+    """Formulas in parameters, in numbers."""
+    return [float(x[0]) for x in ArrayFormulas(formulas)(values, 1)]
