@@ -122,8 +122,11 @@ def _tell_conserved(model: Model) -> None:
 def check_model(file: Path, document: Document, execute: bool) -> int:
     """Check a model file, and with `execute` that its expected points are found."""
     model = model_from_document(document)
-    index_one(model)
-    counts = f"{len(model.states)} states, {len(model.parameters)} parameters, {len(model.starts)} named starts"
+    fields = getattr(model, "fields", ())
+    if not fields:
+        index_one(model)
+    size = f"{len(fields)} fields, {model.n} unknowns" if fields else f"{len(model.states)} states"  # type: ignore[attr-defined]
+    counts = f"{size}, {len(model.parameters)} parameters, {len(model.starts)} named starts"
     print(f"{file}: good. Model {model.name}: {counts}")
     _tell_conserved(model)
     if not execute:

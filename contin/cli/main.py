@@ -378,7 +378,7 @@ def kernels(
 
 @app.command()
 def schema(
-    what: Annotated[str, typer.Argument(help="model, run, scan or result.")] = "run",
+    what: Annotated[str, typer.Argument(help="model, pde, run, scan or result.")] = "run",
 ) -> None:
     """Print a JSON schema, for editors that check and complete YAML."""
     raise typer.Exit(work("print_schema")(what))

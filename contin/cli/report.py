@@ -19,10 +19,17 @@ _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there 
 _OF_KIND: Final = {"pitchfork": "b30", "transcritical": "b20"}
 
 
+def _size(model: Record) -> str:
+    """How large the model is, in words."""
+    if "fields" in model:
+        return f"{', '.join(model['fields'])} on {', '.join(model['axes'])}: {model['unknowns']} unknowns"
+    return f"{len(model['states'])} states"
+
+
 def print_report(document: Record, console: Console) -> None:
     """Print every branch of a result document, then notes and time."""
     model = document["model"]
-    console.print(Text.assemble((model["name"], "bold"), f"  ({len(model['states'])} states)"))
+    console.print(Text.assemble((model["name"], "bold"), f"  ({_size(model)})"))
     for branch in document["branches"]:
         console.print()
         _print_branch(branch, model["states"], console)

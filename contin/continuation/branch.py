@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array, Vector
+from contin.continuation.fields import Fields, fields_of
 from contin.continuation.frames import dataframe, dataset
 from contin.continuation.orbit import Orbit, orbit_of
 from contin.records import Record
@@ -70,6 +71,11 @@ class SpecialPoint:
     def orbit(self) -> Orbit:
         """The periodic orbit here: `t`, `columns`, `multipliers`; InputError where the point is no orbit."""
         return orbit_of(self.problem, self.z, self.eigenvalues, f"{self.branch}.{self.label}")
+
+    @property
+    def fields(self) -> Fields:
+        """Of a model of kind: pde, the coordinates and the fields on them; InputError where the point has none."""
+        return fields_of(self.problem, self.z, self.values, f"{self.branch}.{self.label}")
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook branches").point_page(self))
@@ -156,6 +162,13 @@ class Branch:
         if not -len(self) <= row < len(self):
             raise IndexError(f"branch {self.name!r} has rows 0 to {len(self) - 1}; got {row}")
         return orbit_of(self.problem, self.z[row], self.eigenvalues[row], f"row {row} of {self.name}")
+
+    def fields(self, row: int) -> Fields:
+        """Of a model of kind: pde, the coordinates and the fields on them at a row (negative: from the last)."""
+        if not -len(self) <= row < len(self):
+            raise IndexError(f"branch {self.name!r} has rows 0 to {len(self) - 1}; got {row}")
+        here = {name: column[row] for name, column in self.columns.items()}
+        return fields_of(self.problem, self.z[row], {**self.problem.constants(), **here}, f"row {row} of {self.name}")
 
     def plot(self, ax: Axes | None = None, **options: object) -> Figure:
         """A matplotlib figure: solid stable, dashed unstable, special points marked; options: `contin.plot.look.Look`.

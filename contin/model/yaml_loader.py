@@ -39,14 +39,16 @@ def model_from_mapping(mapping: Record, where: str | Source = "model", *, check:
     """
     source = CallSource(where) if isinstance(where, str) else where
     if _is_pde(mapping):
-        return _discretised(mapping, source)
+        discretised: Model = _discretised(mapping, source)
+        return discretised
     return Model.from_parts(**parts_from_mapping(mapping, source, check=check))
 
 
 def model_from_document(document: Document, check: bool = True) -> Model:
     """The model in a document that has been read."""
     if _is_pde(document.data):
-        return _discretised(document.data, document.source, True)
+        discretised: Model = _discretised(document.data, document.source, True)
+        return discretised
     parts = parts_from_mapping(document.data, document.source, version_required=True, check=check)
     return Model.from_parts(**parts)
 

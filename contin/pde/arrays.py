@@ -8,14 +8,30 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Vector
+from contin.machine import elementary
 from contin.model.evaluate import factorial
 from contin.model.expression import Expression, postorder
 
 Values = Mapping[str, Any]  # arrays of one length, or numbers
+_OURS: Final = "sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp expm1 log log1p log10 pow".split()
+
+
+def _elementary(name: str) -> Callable[..., Any]:
+    """The function with the same bits on every processor, for real numbers; numpy's for complex ones."""
+    ours = getattr(elementary, name)
+    general = getattr(np, name.replace("a", "arc", 1) if name[0] == "a" else "power" if name == "pow" else name)
+
+    def function(*x: Any) -> Any:
+        if any(np.iscomplexobj(a) for a in x):
+            return general(*x)
+        return ours(*(np.asarray(a, dtype=float) for a in x))
+
+    return function
+
+
 _FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
-    **{name: getattr(np, name) for name in "sin cos tan sinh cosh tanh exp expm1 log log1p log10 sqrt".split()},
-    "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
-    "atanh": np.arctanh, "atan2": np.arctan2, "abs": np.abs, "sign": np.sign, "min": np.minimum, "max": np.maximum,
+    **{name: _elementary(name) for name in _OURS}, "sqrt": np.sqrt,
+    "abs": np.abs, "sign": np.sign, "min": np.minimum, "max": np.maximum,
     "floor": np.floor, "ceil": np.ceil, "mod": np.mod, "heaviside": lambda x: np.heaviside(x, 0.5),
     "factorial": np.vectorize(factorial, otypes=[float]),
     "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "==": np.equal, "!=": np.not_equal,
@@ -73,4 +89,4 @@ def _power(base: Any, exponent: Any) -> Any:
         count = int(np.real(exponent))
         power = _product([base] * abs(count))
         return power if count > 0 else np.divide(1.0, power)
-    return np.power(np.asarray(base) * 1.0, exponent)
+    return _FUNCTIONS["pow"](base, exponent)

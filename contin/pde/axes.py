@@ -17,6 +17,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, diags
 
 from contin.abi import Array
+from contin.machine import elementary
 
 Method = Literal["differences", "chebyshev", "fourier"]
 NEIGHBOURS: Final = 4  # nodes of the polynomial that gives values between nodes of a mesh of differences
@@ -62,10 +63,10 @@ class Axis:
     @cached_property
     def nodes(self) -> Array:
         """(points,), ascending."""
-        j = np.arange(self.points)
+        j = np.arange(self.points, dtype=float)
         if self.method == "chebyshev":
-            return self.low + self.length * np.sin(0.5 * np.pi * j / (self.points - 1)) ** 2
-        return self.low + self.step * j
+            return self.low + self.length * elementary.square(elementary.sin(0.5 * np.pi * j / (self.points - 1)))
+        return np.asarray(self.low + self.step * j)
 
     @cached_property
     def weights(self) -> Array:
@@ -133,7 +134,7 @@ class Axis:
         if self.method == "fourier":
             return _dirichlet(self.points, 2.0 * np.pi * (at - self.nodes) / self.length)
         if self.method == "chebyshev":
-            w = (-1.0) ** np.arange(self.points)
+            w = np.where(np.arange(self.points) % 2 == 0, 1.0, -1.0)
             w[[0, -1]] *= 0.5
             return _barycentric(self.nodes, w, at)
         count = min(NEIGHBOURS, self.points)
@@ -141,8 +142,8 @@ class Axis:
         if not self.periodic:
             first = min(max(first, 0), self.points - count)
         chosen = first + np.arange(count)
-        places = self.low + self.step * chosen
-        w = np.array([1.0 / np.prod(x - np.delete(places, k)) for k, x in enumerate(places)])
+        places: Array = self.low + self.step * chosen.astype(float)
+        w = np.array([1.0 / float(np.prod(x - np.delete(places, k))) for k, x in enumerate(places)])
         weights = np.zeros(self.points)
         weights[chosen % self.points] = _barycentric(places, w, at)
         return weights
@@ -157,12 +158,12 @@ def _barycentric(nodes: Array, w: Array, at: float) -> Array:
 
 
 def _dirichlet(n: int, t: Array) -> Array:
-    """Values at angles t of the trigonometric interpolant of (1, 0, ..., 0), the highest mode of an even n as cosine."""
+    """Values at angles t of the trigonometric interpolant of (1, 0, ..., 0), for even n with cosine as highest mode."""
     total = np.ones_like(t)
     for k in range(1, (n - 1) // 2 + 1):
-        total += 2.0 * np.cos(k * t)
+        total += 2.0 * elementary.cos(k * t)
     if n % 2 == 0:
-        total += np.cos(0.5 * n * t)
+        total += elementary.cos(0.5 * n * t)
     return np.asarray(total / n)
 
 
@@ -185,7 +186,8 @@ def _chebyshev(n: int) -> Array:
     c[[0, -1]] = 2.0
     c *= (-1.0) ** np.arange(n)
     # cos a - cos b without cancellation, x = -cos(theta)
-    gap = 2.0 * np.sin(0.5 * (theta[:, None] + theta[None, :])) * np.sin(0.5 * (theta[:, None] - theta[None, :]))
+    sums, differences = 0.5 * (theta[:, None] + theta[None, :]), 0.5 * (theta[:, None] - theta[None, :])
+    gap = 2.0 * elementary.sin(sums) * elementary.sin(differences)
     matrix = np.outer(c, 1.0 / c) / (gap + np.eye(n))
     np.fill_diagonal(matrix, 0.0)
     np.fill_diagonal(matrix, -matrix.sum(axis=1))
@@ -197,7 +199,7 @@ def _clenshaw_curtis(n: int) -> Array:
     k = np.arange(0, n, 2)
     moments = 2.0 / (1.0 - k.astype(float) ** 2)
     j = np.arange(n)
-    table = np.cos(np.pi * np.outer(j, k) / (n - 1))
+    table = elementary.cos(np.pi * np.outer(j, k) / (n - 1))
     halves = np.ones(len(k))
     halves[0] = 0.5
     if (n - 1) % 2 == 0:

@@ -57,7 +57,7 @@ class ConditionReader:
         found: list[SideCondition] = []
         for key, texts in written.items():
             path: Path = ("boundary", key)
-            if key != ALL and key not in self.grid.sides:
+            if key not in self.grid.sides and (key != ALL or not self.grid.sides):
                 known = ", ".join([*self.grid.sides, ALL]) if self.grid.sides else "none, as every axis is periodic"
                 self.problems.add(path, f"there is no side {key!r}; sides are {known}", key=True)
                 continue

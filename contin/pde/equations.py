@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from contin.model.expression import Expression
 from contin.pde.piece import NOTHING, Jet, Piece, Values, subsets
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Data, LinearMap, Unknowns
-
-if TYPE_CHECKING:
-    from contin.pde.grid import Grid
 
 
 class Discretised:

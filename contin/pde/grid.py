@@ -47,7 +47,7 @@ class Grid:
     @cached_property
     def weights(self) -> Array:
         """Weights (size,) of integrals over the domain."""
-        return np.asarray(reduce(np.kron, [axis.weights for axis in self.axes]))
+        return np.asarray(reduce(_kron, [axis.weights for axis in self.axes]))
 
     @cached_property
     def sides(self) -> dict[str, Side]:
@@ -72,4 +72,8 @@ class Grid:
 
     def interpolation(self, at: Sequence[float]) -> Array:
         """Weights (size,) that give the value at a point."""
-        return np.asarray(reduce(np.kron, [a.interpolation(x) for a, x in zip(self.axes, at, strict=True)]))
+        return np.asarray(reduce(_kron, [a.interpolation(x) for a, x in zip(self.axes, at, strict=True)]))
+
+
+def _kron(a: Array, b: Array) -> Array:
+    return np.asarray(np.kron(a, b), dtype=float)

@@ -82,7 +82,8 @@ class MeasureReader:
             axes = self.grid.axes
             names = ", ".join(axis.name for axis in axes)
             if len(arguments) != len(axes) or any(symbols_in([a]) for a in arguments):
-                raise ExpressionError(f"write {field}({names}) with numbers for {names}: the value at a point", position)
+                what = f"write {field}({names}) with numbers for {names}: the value at a point"
+                raise ExpressionError(what, position)
             at = tuple(float(evaluate(a, {})) for a in arguments)
             for axis, x in zip(axes, at, strict=True):
                 if not axis.low <= x <= axis.high:

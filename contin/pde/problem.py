@@ -54,7 +54,8 @@ class PdeProblem(FunctionProblem):
         names = list(values)
 
         def derivative(u: Array, p: Mapping[str, float], *directions: Array) -> Array:
-            split = [(d[: discretised.n], dict(zip(names, d[discretised.n :].tolist(), strict=True))) for d in directions]
+            n = discretised.n
+            split = [(d[:n], dict(zip(names, d[n:].tolist(), strict=True))) for d in directions]
             return discretised.forms(u, p, split)
 
         def parameter_jacobian(u: Array, p: Mapping[str, float], name: str) -> Array:
@@ -76,7 +77,7 @@ class PdeProblem(FunctionProblem):
             **described,
         )
         self.state_names = ()
-        self.starts = tuple(starts)  # type: ignore[assignment]
+        self.starts = tuple(starts)
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -101,7 +102,8 @@ class PdeProblem(FunctionProblem):
             chosen = next((s for s in self.starts if s.name == start), None)
             if chosen is None:
                 known = [s.name for s in self.starts]
-                advice = closest(start, known) or (f"there are {', '.join(known)}" if known else "it declares no starts")
+                listed = f"there are {', '.join(known)}" if known else "it declares no starts"
+                advice = closest(start, known) or listed
                 raise InputError(f"{self.name} has no start {start!r}: {advice}")
         elif isinstance(start, Mapping):
             chosen = self._read_start(start)

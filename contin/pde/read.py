@@ -141,7 +141,8 @@ class _Builder:
             raise
         described = {"name": entry.name, "title": entry.title, "source": entry.source, "expect": self._expected()}
         return PdeProblem(
-            system, Observer(system, observables, measures.found), parameters, starts, guess, self._read_start, described
+            system, Observer(system, observables, measures.found), parameters, starts, guess, self._read_start,
+            described,
         )
 
     def _read_start(self, mapping: Record) -> Start:
@@ -176,8 +177,8 @@ class _Builder:
 
     def _axis(self, key: str, item: AxisEntry) -> Axis:
         path: Path = ("domain", key)
-        numbers = self.formulas.scope_of([], {n: "the ends of a domain are numbers; scale the equations instead"
-                                              for n in self.names})  # fmt: skip
+        advice = "the ends of a domain are numbers; scale the equations instead"
+        numbers = self.formulas.scope_of([], dict.fromkeys(self.names, advice))
         low, high = (
             float(evaluate(self.formulas.read(v, (*path, word), numbers), {}))
             for word, v in (("from", item.start), ("to", item.end))

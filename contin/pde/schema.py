@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from contin.limits import brief
 from contin.model.schema import FORMAT_VERSION, ExpectEntry, Formula, Name, Parameter, StartEntry, Text, _fail
@@ -21,6 +21,9 @@ def _count(value: object) -> object:
 
 def _texts(value: object) -> object:
     return [value] if isinstance(value, str) else value
+
+
+_TEXTS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
 
 
 class _Entry(BaseModel):
@@ -52,7 +55,7 @@ class PdeEntry(_Entry):
     functions: dict[str, Formula] = {}
     definitions: dict[str, Formula] = {}
     equations: dict[str, Formula]
-    boundary: dict[str, Annotated[list[Text], BeforeValidator(_texts)]] = {}
+    boundary: dict[str, Annotated[list[Text], BeforeValidator(_texts), WithJsonSchema(_TEXTS)]] = {}
     observables: dict[str, Formula] = {}
     starts: dict[str, StartEntry] = {}
     expect: list[ExpectEntry] = []

@@ -83,7 +83,7 @@ class Slots:
             what = f"the derivative of order {orders[axis]} of {slot.field} along {axis_.name}"
             raise ExpressionError(
                 f"{what} is not made: derivatives go to order 4 on a periodic axis, and to order 2 between two ends, "
-                "where one condition at each end is taken; split the equation into two of second order", position,
+                "where one condition at each end is taken (`kind: bvp` takes any order)", position,
             )  # fmt: skip
         return self.symbol(Slot(slot.field, orders))
 

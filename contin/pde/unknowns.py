@@ -1,7 +1,7 @@
 """Which values are unknowns, and every derivative at every node as a linear function of them and of boundary data.
 
-With w = (u, b, g), u (n,) the unknowns, b the right-hand sides at nodes that conditions determine, g the slopes at
-ends of meshes of differences, a slot is s = S u + T b + G g. A value that a condition gives leaves the unknowns; so does
+With u (n,) the unknowns, b the right-hand sides at nodes that conditions determine, g the slopes at ends of meshes of
+differences, a slot is s = S u + T b + G g. A value that a condition gives leaves the unknowns; so does
 every node at an end of a Chebyshev axis, where conditions for slopes are solved for the values at the ends. On a mesh
 of differences with a given slope the end's value stays an unknown, and the slope enters the stencil.
 At a corner a value goes before a slope, and the first axis before the second.

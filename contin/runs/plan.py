@@ -391,7 +391,7 @@ class _Planner:
                 known = list(starting_names(self.model))
                 advice = closest(name, known) or f"there are {', '.join(known)}"
                 self.problems.add((*path, name), f"{self.model.name} has no state {name!r}: {advice}", key=True)
-            else:
+            elif not getattr(self.model, "axes", ()):  # formulas in coordinates are read where the start is made
                 self.formula(states[name], (*path, name))
         for name, value in written.parameters.items():
             if self.known(name, (*path, "parameters", name), key=True):

@@ -1,4 +1,4 @@
-"""What a run adds to the results on request: the orbits at labelled points."""
+"""What a run adds to the results on request: the orbits, or the fields, at labelled points."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from contin.continuation.defects import noted
+from contin.continuation.fields import has_fields
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.records import Record
 
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
 
 
 class OrbitSamples:
-    """The orbit at a labelled point: time and every state over one period; None where the point is no orbit.
+    """{"orbit": ...} at a labelled point: time and every state over a period; {"fields": ...} of a model of kind: pde;
+    None where the point has neither.
 
     Called with a branch and a point. What cannot be sampled is told in words, and costs no other result.
     """
@@ -24,14 +26,16 @@ class OrbitSamples:
 
     def __call__(self, branch: Branch, point: SpecialPoint) -> Record | None:
         found: list[Record | None] = [None]
-        with noted(lambda text: self.tell(f"{branch.name}.{point.label}: its orbit is not written: {text}")):
+        with noted(lambda text: self.tell(f"{branch.name}.{point.label}: its orbit or fields are not written: {text}")):
             found = [_sampled(branch, point)]
         return found[0]
 
 
 def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
+    if branch.kind != "orbit" and has_fields(branch.problem):
+        return {"fields": point.fields}
     if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
         return None
     profile = branch.problem.profile(point.z)
     states = dict(zip(branch.problem.system.state_names, profile.u.T, strict=True))
-    return {"t": profile.times * profile.period, **states}
+    return {"orbit": {"t": profile.times * profile.period, **states}}

@@ -110,7 +110,7 @@ def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> F
     if point.also:
         document["also"] = ", ".join(point.also)
     if orbit is not None and (profile := orbit(branch, point)) is not None:
-        document["orbit"] = plain(profile)
+        document.update(plain(profile))
     return document
 
 
@@ -125,6 +125,9 @@ def describe_model(model: Model, overrides: Record | None = None) -> Fields:
         "states": list(model.state_names),
         "parameters": model.default_parameters(overrides),
     }
+    fields = getattr(model, "fields", ())
+    if fields:
+        described.update({"fields": list(fields), "axes": list(model.axes), "unknowns": model.n})  # type: ignore[attr-defined]
     totals = getattr(model, "totals", ())
     if totals:
         described["conserved"] = {t.name: {"states": list(t.law), "eliminated": t.state.name} for t in totals}

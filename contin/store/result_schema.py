@@ -31,6 +31,7 @@ POINT: Final[Fields] = {
         "normal_form": {"type": "object"},
         "also": {"type": "string"},
         "orbit": {"type": "object", "required": ["t"]},
+        "fields": {"type": "object", "additionalProperties": {"type": "array"}},
     },
 }
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from contin.abi import Array, Vector
 from contin.errors import InputError, NotFiniteError
 from contin.model.expression import number
-from contin.model.parts import Expectation
+from contin.model.parts import Expectation, Start
 from contin.problems.functions.guarded import called, numbers
 from contin.problems.functions.names import check_name, check_names
 from contin.problems.functions.system import FunctionSystem
@@ -72,7 +72,7 @@ class FunctionProblem:
 
     forcing = None
     interval = None
-    starts = ()
+    starts: tuple[Start, ...] = ()
     functions: Mapping[str, str] = {}  # of a model's formulas: none here
 
     def __init__(

@@ -56,7 +56,8 @@ def with_named_totals(model: object, names: Iterable[str]) -> Any:
 
 def starting_names(model: AnyModel) -> tuple[str, ...]:
     """States that a start may give, those that totals have eliminated too."""
-    return model.starting_names if isinstance(model, Model) else tuple(model.state_names)
+    given: tuple[str, ...] | None = getattr(model, "starting_names", None)
+    return tuple(model.state_names) if given is None else given
 
 
 def _turns(model: Model, law: Law) -> bool:

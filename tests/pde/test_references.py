@@ -1,0 +1,79 @@
+"""Classical problems with known folds, bifurcations and solutions, from their equations to the label."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import contin
+
+
+def model(equation, *, boundary="u = 0", lam=0.0, **axis):
+    domain = axis.pop("domain", {"x": {"points": 16, "method": "chebyshev", **axis}})
+    return contin.load({
+        "name": "case", "kind": "pde", "domain": domain, "fields": {"u": 0}, "parameters": {"lam": lam},
+        "equations": {"u": equation}, **({"boundary": {"all": boundary}} if boundary else {}),
+    })  # fmt: skip
+
+
+def fold(problem, upper):
+    return contin.continuation(problem, "lam", (0, upper), direction="up", settings={"steps": 40})["LP1"]
+
+
+def test_bratu_fold_on_an_interval():
+    s = brentq(lambda s: s * np.tanh(s) - 1.0, 1.0, 2.0)
+    exact = 8.0 * (s / np.cosh(s)) ** 2  # 3.513830719
+    assert fold(model("dxx(u) + lam*exp(u)"), 4).values["lam"] == pytest.approx(exact, abs=1e-8)
+    errors = []
+    for points in (21, 41):
+        found = fold(model("dxx(u) + lam*exp(u)", points=points, method="differences"), 4)
+        errors.append(found.values["lam"] - exact)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)
+
+
+def test_bratu_fold_on_a_square():
+    axis = {"points": 14, "method": "chebyshev"}
+    found = fold(model("lap(u) + lam*exp(u)", domain={"x": axis, "y": axis}), 8)
+    assert found.values["lam"] == pytest.approx(6.808124423, abs=1e-6)  # literature, e.g. Mohsen 2014
+    axis = {"points": 21}
+    found = fold(model("lap(u) + lam*exp(u)", domain={"x": axis, "y": axis}), 8)
+    assert found.values["lam"] == pytest.approx(6.808124423, abs=0.02)
+
+
+def test_chafee_infante_bifurcations_at_the_squares():
+    problem = model("dxx(u) + lam*(u - u^3)", to=np.pi, points=24)
+    line = contin.continuation(contin.equilibrium(problem, parameters={"lam": 0.5}), "lam", (0.5, 20))
+    points = [p for p in line.points if p.type == "BP"]
+    np.testing.assert_allclose([p.values["lam"] for p in points], [1, 4, 9, 16], atol=1e-8)
+    assert {p.normal_form["kind"] for p in points} == {"pitchfork"}
+    fork = contin.continuation(points[1].switch(), "lam", (0.5, 9), settings={"steps": 25})
+    assert np.abs(fork.columns["u.max"] + fork.columns["u.min"]).max() < 1e-8  # mode sin(2x) is odd about the middle
+
+
+@pytest.mark.parametrize(("method", "sizes"), [("differences", (81, 161)), ("chebyshev", (40, 41))])
+def test_front_of_fishers_equation(method, sizes):
+    # Ablowitz and Zeppetella (1979): u = (1 + exp(x/sqrt 6))^-2 moves with speed c = 5/sqrt 6
+    exact = "(1 + exp(x/sqrt(6)))^(-2)"
+    errors = []
+    for points in sizes:
+        problem = model(
+            "dxx(u) + lam*dx(u) + u*(1 - u)", boundary=f"u = {exact}", lam="5/sqrt(6)", points=points, method=method,
+            **{"from": -10, "to": 10},
+        )  # fmt: skip
+        u, p = contin.equilibrium(problem, {"u": f"{exact} + 0.01*sin(pi*x/10)"}).u, dict(problem.values)
+        fields = problem.profile(u, p)
+        errors.append(np.abs(fields["u"] - (1 + np.exp(fields["x"] / np.sqrt(6))) ** -2.0).max())
+    if method == "differences":
+        assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+    else:
+        assert max(errors) < 1e-8
+
+
+def test_slopes_as_functions_of_the_field():
+    # u'' = 0, u(0) = 0, u'(1) = lam exp(-u): u = s x with s = lam exp(-s), exact on a mesh of differences too
+    problem = contin.load({
+        "name": "source", "kind": "pde", "domain": {"x": {"points": 9}}, "fields": {"u": 0}, "parameters": {"lam": 0},
+        "equations": {"u": "dxx(u)"}, "boundary": {"x.start": "u = 0", "x.end": "dx(u) = lam*exp(-u)"},
+    })  # fmt: skip
+    line = contin.continuation(problem, "lam", (0, 2), settings={"steps": 30})
+    s = line.columns["u.max"]
+    np.testing.assert_allclose(s, line.columns["lam"] * np.exp(-s), atol=1e-9)
