@@ -15,8 +15,6 @@ import pytest
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 CELL = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```$", re.M | re.S)
 PAGES = sorted(page.relative_to(DOCS).as_posix() for page in DOCS.rglob("*.md") if CELL.search(page.read_text("utf-8")))
-# the build of the documentation carries these out, too, and the ledger's tests assert their numbers
-LONG = {f"metronomes/{name}.md" for name in ("figure-2", "figure-4", "open-questions", "supplement")}
 COMMAND = [sys.executable, "-m", "contin"]
 
 
@@ -40,7 +38,8 @@ def as_python(cell: str) -> str:
     return "\n".join(f"shell({line[1:]!r})" if line.startswith("!") else line for line in lines)
 
 
-@pytest.mark.parametrize("page", [pytest.param(p, marks=[pytest.mark.long] * (p in LONG)) for p in PAGES])
+@pytest.mark.long  # the build of the documentation, a part of `.ci/run`, carries all of them out, and an error ends it
+@pytest.mark.parametrize("page", PAGES)
 def test_the_code_of_the_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("CONTIN_PLUGINS", "1")  # a page changes it

@@ -35,7 +35,7 @@ def rows(branch):
     return len(branch["columns"]["p"])
 
 
-@pytest.mark.parametrize("trials", [3, pytest.param(60, marks=pytest.mark.long)])
+@pytest.mark.parametrize("trials", [2, pytest.param(60, marks=pytest.mark.long)])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_a_signal_at_a_random_moment_keeps_what_was_computed(tmp_path, number, trials):
     generator = random.Random(number)

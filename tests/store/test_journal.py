@@ -153,7 +153,7 @@ def _kept(path):
         connection.close()
 
 
-@pytest.mark.parametrize("trials", [4, pytest.param(50, marks=pytest.mark.long)])
+@pytest.mark.parametrize("trials", [2, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="needs fork and kill -9")
 def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result(tmp_path, trials):
     (tmp_path / "run.yaml").write_text(RUN)
