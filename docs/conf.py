@@ -5,10 +5,11 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent), str(HERE)]
+PAGES = [str(HERE / "metronomes"), str(HERE / "gallery")]  # modules that pages import; contin is the installed one
+sys.path[:0] = [str(HERE)]
 # The cells call `contin`: the one beside the Python that builds.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [*PAGES, os.environ.get("PYTHONPATH")]))
 
 from docstrings import as_restructured_text  # noqa: E402
 

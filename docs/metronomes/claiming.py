@@ -6,17 +6,21 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
+from scipy.optimize import brentq
 
 import contin
 from contin.api import compiled
 
-Numbers = tuple[object, object]
+Numbers = tuple[object, object] | tuple[object, object, object]
 CLAIMS: dict[str, Callable[[], Numbers]] = {}
 A, B, EPS = 4.0, 1.0, 0.01
 
 
 def claim(function: Callable[[], Numbers]) -> Callable[[], Numbers]:
-    """A function without arguments that gives (our numbers, the numbers that the paper's words or formula give)."""
+    """A function without arguments that gives (our numbers, the numbers that the paper's words or formula give).
+
+    Where these differ it gives third what is right instead, with which our numbers must agree.
+    """
     CLAIMS[function.__name__.replace("_", "-")] = function
     return function
 
@@ -31,6 +35,32 @@ def rates(model, states, **parameters):
     """f(u, p) of a model at a point."""
     p = np.array(list(model.default_parameters(parameters).values()), dtype=float)
     return compiled(model).value(np.array(states, dtype=float), p)
+
+
+@cache
+def loaded(name: str):
+    """A bundled equation of motion."""
+    return contin.load(f"metronomes/{name}")
+
+
+def motion(name: str, states, **parameters) -> np.ndarray:
+    """The rates of a bundled equation of motion."""
+    return rates(loaded(name), states, **parameters)
+
+
+def pushed(name: str, x: float, y: float, **parameters) -> float:
+    """The force of the escapement of a bundled equation of motion: all that is neither spring nor damping."""
+    model = loaded(name)
+    p = model.default_parameters(parameters)
+    return float((rates(model, (x, y), **parameters)[1] + x) / p["eps"] + p["alpha"] * y)
+
+
+def amplitudes(model, low: float = 1e-3, high: float = 8.0, **parameters) -> list[float]:
+    """Where r' of an averaged model of one metronome changes its sign, by bisection."""
+    at = np.linspace(low, high, 4001)
+    values = [float(rates(model, [r], **parameters)[0]) for r in at]
+    ends = [k for k in range(len(at) - 1) if values[k] * values[k + 1] < 0]
+    return [brentq(lambda r: float(rates(model, [r], **parameters)[0]), at[k], at[k + 1], xtol=1e-13) for k in ends]
 
 
 def watched(model, name, states, **parameters) -> float:

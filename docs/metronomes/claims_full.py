@@ -8,7 +8,12 @@ from numpy import pi, sqrt
 
 import contin
 
-NEAR_IN_PHASE = {"x1": 5.01, "y1": 0, "x2": 5, "y2": 0}
+NEAR_IN_PHASE = (5.01, 0.0, 5.0, 0.0)
+
+
+def as_states(values) -> dict[str, float]:
+    """The states of the pair by name."""
+    return dict(zip(("x1", "y1", "x2", "y2"), values, strict=True))
 
 
 @cache
@@ -22,13 +27,10 @@ def mu_c_by_continuation(beta: float, eps: float) -> float:
     return next(p.values["mu"] for p in branch.points if p.type == "BPC")
 
 
-@cache
-def settled(beta: float, mu: float, start: str = "near") -> str:
+def settled(beta: float, mu: float, start: tuple[float, ...] = NEAR_IN_PHASE) -> str:
     """What the equations of motion settle on from (5.01, 0, 5, 0), in words, by amplitudes over the last 3000."""
-    states = NEAR_IN_PHASE if start == "near" else start
-    found = contin.simulate(
-        contin.load("metronomes/pair"), states, {"beta": beta, "mu": mu}, time=3000, transient=12_000, samples=30_000
-    )
+    pair, at = contin.load("metronomes/pair"), {"beta": beta, "mu": mu}
+    found = contin.simulate(pair, as_states(start), at, time=3000, transient=12_000, samples=30_000)
     x1, y1, x2, y2 = found.states.T
     one, two = np.hypot(x1, y1), np.hypot(x2, y2)
     together, apart = np.hypot(x1 + x2, y1 + y2), np.hypot(x1 - x2, y1 - y2)
@@ -42,20 +44,9 @@ def settled(beta: float, mu: float, start: str = "near") -> str:
 
 
 @claim
-def three_states():
-    ours = [settled(beta, mu) for mu, beta in ((3.0, 0.2), (3.0, 0.8), (5.0, 0.74))]
-    return ours, ["anti-phase", "beating", "unequal amplitudes"]
-
-
-@claim
-def both_synchronous_at_mu_10():
-    return [settled(0.8, 10.0, s) for s in ("anti-phase", "in-phase")], ["anti-phase", "in-phase"]
-
-
-@claim
 def mu_c_in_the_equations_of_motion():
     """mu_c at beta = 0.3 and eps = 0.01, by continuation of the orbit, and the averaged one."""
-    return mu_c_by_continuation(0.3, EPS), mu_c(0.3)
+    return mu_c_by_continuation(0.3, EPS), mu_c(0.3), 9.948029265
 
 
 @claim
@@ -72,16 +63,29 @@ def mu_c_approaches_the_average():
 def mu_c_at_second_order():
     """Slope of mu_c(eps) at 0: of the orbits at 0.001 and 0.0005, extrapolated, and of second-order averages."""
     slope = [(mu_c_by_continuation(0.3, e) - mu_c(0.3)) / e for e in (0.001, 0.0005)]
-    return 2 * slope[1] - slope[0], -71.16
+    return 2 * slope[1] - slope[0], -71.16, -71.15541
+
+
+@cache
+def fold_of_one() -> float:
+    """alpha of the fold of one metronome's orbit at eps = 0.01: of a pair in anti-phase, too."""
+    orbit = contin.periodic_orbit(contin.load("metronomes/one"), "oscillating", {"alpha": 0.8})
+    branch = contin.continuation(orbit, "alpha", (0.7, 1.0), direction="up")
+    return next(p.values["alpha"] for p in branch.points if p.type == "LPC")
+
+
+def folds_of_the_in_phase_orbit() -> tuple[float, ...]:
+    """beta of the fold at mu = 1, 5 and 10, by continuation: at mu = 1 multipliers of a saddle cross beside it."""
+    found = []
+    for mu in (1.0, 5.0, 10.0):
+        orbit = contin.periodic_orbit(contin.load("metronomes/pair"), "in-phase", {"beta": 0.8, "mu": mu})
+        branch = contin.continuation(orbit, "beta", (0.7, 1.0), direction="up")
+        found.append(next(p.values["beta"] for p in branch.points if p.type == "LPC"))
+    return tuple(found)
 
 
 @claim
 def fold_of_the_in_phase_orbit():
-    """beta of the fold of the in-phase orbit at mu = 5 and 10, by continuation, and beta_SN_in."""
-    ours = []
-    for mu in (5.0, 10.0):
-        model = contin.load("metronomes/pair")
-        orbit = contin.periodic_orbit(model, "in-phase", {"beta": 0.8, "mu": mu})
-        branch = contin.continuation(orbit, "beta", (0.7, 1.0), direction="up")
-        ours.append(next(p.values["beta"] for p in branch.points if p.type == "LPC"))
-    return ours, [3 * A**2 / (16 * pi * B * sqrt(1 + 2 * EPS * mu)) for mu in (5.0, 10.0)]
+    """beta of the fold of the in-phase orbit at mu = 1, 5 and 10, by continuation, and beta_SN_in."""
+    shrink = sqrt(1 + 2 * EPS * np.array([1.0, 5.0, 10.0]))
+    return list(folds_of_the_in_phase_orbit()), 3 * A**2 / (16 * pi * B * shrink), fold_of_one() / shrink

@@ -7,11 +7,9 @@ import numpy as np
 from claiming import EPS, A, B, mu_c
 from drawing import BETA, BLACK, BLUE, GREEN, MU, ORANGE, PINK, RED, panels, points, results
 
-import contin
-
 FOLD = 3 * A**2 / (16 * np.pi * B)
 TRIPLE_ZERO = 9 * A**2 / (128 * B)  # mu at which the pitchfork of in-phase synchrony reaches its fold
-HERE = Path(contin.__file__).resolve().parents[1] / "docs" / "metronomes"
+HERE = Path(__file__).resolve().parent
 
 
 def brute_force() -> dict:

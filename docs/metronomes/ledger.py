@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
-import claims_full  # noqa: F401 - each registers its claims
+import claims_averages  # noqa: F401 - each registers its claims
+import claims_figures  # noqa: F401
+import claims_full  # noqa: F401
+import claims_motion  # noqa: F401
 import claims_one  # noqa: F401
+import claims_pair  # noqa: F401
+import claims_states  # noqa: F401
 import claims_supplement  # noqa: F401
 import claims_two  # noqa: F401
 import numpy as np
@@ -15,9 +21,12 @@ from contin.model.shape import plain
 from contin.model.yaml_reader import read_file
 
 VERDICTS = ("confirmed", "differs", "slip")
+TOLERANCE = 1e-7  # unless the entry says otherwise
+RIGHT = 2e-6  # of what is right instead of what is printed, or of our own number to more digits
 HERE = Path(__file__).resolve().parent
 
 
+@cache
 def entries() -> dict[str, dict]:
     """The claims by name: where, says, ours, command, verdict, tolerance."""
     return plain(read_file(HERE / "ledger.yaml").data)["claims"]
@@ -29,6 +38,28 @@ def agree(ours: object, printed: object, tolerance: float) -> bool:
     if a.dtype.kind not in "fciu" or b.dtype.kind not in "fciu":
         return bool(np.array_equal(a, b))
     return a.shape == b.shape and bool(np.allclose(a, b, rtol=tolerance, atol=1e-3 * tolerance))
+
+
+def holds(name: str, printed: object = None, right: object = None) -> bool:
+    """Whether the verdict follows from the numbers, or from others in place of the printed ones and the right ones.
+
+    Confirmed: our numbers are the paper's to the entry's tolerance. Otherwise they are those of the correction only.
+    """
+    entry, ours, own = entries()[name], *result(name)
+    said = own[0] if printed is None else printed
+    correction = (own[1] if len(own) > 1 else None) if right is None else right
+    agrees = agree(ours, said, float(entry.get("tolerance", TOLERANCE)))
+    corrected = correction is not None and agree(ours, correction, RIGHT)
+    if entry["verdict"] == "confirmed":
+        return agrees and (correction is None or corrected)
+    return corrected and not agrees
+
+
+@cache
+def result(name: str) -> tuple[object, tuple[object, ...]]:
+    """Our numbers, and the printed ones with what is right instead where they differ."""
+    ours, *own = CLAIMS[name]()
+    return ours, tuple(own)
 
 
 def shown(numbers: object) -> str:
@@ -62,7 +93,7 @@ class Table:
             "|---|---|---|---|---|",
         ]
         for name, entry in entries().items():
-            ours, printed = CLAIMS[name]()
+            ours, (printed, *_) = result(name)
             note = f" {entry['ours']}" if entry.get("ours") else ""
             claim = f"{entry['where']}: {entry['says']} <br> `{entry['command']}`"
             numbers = f"{shown(ours)}.{note} | {shown(printed)} | {difference(ours, printed)}"

@@ -43,7 +43,7 @@ def as_python(cell: str) -> str:
 def test_the_code_of_the_page_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("CONTIN_PLUGINS", "1")  # a page changes it
-    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(sys, "path", [str(DOCS / "metronomes"), str(DOCS / "gallery"), *sys.path])
     scripts = str(Path(sys.executable).parent)  # where the command is when the environment is not activated
     monkeypatch.setenv("PATH", scripts + os.pathsep + os.environ["PATH"])
     cells = CELL.findall((DOCS / page).read_text("utf-8"))

@@ -39,10 +39,11 @@ LEVEL = 0.02  # cosine of the left null vector and F_p below which a fold may be
 ADJACENT = 1e-2  # ... and how far away (scaled) the two may be found
 
 
-def explain(a: Sample, b: Sample, standing: bool = False) -> tuple[str, ...] | None:
+def explain(a: Sample, b: Sample, standing: bool = False, by_count: bool = True) -> tuple[str, ...] | None:
     """Types that account for every sign change and for the change of the unstable count.
 
     standing : both orbits exist at the parameter of the family's birth, so that dp/ds may be no more than rounding.
+    by_count : a fold may be told by the count of multipliers alone ("flat").
 
     A fold of the discretised equations and a multiplier 1 of the discretised flow differ by the discretisation
     error, so the count may lag behind the test by that much.
@@ -52,7 +53,7 @@ def explain(a: Sample, b: Sample, standing: bool = False) -> tuple[str, ...] | N
         return _explain_vertical(a, b)
     if slope < FLAT and np.all(a.tests[1:] * b.tests[1:] > 0.0):
         counted = _explain_flat(a, b)
-        if counted is not None:
+        if counted is not None and (by_count or counted == ()):
             return counted
     if (a.tests[0] * b.tests[0] < 0.0) and (a.tests[1] * b.tests[1] < 0.0):
         return None  # a fold and a branch point, or a pitchfork passed along its side branch: only up close one knows

@@ -202,9 +202,7 @@ class ShootingProblem(FamilyOfOrbits):
         return z
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        found = explain(a, b)
-        if found == ("flat",):  # of collocation, whose multipliers tell a fold that its tangents hide
-            return None
+        found = explain(a, b, by_count=False)
         if found and self.system.n_switches and signature(self, a.z) != signature(self, b.z):
             return None  # a change of formulas may be all that happens: it is told from the rest up close
         return found
