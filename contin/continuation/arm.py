@@ -267,8 +267,10 @@ def _until_lowest(chunk: Chunk) -> Chunk:
     sizes = np.abs(chunk.tests[:-1])
     if len(sizes) < 3:
         return chunk
-    inner = sizes[1:-1]
-    low = (inner <= LOWEST * sizes.max(axis=0)) & (inner < sizes[:-2]) & (inner <= sizes[2:])
+    inner, limits = sizes[1:-1], LOWEST * sizes.max(axis=0)
+    if not (inner.min(axis=0) <= limits).any():
+        return chunk
+    low = (inner <= limits) & (inner < sizes[:-2]) & (inner <= sizes[2:])
     rows, tests = np.nonzero(low)
     if not rows.size:
         return chunk

@@ -68,7 +68,7 @@ def resolve(
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference)
     piece = Piece(
-        chunk.z[1:].copy(), chunk.tangents[1:], chunk.unstable[1:], chunk.eigenvalues[1:], scale,
+        chunk.z[1:], chunk.tangents[1:], chunk.unstable[1:], chunk.eigenvalues[1:], scale,
         evaluations=chunk.evaluations,
     )  # fmt: skip
     marked: list[Row] = []

@@ -7,7 +7,6 @@ apart. Close to the zero the distances shrink geometrically, so that spacings of
 
 from __future__ import annotations
 
-from itertools import pairwise
 from math import sqrt
 from typing import Final
 
@@ -46,18 +45,23 @@ def is_clear(
     s = [0.0, *places[2:], 1.0]
     triples = [(0, 1, len(s) - 1), (0, 2, 3)] if wide else [(0, 1, 2)]
     looked = [near, *(sample for sample in samples if sample is not None), far]
+    gaps = [a + part * (b - a) for part in s]
     columns = zip(*(sample.tests.tolist() for sample in looked), strict=True)
     for divided, (here, beside, farther, *others) in zip(crossing.tolist(), columns, strict=True):
         noise = CLEAR * abs(here - 2.0 * beside + farther)
         rest = [value if abs(value) > noise else 0.0 for value in (here, *others)]
-        if adaptive and divided and 0.0 in rest:
-            return False
         if divided:
-            rest = [value / (a + part * (b - a)) for value, part in zip(rest, s, strict=True)]
-        if any(x * y < 0.0 for x, y in pairwise(rest)):
-            return False
-        if any(not _has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])) for i, j, k in triples):
-            return False
+            if adaptive and 0.0 in rest:
+                return False
+            rest = [value / gap for value, gap in zip(rest, gaps, strict=True)]
+        last = rest[0]
+        for value in rest:
+            if last * value < 0.0:
+                return False
+            last = value
+        for i, j, k in triples:
+            if not _has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])):
+                return False
     return True
 
 

@@ -341,6 +341,11 @@ class Problem(ABC):
         """Unknowns that must stay above a value, below which the equations lose their meaning."""
         return ()
 
+    @property
+    def has_reach(self) -> bool:
+        """True where the equations are an approximation, or may become singular: `left_reach` is worth asking."""
+        return False
+
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first of the rows z at which the equations, an approximation, do not hold, and why."""
         return None

@@ -15,6 +15,9 @@ from contin.continuation.problem import Problem
 
 def within_reach(problem: Problem, pieces: Iterable[Piece], arm: Arm) -> Iterator[Piece]:
     """The pieces of an arm up to the last row at which the equations hold; then `arm.end` says so."""
+    if not problem.has_reach:
+        yield from pieces
+        return
     name = arm.problem.parameters[0]
     before = arm.origin.z  # where a change since the last piece is seen from; unknowns may be others on a new mesh
     for piece in pieces:

@@ -101,9 +101,11 @@ def _stacked(blocks: list[Array]) -> Array:
     width = max(block.shape[1] for block in blocks)
     if all(block.shape[1] == width for block in blocks):
         return np.concatenate(blocks)
-    whole = np.full((sum(len(block) for block in blocks), width), np.nan)
+    whole = np.empty((sum(len(block) for block in blocks), width))
     row = 0
     for block in blocks:
-        whole[row : row + len(block), width - block.shape[1] :] = block
+        own = whole[row : row + len(block)]
+        own[:, : width - block.shape[1]] = np.nan
+        own[:, width - block.shape[1] :] = block
         row += len(block)
     return whole

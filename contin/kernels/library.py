@@ -22,6 +22,7 @@ from contin.machine import bridge, kept, memory, target
 from contin.machine.elementary import FUNCTIONS, addresses, symbol
 from contin.machine.engine import ENGINE
 from contin.machine.folder import folder
+from contin.machine.freed import keep_freed
 from contin.machine.objects import Piece
 
 _CODES: Final = {"i": bridge.INTEGER, "u": bridge.INTEGER, "f": bridge.REAL, "b": bridge.TRUTH}
@@ -60,6 +61,7 @@ def _load(declaration: Declaration) -> None:
     global _ready
     if not _ready:
         ENGINE.add_text(memory.TEXT, optimise=False)
+        keep_freed()
         _ready = True
     _define(pieces.values())
     ENGINE.add_objects([pieces[name].code for name in sorted(pieces)])

@@ -90,6 +90,18 @@ class Calls:
         call(u_at, p_at, out_at, matrix.ctypes.data)
         return out.copy(), matrix
 
+    def jacobians(self, call: Call, u: Array, p: Array) -> tuple[Array, Array]:
+        """(u, p, F, J) at N points u (N, n), p (N, p_size); (N, n) and (N, n, n + p_size)."""
+        states, others = (np.ascontiguousarray(a, dtype=float) for a in (u, p))
+        count = len(states)
+        values, matrices = np.empty((count, self.n)), np.empty((count, self.n, self.n + self.p_size))
+        steps = [8 * self.n, 8 * self.p_size, values.strides[0], matrices.strides[0]]
+        places = [a.ctypes.data for a in (states, others, values, matrices)]
+        for _ in range(count):
+            call(*places)
+            places = [place + step for place, step in zip(places, steps, strict=True)]
+        return values, matrices
+
     def form(self, call: Call, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
         """(u, p, v_1, ..., v_k, out)."""
         u_at, p_at, _ = self._load(u, p)

@@ -171,6 +171,10 @@ class CompiledSystem:
         """f (n,) and df/dz (n, n + p_size), z = (u, p)."""
         return self._calls.jacobian(self._call("jacobian", 4), u, p)
 
+    def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
+        """`jacobian` at N points, u (N, n) and p (N, p_size): (N, n) and (N, n, n + p_size)."""
+        return self._calls.jacobians(self._call("jacobian", 4), u, p)
+
     def observables(self, u: ArrayLike, p: ArrayLike) -> Array:
         """Observables at N points, (N, k) in the order of `observable_names`; at one point u (n,), (k,)."""
         size = len(self.observable_names)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, TypeAlias
@@ -64,7 +63,7 @@ class DerivativeJet:
         return len(self.A)
 
     def form(self, *directions: Vector) -> Vector:
-        if any(np.iscomplexobj(d) for d in directions):
+        if any(d.dtype.kind == "c" for d in directions):
             return expand_complex(self._evaluate, directions, self.n)
         return self._evaluate(directions)
 
@@ -82,27 +81,38 @@ def expand_complex(evaluate: Callable[[tuple[Real, ...]], Real], directions: tup
     and terms with the same multiset of basis vectors are collected before anything is evaluated.
     """
     basis: dict[bytes, Real] = {}
+    split: dict[bytes, list[tuple[bytes, complex]]] = {}  # of every direction, each of which may occur several times
     terms: dict[tuple[bytes, ...], complex] = {(): 1.0}
     for direction in directions:
-        parts = [(direction.real, 1.0 + 0.0j)]
-        if np.iscomplexobj(direction):
-            parts.append((direction.imag, 1.0j))
-        grown: Counter[tuple[bytes, ...]] = Counter()
-        for part, factor in parts:
-            lead = part[int(np.argmax(part != 0.0))]
-            if lead == 0.0:
-                continue
-            sign = 1.0 if lead > 0.0 else -1.0
-            vector = np.array(sign * part, dtype=float) + 0.0  # + 0.0 turns -0.0 into 0.0: one key a vector
-            key = vector.tobytes()
-            basis[key] = vector
+        whole = direction.tobytes()
+        if whole not in split:
+            split[whole] = _real_parts(direction, basis)
+        grown: dict[tuple[bytes, ...], complex] = {}
+        for key, factor in split[whole]:
             for known, coefficient in terms.items():
-                grown[tuple(sorted((*known, key)))] += coefficient * factor * sign  # type: ignore[assignment]
-        terms = dict(grown)
+                keys = tuple(sorted((*known, key)))
+                grown[keys] = grown.get(keys, 0.0) + coefficient * factor
+        terms = grown
     total = np.zeros(n, dtype=complex)
     for keys, coefficient in terms.items():
-        total += coefficient * evaluate(tuple(basis[key] for key in keys))
-    return total if any(np.iscomplexobj(d) for d in directions) else total.real
+        if coefficient != 0.0:
+            total += coefficient * evaluate(tuple(basis[key] for key in keys))
+    return total if any(d.dtype.kind == "c" for d in directions) else total.real
+
+
+def _real_parts(direction: Vector, basis: dict[bytes, Real]) -> list[tuple[bytes, complex]]:
+    """Keys of real basis vectors, which are entered into `basis`, and their factors; the direction is the sum."""
+    parts = []
+    for part, factor in ((direction.real, 1.0 + 0.0j), (direction.imag, 1.0j)):
+        lead = next((x for x in part.tolist() if x != 0.0), 0.0)
+        if lead == 0.0:
+            continue
+        sign = 1.0 if lead > 0.0 else -1.0
+        vector = sign * part + 0.0  # + 0.0 turns -0.0 into 0.0: one key a vector
+        key = vector.tobytes()
+        basis[key] = vector
+        parts.append((key, factor * sign))
+    return parts
 
 
 def lift(state: Vector, parameters: int, active: int | None = None) -> Vector:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -20,29 +21,30 @@ def balancing_scales(matrix: Array) -> Array:
 
     The criterion is that of LAPACK's dgebal since 3.5.0 (James, Langou and Lowery, On matrix balancing and eigenvector
     computation, arXiv:1401.5766), after Parlett and Reinsch, Numer. Math. 13 (1969) 293. A row or column of zeros is
-    left alone. Python's arithmetic: O(n) calls a sweep, a few sweeps; scipy's, of the same result, costs the import of
-    a library.
+    left alone. On Python's numbers: arrays this small would cost more; scipy's, of the same result, costs the import
+    of a library.
     """
-    a = np.array(matrix, dtype=float)
-    n = len(a)
-    scales = np.ones(n)
-    going = bool(np.all(np.isfinite(a)))
+    n, scales = len(matrix), [1.0] * len(matrix)
+    a: list[list[float]] = np.asarray(matrix, dtype=float).tolist()
+    going = bool(np.isfinite(matrix).all())
     while going:
         going = False
         for k in range(n):
-            column, row = _norm(a[:, k]), _norm(a[k])
-            if column == 0.0 or row == 0.0:
+            down, across = [abs(row[k]) for row in a], [abs(x) for x in a[k]]
+            column, line = _norm(down), _norm(across)
+            if column == 0.0 or line == 0.0:
                 continue
-            factor = _factor(column, row, float(np.max(np.abs(a[:, k]))), float(np.max(np.abs(a[k]))))
-            if column * factor + row / factor >= WORTH * (column + row):
+            factor = _factor(column, line, max(down), max(across))
+            if column * factor + line / factor >= WORTH * (column + line):
                 continue
             if not SMALLEST < factor * scales[k] < LARGEST:
                 continue
             scales[k] *= factor
-            a[k] /= factor
-            a[:, k] *= factor
+            a[k] = [x / factor for x in a[k]]
+            for row in a:
+                row[k] *= factor
             going = True
-    return scales
+    return np.array(scales)
 
 
 def _factor(column: float, row: float, column_entry: float, row_entry: float) -> float:
@@ -58,9 +60,9 @@ def _factor(column: float, row: float, column_entry: float, row_entry: float) ->
     return factor
 
 
-def _norm(x: Array) -> float:
-    largest = float(np.max(np.abs(x)))
+def _norm(sizes: list[float]) -> float:
+    """The 2-norm of numbers with these moduli."""
+    largest = max(sizes)
     if largest == 0.0:
         return 0.0
-    y = x / largest
-    return largest * float(np.sqrt(np.sum(y * y)))
+    return largest * sqrt(sum((x / largest) * (x / largest) for x in sizes))

@@ -134,16 +134,15 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     flat = singular <= FLAT * max(float(singular[0]), float(sizes.max()))
     inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular))  # flat directions: see `_reach`
     row = (right.T[position] * inverses) @ left.T
-    generator = np.random.default_rng(12345)
     epsilon = float(np.finfo(float).eps)
     noise = epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
     steep = right[~flat]
-    shifts = PERTURBATION * generator.uniform(-1.0, 1.0, (SAMPLES, x.size))
-    farther = ROUNDED / PERTURBATION * shifts  # so near, terms with cancelling parts may not change at all
-    close, ahead, behind = np.split(system.values(np.concatenate([x + shifts, x + farther, x - farther])), 3)
-    estimates = (shifts @ steep.T) @ steep[:, position] - close @ row
+    steps = shifts(x.size)
+    farther = ROUNDED / PERTURBATION * steps  # so near, terms with cancelling parts may not change at all
+    close, ahead, behind = np.split(system.values(np.concatenate([x + steps, x + farther, x - farther])), 3)
+    estimates = (steps @ steep.T) @ steep[:, position] - close @ row
     linear = farther @ matrix.T
-    near = np.abs(close - g - shifts @ matrix.T).max(axis=0)  # rounding errors: of short steps
+    near = np.abs(close - g - steps @ matrix.T).max(axis=0)  # rounding errors: of short steps
     curved = np.abs(ahead - g - linear).max(axis=0)  # ... of longer ones with what is curved
     odd = np.abs(0.5 * (ahead - behind) - linear).max(axis=0)  # ... and without
     noise = max(noise, float(np.max(near)), float(np.max(curved)))
@@ -185,6 +184,12 @@ def _reach(system: System, x: Array, position: int, g: Array, direction: Array, 
             break
         distance *= 3.0
     return distance
+
+
+@cache
+def shifts(size: int) -> Array:
+    """Perturbations of unknowns, (`SAMPLES`, size)."""
+    return np.asarray(PERTURBATION * np.random.default_rng(12345).uniform(-1.0, 1.0, (SAMPLES, size)))
 
 
 @cache

@@ -31,8 +31,13 @@ SEVERAL_PAIRS = (
 
 def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
+    u, p, width = z[: problem.n], problem.full_parameters(z), problem.n + len(problem.base)
+
     def derivative(directions: tuple[Array, ...]) -> Vector:
-        return np.asarray(problem.form(z, *directions))
+        wide = np.zeros((len(directions), width))
+        wide[:, : problem.n] = [d[:-1] for d in directions]
+        wide[:, problem.n + problem.active] = [d[-1] for d in directions]
+        return problem.system.derivative(u, p, *wide)
 
     return DerivativeJet(problem.linear_part(z), derivative, 1, "map" if problem.is_map else "flow", scale)
 

@@ -53,7 +53,7 @@ from contin.problems.surfaces.sliding import Sliding
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
-from contin.simulate.reach import left_reach
+from contin.simulate.reach import has_reach, left_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.translations import translation_notes
 
@@ -172,6 +172,16 @@ class EquilibriumProblem(Problem):
             f = f - z[:-1]
             matrix[:, : self.n] -= np.eye(self.n)
         return f, matrix
+
+    def linearised(self, z: Array) -> tuple[Array, Array]:
+        """`linearise` at rows z (m, n + 1): (m, n) and (m, n, n + 1)."""
+        n = self.n
+        f, jacobians = self.system.jacobians(z[:, :n], self._all_parameters(z))
+        matrices = np.concatenate([jacobians[:, :, :n], jacobians[:, :, n + self.active, None]], axis=2)
+        if self.is_map:
+            f = f - z[:, :n]
+            matrices[:, :, :n] -= np.eye(n)
+        return f, matrices
 
     def form(self, z: Array, *directions: Vector) -> Vector:
         """D^kf(z)[d1, .., dk] of the model's equations (for k >= 2 the same as of F), directions (n + 1,) = (state.
@@ -310,7 +320,8 @@ class EquilibriumProblem(Problem):
 
     def _all_parameters(self, z: Array) -> Array:
         """All parameter values of rows z."""
-        p = np.tile(self.base, (len(z), 1))
+        p = np.empty((len(z), self.base.size))
+        p[:] = self.base
         p[:, self.active] = z[:, -1]
         return p
 
@@ -424,11 +435,15 @@ class EquilibriumProblem(Problem):
     def remarks(self, z: Array) -> Sequence[str]:
         """What holds all along the branch (rows z)."""
         bounds = float(z[:, -1].min()), float(z[:, -1].max())
-        return neutral_remarks(self, z, self.initial_scale(z[0], bounds))
+        return neutral_remarks(self, z, lambda: self.initial_scale(z[0], bounds))
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Without the eigenvalues of algebraic equations."""
         return finite_eigenvalues(self.system, values)
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""

@@ -10,7 +10,7 @@ one before they are counted and tested.
 from __future__ import annotations
 
 from cmath import isfinite
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
@@ -157,15 +157,15 @@ def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Ar
     return bool(np.any(errors[taken] > CLEAR * SAFETY * KNOWN * np.abs(values).max()))
 
 
-def remarks(problem: DenseInOneParameter, z: Array, scale: Array) -> Sequence[str]:
-    """That pairs of eigenvalues stay on the stability boundary along the branch (rows z)."""
+def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) -> Sequence[str]:
+    """That pairs of eigenvalues stay on the stability boundary along the branch (rows z, in the metric `scale`)."""
     rows = _looked_at(z)
     fewest = problem.n if len(rows) else 0
     for row in rows:
         values, _ = spectrum(problem.linear_part(row))
         if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
             return ()
-        exact = paired(values, errors_of(problem, row, values, scale), problem.is_map)
+        exact = paired(values, errors_of(problem, row, values, scale()), problem.is_map)
         fewest = min(fewest, _on_boundary(exact, problem.is_map, KNOWN))
     return _words(fewest, problem.is_map)
 
@@ -176,9 +176,11 @@ def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array) -> Sequ
     for row in _looked_at(z):
         values = problem.multipliers(row[~np.isnan(row)])
         others = values[1:] if problem.autonomous else values
-        if not np.all(np.isfinite(values)) or fewest == 0:
+        if not np.all(np.isfinite(values)):
             return ()
         fewest = min(fewest, _on_boundary(others, True, ON_CIRCLE))
+        if fewest == 0:
+            return ()
     return _words(fewest, True)
 
 

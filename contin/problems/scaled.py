@@ -47,8 +47,8 @@ class ScaledSystem:
         At y itself an equation may have no derivatives at all (a branch point), beside it only in special directions.
         """
         beside = BESIDE * generic(len(y))
-        jacobians = [np.abs(self.linearise(at)[1]).max(axis=1) for at in (y, y + beside, y - beside)]
-        here, around = jacobians[0], np.maximum(jacobians[1], jacobians[2])
+        rows = np.abs(self.linearised(np.array([y, y + beside, y - beside]))[1]).max(axis=2)
+        here, around = rows[0], np.maximum(rows[1], rows[2])
         if not (np.all(np.isfinite(around)) and np.all(np.isfinite(here)) and min(here.min(), around.min()) > 0.0):
             return self
         if min(here.max() / here.min(), around.max() / around.min()) <= FAR_APART:
@@ -65,10 +65,9 @@ class ScaledSystem:
 
     def linearised(self, y: Array) -> tuple[Array, Array]:
         """`linearise` at m places (m, n + 1): (m, n) and (m, n, n + 1)."""
-        parts = [self.problem.linearise(at) for at in y * self.scale]
+        f, jacobians = self.problem.linearised(y * self.scale)
         d = self._rows
-        jacobians = np.array([jacobian for _, jacobian in parts])
-        return np.array([f for f, _ in parts]) / d, jacobians * self.scale / d[:, None]
+        return f / d, jacobians * self.scale / d[:, None]
 
     def form(self, y: Array, *directions: Vector) -> Vector:
         """D^kF[d1, .., dk] in scaled unknowns."""

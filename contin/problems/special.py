@@ -90,8 +90,8 @@ def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -
     Defining systems are solved there, so that a badly guessed scale of a state costs no accuracy.
     """
     local, y = problem.scaled(frame.scale), sample.z / frame.scale
-    jacobians = [local.linearise(at)[1] for at in (y, y + BESIDE * sample.tangent)]  # at the point couplings may vanish
-    if not all(np.all(np.isfinite(m)) for m in jacobians):
+    jacobians = local.linearised(np.array([y, y + BESIDE * sample.tangent]))[1]  # at the point couplings may vanish
+    if not np.isfinite(jacobians).all():
         return frame, sample.tangent
     units = _balancing_units(*jacobians)
     tangent = sample.tangent / units

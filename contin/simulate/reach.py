@@ -48,7 +48,7 @@ def first_to_leave(
 
     orbit : (states (N, n), parameters (N, p_size)) of each.
     """
-    if not (system.limits or is_constrained(system)):
+    if not has_reach(system):
         return None
     before: tuple[Array, Array] | None = None
     for row in range(count):
@@ -58,6 +58,11 @@ def first_to_leave(
         if left is not None:
             return row, left[1]
     return None
+
+
+def has_reach(system: System) -> bool:
+    """True where `left_reach` may find points at which the equations do not hold."""
+    return bool(system.limits) or is_constrained(system)
 
 
 def is_constrained(system: System) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError
+from contin.systems.protocol import one_by_one
 
 if TYPE_CHECKING:
     from contin.systems.protocol import Described, Limit, System
@@ -137,6 +138,10 @@ class IteratedSystem:
             x, matrix = self.base.jacobian(x, p)
             slope = _after(matrix, slope)
         return x, slope
+
+    def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
+        """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
+        return one_by_one(self.jacobian, u, p)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k of the iterate along k directions (n + m,), real or complex.

@@ -18,9 +18,10 @@ Compiled models (`contin.lowering.system`), Python functions (`contin.problems.f
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from contin.abi import Address, Array, Vector
@@ -101,6 +102,9 @@ class System(Protocol):
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """f (n,) and df/d(u, p), (n, n + m)."""
 
+    def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
+        """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
+
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k f[v_1, ..., v_k], (n,)."""
 
@@ -127,3 +131,9 @@ class System(Protocol):
 
     def trouble_near(self, u: Array, p: Array) -> str | None:
         """Why the equations may fail near this point, where that was seen."""
+
+
+def one_by_one(jacobian: Callable[[Array, Array], tuple[Array, Array]], u: Array, p: Array) -> tuple[Array, Array]:
+    """`System.jacobians` of a system that has no faster way."""
+    parts = [jacobian(*place) for place in zip(u, p, strict=True)]
+    return np.array([f for f, _ in parts]), np.array([matrix for _, matrix in parts])

@@ -7,6 +7,7 @@ point, null vectors come from borders that are fixed there.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,7 @@ from contin.normalforms.maps import neimark_sacker
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.flips import flip_coefficient
 from contin.problems.codim2.forms import jet_at
-from contin.problems.codim2.matrices import critical_value, own_critical, scaled_matrix
+from contin.problems.codim2.matrices import critical_value, own_critical, scaled_matrices, scaled_matrix
 from contin.problems.codim2.untold import untold
 from contin.special.table import special_type
 
@@ -42,11 +43,11 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | R
     if locus == "NS" and cosine is not None:
         return lambda z: problem.curve.scalar(z) - cosine
     if type_ in ("BT", "R1", "R2"):
-        return _border_function(problem, near.z, lambda z, right, left: float(left @ right))
+        return _border_function(problem, near.z, lambda z, right, left, _: float(left @ right))
     if type_ == "CP":
-        return _border_function(problem, near.z, lambda z, right, left: _quadratic(problem, z, right, left))
+        return _border_function(problem, near.z, lambda *parts: _quadratic(problem, *parts))
     if type_ == "DP":
-        return _border_function(problem, near.z, lambda z, right, left: degenerate.coefficient(problem, z, right, left))
+        return _border_function(problem, near.z, lambda *parts: degenerate.coefficient(problem, *parts[:3]))
     if type_ == "GPD":
         return lambda z: _flip_function(problem, z)
     if type_ in ("GH", "CH"):
@@ -54,31 +55,53 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | R
     return _eigenvalue_function(problem, type_, near)
 
 
-def _border_function(problem: LocusProblem, z0: Array, value: Callable[[Array, Array, Array], float]) -> Function:
-    """value(z, v, psi) of null vectors from [A b.
+@dataclass(frozen=True, eq=False)
+class BorderFunction:
+    """value(z, v, psi, size) of null vectors v, psi of A - shift from [A - shift, b; c^T, 0], and of A's size.
 
-    C^T 0], b and c the singular vectors at z0, with v along the curve's.
+    `frame` (n + 1, n + 1) holds b and c, the singular vectors at a point nearby, and minus the shift: v is along the
+    curve's. A = f_u in units of the states' sizes.
     """
-    identity = np.eye(problem.n)
-    shift = critical_value(problem)
-    left, _, right = np.linalg.svd(scaled_matrix(problem, z0) - shift * identity)
+
+    problem: LocusProblem
+    frame: Array
+    value: Callable[[Array, Array, Array, float], float]
+
+    def __call__(self, z: Array) -> float:
+        return float(self.at(z[None])[0])
+
+    def at(self, z: Array) -> Array:
+        """At rows z; NaN where the bordered matrix is singular: Newton's method ends, and the point is not verified."""
+        n = self.problem.n
+        matrices = scaled_matrices(self.problem, z)
+        bordered = np.repeat(self.frame[None], len(z), axis=0)
+        bordered[:, :n, :n] += matrices
+        try:
+            inverses = np.linalg.inv(bordered)
+        except np.linalg.LinAlgError:  # one of them is singular
+            return np.array([self(row) for row in z]) if len(z) > 1 else np.full(1, np.nan)
+        sizes = np.sqrt(np.einsum("kij,kij->k", matrices, matrices)).tolist()
+        parts = zip(z, inverses[:, :-1, -1], inverses[:, -1, :-1], sizes, strict=True)
+        return np.array([self.value(*part) for part in parts])
+
+
+def _border_function(
+    problem: LocusProblem, z0: Array, value: Callable[[Array, Array, Array, float], float]
+) -> Function:
     n = problem.n
     frame = np.zeros((n + 1, n + 1))
+    frame[:n, :n] = -critical_value(problem) * np.eye(n)
+    left, _, right = np.linalg.svd(scaled_matrix(problem, z0) + frame[:n, :n])
     frame[:n, n], frame[n, :n] = left[:, -1], right[-1]
-
-    def function(z: Array) -> float:
-        bordered = frame.copy()
-        bordered[:n, :n] = scaled_matrix(problem, z) - shift * identity
-        try:
-            inverse = np.asarray(np.linalg.inv(bordered), dtype=float)
-        except np.linalg.LinAlgError:  # no value: Newton's method ends, and the point is not verified, in words
-            return float("nan")
-        return value(z, inverse[:-1, -1], inverse[-1, :-1])
-
-    return function
+    return BorderFunction(problem, frame, value)
 
 
-def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
+def at_rows(function: Function, z: Array) -> Array:
+    """The function at rows z."""
+    return function.at(z) if isinstance(function, BorderFunction) else np.array([function(row) for row in z])
+
+
+def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array, size: float) -> float:
     """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
     curve = problem.curve
     wide = np.zeros(problem.n + len(problem.base))
@@ -86,7 +109,7 @@ def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
     image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
     if problem.n == 1:  # f_u is rounding at a fold, no measure of rates
         return float(psi @ image)
-    return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
+    return float(psi @ image) / max(size, 1e-300)
 
 
 def _flip_function(problem: LocusProblem, z: Array) -> float:

@@ -21,6 +21,16 @@ def scaled_matrix(problem: LocusProblem, z: Array) -> Array:
     return np.asarray(problem.curve.matrix(z) * d / d[:, None])
 
 
+def scaled_matrices(problem: LocusProblem, z: Array) -> Array:
+    """`scaled_matrix` at rows z, (rows, n, n)."""
+    curve, n = problem.curve, problem.n
+    parameters = np.empty((len(z), len(problem.base)))
+    parameters[:] = problem.base
+    parameters[:, curve.first], parameters[:, curve.second] = z[:, -1], z[:, -2]
+    jacobians = curve.system.jacobians(z[:, :n], parameters)[1]
+    return np.asarray(jacobians[:, :, :n] * curve.sizes / curve.sizes[:, None])
+
+
 def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
     """Unit null vectors of a singular matrix: v along `reference`, psi such that adj(matrix) = c v psi^T with c > 0."""
     left, _, right = np.linalg.svd(matrix)

@@ -11,6 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Sample
 from contin.problems import defining
+from contin.problems.codim2.functions import at_rows
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
@@ -54,7 +55,8 @@ def solve(
     curve, rows = problem.curve, scale[:-1]
     parameters = curve.parameters(near.z)
     steps = DIFFERENCE * np.diag(scale)
-    gradient = np.array([function(near.z + s) - function(near.z - s) for s in steps]) / (2.0 * DIFFERENCE)
+    ahead, behind = np.split(at_rows(function, np.concatenate([near.z + steps, near.z - steps])), 2)
+    gradient = (ahead - behind) / (2.0 * DIFFERENCE)
     size = float(np.linalg.norm(gradient))
     if not 0.0 < size < np.inf:
         return None
@@ -74,11 +76,17 @@ def solve(
         inverse = np.linalg.pinv(matrix, rcond=FREE) if turning else np.linalg.inv(matrix)
     except np.linalg.LinAlgError:  # not verified, in words
         return None
-    scatter = _scatter(lambda at: residual(at)[0], matrix, inverse, y)
+
+
+    def residuals(at: Array) -> Array:
+        z = at * scale
+        return np.column_stack([curve.values(z, parameters) / rows, at_rows(function, z) / size])
+
+    scatter = _scatter(residuals, matrix, inverse, y)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
-    ahead, behind = (function((y + step * along) * scale) for step in (DIFFERENCE, -DIFFERENCE))
-    beside = max(abs(ahead), abs(behind))
+    after, before = (function((y + step * along) * scale) for step in (DIFFERENCE, -DIFFERENCE))
+    beside = max(abs(after), abs(before))
     if with_poles and abs(float(g[-1])) * size > POLE * beside:
         return None
     approximate = max((limit.accuracy for limit in curve.system.limits), default=0.0)
@@ -86,23 +94,21 @@ def solve(
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
     drift = (float(np.max(scatter)) + lacking) * along
-    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift, not ahead * behind > 0.0)
+    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift, not after * before > 0.0)
 
 
-def _scatter(residual: Callable[[Array], Array], matrix: Array, inverse: Array, y: Array) -> Array:
-    """Estimated errors of all unknowns: how rounding errors of the residual reach them.
+def _scatter(residuals: Callable[[Array], Array], matrix: Array, inverse: Array, y: Array) -> Array:
+    """Estimated errors of all unknowns: how rounding errors of the residuals (at rows of y) reach them.
 
     Steps of 1e-12 leave the rounding of terms like 1 + small as it is; of longer ones the odd part, without what is
     curved, shows it (as in `defining`).
     """
-    generator, longer = np.random.default_rng(12345), defining.ROUNDED / defining.PERTURBATION
-    estimates, odd = [], np.zeros(len(y))
-    for _ in range(defining.SAMPLES):
-        shift = defining.PERTURBATION * generator.uniform(-1.0, 1.0, len(y))
-        estimates.append(shift - inverse @ residual(y + shift))
-        ahead, behind = residual(y + longer * shift), residual(y - longer * shift)
-        odd = np.maximum(odd, np.abs(0.5 * (ahead - behind) - longer * (matrix @ shift)))
-    return np.asarray(np.maximum(SAFETY * np.max(np.abs(estimates), axis=0), np.abs(inverse) @ odd))
+    shifts = defining.shifts(len(y))
+    longer = defining.ROUNDED / defining.PERTURBATION * shifts
+    close, ahead, behind = np.split(residuals(np.concatenate([y + shifts, y + longer, y - longer])), 3)
+    estimates = np.abs(shifts - close @ inverse.T).max(axis=0)
+    odd = np.abs(0.5 * (ahead - behind) - longer @ matrix.T).max(axis=0)
+    return np.asarray(np.maximum(SAFETY * estimates, np.abs(inverse) @ odd))
 
 
 def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tuple[Array, float] | None:

@@ -18,6 +18,7 @@ from contin.problems.functions.derivatives import Lines, is_analytic
 from contin.problems.functions.guarded import called, numbers, vector
 from contin.problems.functions.trials import not_analytic, real, try_function
 from contin.records import Fields
+from contin.systems.protocol import one_by_one
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
@@ -280,6 +281,10 @@ class FunctionSystem:
             columns = [self.parameter_slope(states, others, k) for k in range(self.m)]
             matrix = np.column_stack([self.state_jacobian(states, others), *columns])
         return self.value(states, others), matrix
+
+    def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
+        """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
+        return one_by_one(self.jacobian, u, p)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k F(z)[d1, ..., dk], (n,), directions (n + m,), real or complex."""

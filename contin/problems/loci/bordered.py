@@ -171,6 +171,10 @@ class BorderedCurve:
         assert self._memory.borders is not None
         return np.asarray(self._memory.borders.right[: self.n, 0])
 
+    def values(self, z: Array, borders: _Borders) -> Array:
+        """The equations at rows z, (rows, N - 1), unscaled."""
+        return np.array([self.linearise(row, borders)[0] for row in z])
+
     def linearise(self, z: Array, borders: _Borders | None = None) -> tuple[Array, Array]:
         """Equations (N - 1,) and their Jacobian (N - 1, N), unscaled; the scalars G count as rates of the states."""
         n, d = self.n, self.sizes

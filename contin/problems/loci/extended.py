@@ -146,6 +146,12 @@ class ExtendedCurve:
         k = self.size - 1
         return f, np.column_stack([jacobian[:, :k], jacobian[:, k + self.active]])
 
+    def values(self, z: Array, parameters: Array) -> Array:
+        """F at rows z, (rows, N - 1), unscaled."""
+        p = np.repeat(parameters[None], len(z), axis=0)
+        p[:, self.active] = z[:, -1]
+        return np.asarray(self.extended.jacobians(z[:, :-1], p)[0])
+
     def _border(self, z: Array) -> Array | None:
         if self.type in ("LP", "PD"):
             return None

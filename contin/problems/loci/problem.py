@@ -23,7 +23,7 @@ from contin.problems.loci.march import march, probe
 from contin.problems.massless import finite_eigenvalues
 from contin.problems.two_parameters import TwoParameterProblem
 from contin.records import Fields
-from contin.simulate.reach import left_reach
+from contin.simulate.reach import has_reach, left_reach
 
 CHUNK = 250
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
@@ -173,6 +173,10 @@ class LocusProblem(TwoParameterProblem):
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Without the eigenvalues of algebraic equations."""
         return finite_eigenvalues(self.system, values)
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""

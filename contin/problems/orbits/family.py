@@ -17,7 +17,7 @@ from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
-from contin.simulate.reach import first_to_leave
+from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch
 
 if TYPE_CHECKING:
@@ -124,6 +124,10 @@ class FamilyOfOrbits(Problem):
     @abstractmethod
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         """See `contin.continuation.problem.Problem.probe`."""
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""

@@ -140,20 +140,22 @@ def extrema(values: Array, m: int) -> tuple[Array, Array]:
 
     values : (R, N m + 1, k) at the nodes. The polynomial pieces next to the extreme node are searched, (R, k) each.
     """
-    return -_largest(-values, m), _largest(values, m)
+    across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
+    return -_largest(-across, m), _largest(across, m)
 
 
 def _largest(values: Array, m: int) -> Array:
-    rows, nodes, functions = values.shape
-    top = np.argmax(values, axis=1)  # (R, k)
+    """(R, k) from values (R, k, N m + 1)."""
+    rows, functions, nodes = values.shape
+    top = np.argmax(values, axis=2)  # (R, k)
     right = np.minimum(top // m, (nodes - 1) // m - 1)
     left = np.where((top % m == 0) & (top > 0), top // m - 1, right)
     fine = _fine(m)
-    best = np.take_along_axis(values, top[:, None, :], axis=1)[:, 0, :]
     r, k = np.arange(rows)[:, None], np.arange(functions)[None, :]
+    best: Array = values[r, k, top]
     for interval in (left, right):
         index = interval[:, :, None] * m + np.arange(m + 1)
-        pieces = values[r[:, :, None], index, k[:, :, None]] @ fine.T  # (R, k, SAMPLES)
+        pieces = values[r[:, :, None], k[:, :, None], index] @ fine.T  # (R, k, SAMPLES)
         best = np.maximum(best, _parabola_top(pieces))
     return best
 

@@ -33,7 +33,7 @@ from contin.problems.orbits.renewal import renew
 from contin.problems.orbits.sizes import state_sizes
 from contin.problems.orbits.symmetry import orbits_moved, reverses
 from contin.problems.orbits.traversed import cut_where_traversed
-from contin.problems.orbits.vertical import remarks, stands_at_birth
+from contin.problems.orbits.vertical import remarks, stands_at_birth, width_at_birth
 
 MESH_TOLERANCE = 1e-7  # error inside an interval, relative to the states' sizes; that of T and p is far smaller
 PERIOD_SCALE = 2.0  # the period counts in the metric relative to this multiple of itself
@@ -84,6 +84,11 @@ class OrbitProblem(FamilyOfOrbits):
 
     def period_place(self, z: Array) -> int:
         return int(self.profile(z).u.size)
+
+    @cached_property
+    def width_at_birth(self) -> float:
+        """Scale of the parameter of a family that was born at a Hopf point."""
+        return width_at_birth(self)
 
     @property
     def resolution(self) -> float:

@@ -8,7 +8,7 @@ step helps the branch ends as joined.
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Stop
-from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.layout import Profile, Transfer
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -56,13 +56,19 @@ def _first_times() -> Array:
     return np.concatenate([_times(parts)[:, FIRST] for parts in PARTS], axis=1)
 
 
+@lru_cache(maxsize=16)
+def _first_look(m: int, h: bytes) -> Transfer:
+    """To these times, from the nodes of a mesh: most orbits in turn are on one."""
+    return Transfer.to_times(m, np.frombuffer(h), _first_times().ravel())
+
+
 def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float) -> int:
     """How often the orbit z, a step of this scaled length after `before`, runs through another one (1: it does not)."""
     possible = [parts for parts in PARTS if problem.autonomous or problem.multiple % parts == 0]
     if not possible:
         return 1
     orbit, winding = problem.profile(z), np.asarray(problem.winding)
-    first = np.split(orbit.at(_first_times().ravel()), 2 * len(PARTS))
+    first = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2 * len(PARTS))
     for k, parts in enumerate(PARTS):
         values = np.concatenate([first[k], first[len(PARTS) + k]])
         if parts not in possible or not np.abs(_parts_apart(orbit, winding, parts, values)).max() < EQUAL:

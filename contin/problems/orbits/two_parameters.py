@@ -17,7 +17,7 @@ from contin.problems.orbits import birth
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
 from contin.problems.two_parameters import TwoParameterProblem
-from contin.simulate.reach import first_to_leave
+from contin.simulate.reach import first_to_leave, has_reach
 
 if TYPE_CHECKING:
     from contin.continuation.settings import Settings
@@ -103,6 +103,10 @@ class OrbitCurveProblem(TwoParameterProblem):
     @property
     def growing(self) -> NDArray[np.bool_]:
         return np.zeros(2, bool)
+
+    @property
+    def has_reach(self) -> bool:
+        return has_reach(self.system)
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first orbit on which the model does not hold somewhere, and why."""

@@ -98,7 +98,7 @@ def stands_at_birth(problem: OrbitProblem, z: Array) -> bool:
     if problem.origin is None:
         return False
     at = float(problem.origin[0])
-    return abs(float(z[-1]) - at) <= CONSTANT * _width(problem, at)
+    return abs(float(z[-1]) - at) <= CONSTANT * problem.width_at_birth
 
 
 def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> bool:
@@ -110,8 +110,10 @@ def is_at_birth(problem: OrbitProblem, z: Array, error: float, frame: Frame) -> 
     return extent_of(problem.profile(z), problem.sizes(z, frame.scale)) > LARGE
 
 
-def _width(problem: OrbitProblem, at: float) -> float:
-    """Of the parameter's own range; its scale, or its value, where it has none."""
+def width_at_birth(problem: OrbitProblem) -> float:
+    """Of the parameter's own range; its scale, or its value at the Hopf point, where it has none."""
+    assert problem.origin is not None
+    at = float(problem.origin[0])
     declared = problem.default_range(problem.parameters[0])
     return parameter_width(problem.system.model, problem.parameters[0], at, declared or UNBOUNDED)
 
@@ -128,7 +130,7 @@ def remarks(problem: OrbitProblem, z: Array) -> Sequence[str]:
     if len(values) < FEWEST or problem.origin is None or not problem.autonomous:
         return ()
     name, at = problem.parameters[0], problem.origin[0]
-    width = _width(problem, at)
+    width = problem.width_at_birth
     moved = np.abs(values - at)
     if float(np.median(moved)) > CONSTANT * width or float(moved.max()) > DRIFTED[1] * width:
         return ()
