@@ -97,7 +97,7 @@ def as_seed(start: object, parameter: str) -> Seed:
         return as_seed(start[0], parameter)
     if isinstance(start, FunctionProblem | Model):
         start = equilibrium(start)
-    if isinstance(start, FoundStart):
+    if not isinstance(start, Seed) and isinstance(start, FoundStart):
         start = start.equilibrium
     if isinstance(start, Seed):
         if start.problem.parameters[0] != parameter:

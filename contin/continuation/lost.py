@@ -88,8 +88,9 @@ class _Record:
             return None
         if is_planar(self.arm.problem):
             return self._infinite(piece)
-        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece)
-        return growing or self._approaching(piece) or self._unmoved(piece)
+        size = self._size(piece)
+        growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
+        return growing or self._approaching(piece, size) or self._unmoved(piece)
 
     def _relative(self, z: Array) -> Array:
         """States of rows z (.., n + 1) beside their scales at the first row; 0 for unknowns that cannot grow."""
@@ -101,15 +102,14 @@ class _Record:
 
     def _sizes(self, z: Array) -> Array:
         """Of the rows."""
-        return np.asarray(np.max(self._relative(z), axis=-1, initial=0.0))
+        return np.asarray(self._relative(z).max(axis=-1, initial=0.0))
 
     def _size(self, piece: Piece) -> float:
         """Of the last row."""
         return float(self._sizes(piece.z[-1]))
 
-    def _creeping(self, piece: Piece) -> _Stop | None:
+    def _creeping(self, piece: Piece, size: float) -> _Stop | None:
         """A state that has grown goes on in ever so short steps, or in some between changes that do not verify."""
-        size = self._size(piece)
         if not size > OUTGROWN:
             self.crept.clear()
             return None
@@ -180,11 +180,11 @@ class _Record:
         largest = int(np.argmax(relative))
         return names[largest] if largest < len(names) else "the state"
 
-    def _approaching(self, piece: Piece) -> _Stop | None:
+    def _approaching(self, piece: Piece, size: float) -> _Stop | None:
         """The parameter comes ever nearer to one of its bounds, but not onto it, while a state grows."""
         bounds = np.array(self.arm.bounds)
         before, self.last = self.last, piece.z[-1].copy()
-        near = (NEAR_GROWN if self._size(piece) > GROWN else NEAR) * self._width
+        near = (NEAR_GROWN if size > GROWN else NEAR) * self._width
         values = piece.z[:, -1]
         if not min(np.abs(values - bound).min() for bound in self.arm.bounds) < near:
             self.approaching = 0

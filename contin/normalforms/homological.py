@@ -49,6 +49,7 @@ class CentreManifold:
         self.right = np.array([pair.right for pair in pairs], dtype=complex)
         self.left = np.array([pair.left for pair in pairs], dtype=complex)
         self.m = len(pairs)
+        self._listed: list[complex] = self.values.tolist()
         self._h: dict[Index, Complex] = {}
         self._g: dict[Index, dict[int, complex]] = {}
         self._rhs: dict[Index, Complex] = {}
@@ -99,15 +100,14 @@ class CentreManifold:
         return self._g[v]
 
     def _multiplier(self, v: Index) -> complex:
-        exponents = np.array(v[: self.m])
         if self.jet.kind == "map":
-            return complex(np.prod(self.values**exponents))
-        return complex(exponents @ self.values)
+            return complex(np.prod(self.values ** np.array(v[: self.m])))
+        return complex(sum(power * value for power, value in zip(v, self._listed, strict=False)))
 
     def _resonant(self, v: Index) -> list[int]:
-        scale = max(1.0 if self.jet.kind == "map" else 0.0, float(np.abs(self.values).max()))
-        near = np.abs(self._multiplier(v) - self.values) <= RESONANCE * scale
-        return [int(j) for j in np.flatnonzero(near)]
+        scale = max(1.0 if self.jet.kind == "map" else 0.0, *(abs(value) for value in self._listed))
+        multiplier = self._multiplier(v)
+        return [j for j, value in enumerate(self._listed) if abs(multiplier - value) <= RESONANCE * scale]
 
     def _inhomogeneity(self, v: Index) -> Complex:
         """R_v - S_v."""

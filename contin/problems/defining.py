@@ -96,7 +96,7 @@ def _converged(system: System, x: Array, position: int) -> tuple[Array, float] |
     before, ratio_before, lacking, step = np.inf, 0.0, 0.0, np.zeros_like(x)
     for _ in range(NEWTON_BUDGET):
         g, matrix = system.at(x)
-        if not (np.all(np.isfinite(g)) and np.all(np.isfinite(matrix))):
+        if not (np.isfinite(g).all() and np.isfinite(matrix).all()):
             return None
         solution = _least_squares(matrix, -g)
         if solution is None:
@@ -135,28 +135,29 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     inverses = np.where(flat, 0.0, 1.0 / np.where(flat, 1.0, singular))  # flat directions: see `_reach`
     row = (right.T[position] * inverses) @ left.T
     epsilon = float(np.finfo(float).eps)
-    noise = epsilon * float(np.max(np.abs(matrix))) * float(np.max(np.abs(x)))
+    noise = epsilon * float(np.abs(matrix).max()) * float(np.abs(x).max())
     steep = right[~flat]
     steps = shifts(x.size)
     farther = ROUNDED / PERTURBATION * steps  # so near, terms with cancelling parts may not change at all
-    close, ahead, behind = np.split(system.values(np.concatenate([x + steps, x + farther, x - farther])), 3)
+    sampled = system.values(np.concatenate([x + steps, x + farther, x - farther]))
+    close, ahead, behind = sampled[:SAMPLES], sampled[SAMPLES:-SAMPLES], sampled[-SAMPLES:]
     estimates = (steps @ steep.T) @ steep[:, position] - close @ row
     linear = farther @ matrix.T
     near = np.abs(close - g - steps @ matrix.T).max(axis=0)  # rounding errors: of short steps
     curved = np.abs(ahead - g - linear).max(axis=0)  # ... of longer ones with what is curved
     odd = np.abs(0.5 * (ahead - behind) - linear).max(axis=0)  # ... and without
-    noise = max(noise, float(np.max(near)), float(np.max(curved)))
+    noise = max(noise, float(near.max()), float(curved.max()))
     rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
-    error = 2.0 * max(float(np.max(np.abs(estimates))), rounded) + lacking
-    rounded_x = epsilon * float(np.max(np.abs(x))) * sizes  # what the unknowns' own rounding makes of it
+    error = 2.0 * max(float(np.abs(estimates).max()), rounded) + lacking
+    rounded_x = epsilon * float(np.abs(x).max()) * sizes  # what the unknowns' own rounding makes of it
     limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x]), np.abs(g))
     for direction in right[flat]:
         along = abs(float(direction[position]))
         if along > 0.0:
             error += along * _reach(system, x, position, g, direction, limits)
-    size = float(np.max(np.abs(matrix))) or 1.0  # in units of time, of which residuals must not depend
-    residual = float(np.max(np.abs(g))) / size
-    sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.max(np.abs(x))))
+    size = float(np.abs(matrix).max()) or 1.0  # in units of time, of which residuals must not depend
+    residual = float(np.abs(g).max()) / size
+    sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.abs(x).max()))
     return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size, sensitivity)
 
 
@@ -283,12 +284,16 @@ def _critical_pair(
         v, w, g = _bordered(jacobian[:, :n] - shift(unit * x[-1]) * identity, b, c)
         residual = np.concatenate([f, *(part for column in g.T for part in (column.real, column.imag))])
         adjoint = w.conj().T
-        blocks = [np.hstack([jacobian, np.zeros((n, 1))])]
+        matrix = np.zeros((n + 2 * corank * corank, n + 2))
+        matrix[:n, : n + 1] = jacobian
+        direction, rows = np.zeros(n + 1, complex), np.empty((corank, n + 2), complex)
         for k in range(corank):
-            gradient = -(adjoint @ local.hessian(x[: n + 1], np.append(v[:, k], 0.0)))
-            complete = np.hstack([gradient, unit * rate(unit * x[-1]) * (adjoint @ identity @ v[:, [k]])])
-            blocks += [complete.real, complete.imag]
-        return residual, np.vstack(blocks)
+            direction[:n] = v[:, k]
+            rows[:, : n + 1] = -(adjoint @ local.hessian(x[: n + 1], direction))
+            rows[:, n + 1 :] = unit * rate(unit * x[-1]) * (adjoint @ identity @ v[:, [k]])
+            first = n + 2 * corank * k
+            matrix[first : first + corank], matrix[first + corank : first + 2 * corank] = rows.real, rows.imag
+        return residual, matrix
 
     def values(x: Array) -> Array:
         f, jacobians = local.linearised(x[:, : n + 1])
@@ -315,7 +320,11 @@ def _real_critical(local: Local, b: Array, c: Array, shift: Array) -> System:
     def at(x: Array) -> tuple[Array, Array]:
         f, jacobian = local.linearise(x)
         v, w, g = _bordered(jacobian[:, :n] - shift, b, c)
-        return np.append(f, g[0, 0]), _with_gradient(local, x, jacobian, v, w)
+        direction, matrix, residual = np.zeros(n + 1), np.empty((n + 1, n + 1)), np.empty(n + 1)
+        direction[:n] = v[:, 0]
+        matrix[:n], matrix[n] = jacobian, -(w.T @ local.hessian(x, direction))
+        residual[:n], residual[n] = f, g[0, 0]
+        return residual, matrix
 
     def values(x: Array) -> Array:
         f, jacobians = local.linearised(x)
@@ -353,8 +362,3 @@ def _bordered(
     except np.linalg.LinAlgError:  # with NaN Newton ends: not verified, in words
         inverse = np.full_like(bordered, np.nan)
     return inverse[:columns, rows:], inverse[columns:, :rows].conj().T, inverse[columns:, rows:]
-
-
-def _with_gradient(local: Local, x: Array, jacobian: Array, v: Array, w: Array) -> Array:
-    """[J; dg] for a real matrix F_u - value I of corank 1."""
-    return np.vstack([jacobian, -(w.T @ local.hessian(x, np.append(v[:, 0], 0.0)))])

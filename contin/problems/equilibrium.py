@@ -41,6 +41,7 @@ from contin.problems.functions.crossing import cross_unnamed_corner, unnamed_cor
 from contin.problems.functions.march import DenseMarch
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
+from contin.problems.kernel_memory import memory_of
 from contin.problems.massless import finite_eigenvalues
 from contin.problems.neutral import NeutralMarch, is_neutral
 from contin.problems.neutral import remarks as neutral_remarks
@@ -303,7 +304,7 @@ class EquilibriumProblem(Problem):
             np.zeros(kernel.TESTS) if before is None else before.tests,
             _NO_TANGENT if loop is None else loop.z, _NO_TANGENT if loop is None else loop.tangent,
             np.where(far_from_zero(origin.z, frame.scale, self.angle_periods), NO_GROWTH, self.angle_periods),
-            z, t, tests, unstable, re, im, lengths, info, *kernel.memory(n, len(self.base)),
+            z, t, tests, unstable, re, im, lengths, info, *memory_of(n, len(self.base)),
         )  # fmt: skip
         stop = STOPS[reason]
         m = int(info[0]) + 1
@@ -363,7 +364,7 @@ class EquilibriumProblem(Problem):
         kernel.probes(
             self.system.jacobian_address, self.is_map, base.z, base.tangent, lengths, self.base.copy(), self.active,
             frame.scale, min(settings.tolerance, 1e-9), self._trust, frame.reference, z, t, tests, re, im, counts,
-            *kernel.memory(self.n, len(self.base)),
+            *memory_of(self.n, len(self.base)),
         )  # fmt: skip
         values = re + 1j * im
         return [

@@ -59,7 +59,7 @@ def _without(values: NDArray[np.complex128], target: complex, count: int) -> NDA
 
 def unit_mass(system: System) -> Real:
     """Units of the states (n,) in which those without mass count nothing in the length of a vector."""
-    return np.where(massless(system), UNIT, 1.0)
+    return np.ones(system.n) if constraints_of(system) is None else np.where(massless(system), UNIT, 1.0)
 
 
 def with_units(jet: DerivativeJet, units: Real) -> DerivativeJet:

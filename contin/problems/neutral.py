@@ -59,9 +59,11 @@ def is_suspect(values: Values, is_map: bool) -> bool:
     listed = values.tolist()  # asked at every point that is looked at: numbers take less time than arrays
     if not all(map(isfinite, listed)):
         return False
-    if is_map:
-        return any(abs(a * b - 1.0) < SUSPECT * (1.0 + abs(a * b)) for a, b in combinations(listed, 2))
-    return any(abs(a + b) < SUSPECT * max(abs(a) + abs(b), 1e-300) for a, b in combinations(listed, 2))
+    for a, b in combinations(listed, 2):
+        gap, size = (abs(a * b - 1.0), 1.0 + abs(a * b)) if is_map else (abs(a + b), max(abs(a) + abs(b), 1e-300))
+        if gap < SUSPECT * size:
+            return True
+    return False
 
 
 def errors_of(problem: DenseInOneParameter, z: Array, values: Values, scale: Array) -> Array:
@@ -186,7 +188,7 @@ def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array) -> Sequ
 
 def _looked_at(z: Array) -> Array:
     """Some rows; none of a short branch."""
-    return z[np.unique(np.linspace(0, len(z) - 1, LOOKS).astype(int))] if len(z) >= LOOKS else z[:0]
+    return z[[k * (len(z) - 1) // (LOOKS - 1) for k in range(LOOKS)]] if len(z) >= LOOKS else z[:0]
 
 
 def _on_boundary(values: Values, is_map: bool, limit: float) -> int:

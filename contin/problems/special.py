@@ -29,6 +29,7 @@ COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the larges
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
+SETTLED = 1e-14  # scaled: a step this short is rounding
 CENTRE = 1e-11  # a pair this close to the boundary on both sides of a point stays there
 MUTUAL = 1e-8  # two states act on each other: product of their couplings beside the largest such product
 BESIDE = 1e-2  # where the size is measured too (along the branch): at a multiple branch point all of F_u may vanish
@@ -43,9 +44,8 @@ def explain(is_map: bool, a: Sample, b: Sample) -> tuple[str, ...] | None:
     Neimark-Sacker point two. A branch point where the parameter turns (a pitchfork seen from its side branch) moves
     none or one. None means that one simple event does not account for it all.
     """
-    folds, branches, pairs, flips = (bool(x) for x in a.tests * b.tests < 0.0)
+    seen = tuple((a.tests * b.tests < 0.0).tolist())
     moved = abs(b.unstable - a.unstable)
-    seen = (folds, branches, pairs, flips)
     if seen == (False, False, False, False):
         return () if moved == 0 else None
     if seen == (True, False, False, False):
@@ -162,9 +162,12 @@ def _beside(local: ScaledSystem, y: Array, tangent: Array) -> list[Array]:
         at = y + side * tangent
         for _ in range(4):  # minimum-norm Newton steps, which singular Jacobians do not disturb
             f, jacobian = local.linearise(at)
-            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(jacobian))):
+            if not (np.isfinite(f).all() and np.isfinite(jacobian).all()):
                 return []
-            at = at - np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
+            step = np.linalg.lstsq(jacobian, f, rcond=1e-6)[0]
+            at = at - step
+            if np.abs(step).max() < SETTLED:
+                break
         found.append(at)
     return found
 

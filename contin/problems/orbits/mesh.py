@@ -89,7 +89,8 @@ def choose_mesh(
 
 def _smoothed(values: Array, h: Array) -> Array:
     """Averaged with both neighbours (periodic): the estimate is rough, and lengths should change gradually."""
-    around = (np.roll(values * h, 1) + 2.0 * values * h + np.roll(values * h, -1)) / (
-        np.roll(h, 1) + 2.0 * h + np.roll(h, -1)
-    )
-    return np.maximum(around, 0.5 * values)
+    weighted = np.concatenate([values[-1:], values, values[:1]])
+    lengths = np.concatenate([h[-1:], h, h[:1]])
+    weighted *= lengths
+    around: Array = (weighted[:-2] + 2.0 * values * h + weighted[2:]) / (lengths[:-2] + 2.0 * h + lengths[2:])
+    return np.asarray(np.maximum(around, 0.5 * values))

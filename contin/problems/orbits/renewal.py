@@ -54,11 +54,12 @@ def refitted(problem: Meshed, profile: Profile, sizes: Array, period: float) -> 
     longer = 2.0 * profile.period if profile.period > period else period
     h = profile.h
     estimated = estimate(profile, grown)
-    error = estimated[0]
-    chosen = choose_mesh(profile, grown, problem.tolerance, problem.intervals, estimated)
-    unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
-    if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
-        h = chosen.h
+    error, fixed = estimated[0], problem.intervals
+    if error > NEARLY * problem.tolerance or fixed != len(h):
+        chosen = choose_mesh(profile, grown, problem.tolerance, fixed, estimated)
+        unfit = error > NEARLY * problem.tolerance or len(chosen.h) < TOO_FINE * len(h)
+        if unfit and (chosen.error < WORTHWHILE * error or len(chosen.h) != len(h)):
+            h = chosen.h
     same = h is profile.h and np.array_equal(grown, sizes) and longer == period
     return None if same else Fit(h, grown, longer)
 
