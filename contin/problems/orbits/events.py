@@ -12,12 +12,12 @@ from contin.abi import Array
 from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.machine import elementary
 from contin.problems import special
-from contin.problems.orbits import planar
 from contin.problems.orbits.bordered import Bordered
 from contin.problems.orbits.defining import flat_fold, solve_special
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.normal_form import normal_form
+from contin.problems.orbits.resolved import is_planar
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
 from contin.special.table import of_cycle
@@ -163,7 +163,7 @@ def _orientable(problem: OrbitProblem, z: Array) -> bool:
     In the plane the multiplier is exp(integral of the divergence). Those of an orbit that a symmetry shifts by
     half a period are the squares of those of half the orbit (Swift and Wiesenfeld, Phys. Rev. Lett. 52 (1984) 705).
     """
-    if planar.applies(problem):
+    if is_planar(problem):
         return True
     kept = symmetry_of(problem, z)
     return kept is not None and kept[1] == 0.5

@@ -21,7 +21,7 @@ from contin.problems.orbits.dwelling import dwelling
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.memory import memory_of
 from contin.problems.orbits.mesh import WORTHWHILE, estimate
-from contin.problems.orbits.planar import applies, resolve, unresolved
+from contin.problems.orbits.resolved import resolve, unresolved
 from contin.problems.orbits.rows import Rows
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ def march(
     if stop in (Stop.EVENT, Stop.DIP):
         for row in range(max(m - 2, 0), m):
             _measure(family, out, row, Frame(frame.scale, float(info[3])))
-    if applies(family):
-        for row in np.flatnonzero(unresolved(out.re[:m], out.im[:m], out.tests[:m])).tolist():
-            _resolve(family, out, row)
+    anew = np.flatnonzero(unresolved(family, out.re[:m], out.im[:m], out.tests[:m])).tolist()
+    resolved = [_resolve(family, out, row) for row in anew]
+    if any(resolved):
         changed = np.flatnonzero(np.diff(out.unstable[:m]))
         if changed.size:  # the march may have counted otherwise: what happens in its last step is looked at
             m, stop = (int(changed[0]) + 2, Stop.EVENT) if changed[0] + 2 < m or stop is Stop.LIMIT else (m, stop)
@@ -138,10 +138,11 @@ def _measure(family: OrbitProblem, out: Rows, row: int, frame: Frame) -> None:
         out.re[row], out.im[row] = exact.eigenvalues.real, exact.eigenvalues.imag
 
 
-def _resolve(family: OrbitProblem, out: Rows, row: int) -> None:
-    """Planar orbits have a formula for their multiplier."""
+def _resolve(family: OrbitProblem, out: Rows, row: int) -> bool:
+    """Multipliers of a row that a product of matrices does not resolve, from the parts of the equations."""
     count = resolve(family, out.z[row], out.re[row], out.im[row], out.tests[row])
     out.unstable[row] = out.unstable[row] if count is None else count
+    return count is not None
 
 
 def _chunk(profile: Profile) -> int:
