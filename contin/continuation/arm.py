@@ -264,14 +264,14 @@ def _until_lowest(chunk: Chunk) -> Chunk:
 
     Newton's method does not tell apart two branches that touch with contact of high order: no parabola falls to zero.
     """
-    sizes = np.abs(chunk.tests[:-1])
-    if len(sizes) < 3:
+    if len(chunk) < 4:
         return chunk
-    inner, limits = sizes[1:-1], LOWEST * sizes.max(axis=0)
-    if not (inner.min(axis=0) <= limits).any():
+    sizes = np.abs(chunk.tests[:-1].T, order="C")  # of one test after the other
+    inner, limits = sizes[:, 1:-1], LOWEST * sizes.max(axis=1)
+    if not (inner.min(axis=1) <= limits).any():
         return chunk
-    low = (inner <= limits) & (inner < sizes[:-2]) & (inner <= sizes[2:])
-    rows, tests = np.nonzero(low)
+    low = (inner <= limits[:, None]) & (inner < sizes[:, :-2]) & (inner <= sizes[:, 2:])
+    rows, tests = np.nonzero(low.T)
     if not rows.size:
         return chunk
     cut = chunk.cut(int(rows[0]) + 3, Stop.DIP, float(chunk.lengths[int(rows[0]) + 2]))

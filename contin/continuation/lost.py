@@ -139,7 +139,7 @@ class _Record:
         return self._stop(row, piece, "corrector", text)
 
     def _infinite(self, piece: Piece) -> _Stop | None:
-        largest = np.max(np.abs(piece.z), axis=0)  # of each unknown: whole rows only where one may have grown
+        largest = np.abs(piece.z.T, order="C").max(axis=1)  # of each unknown: whole rows only where one may have grown
         if not self._sizes(largest) >= self._next:
             return None
         sizes = self._sizes(piece.z)
@@ -193,7 +193,11 @@ class _Record:
         distance = np.abs(rows[:, -1, None] - bounds).min(axis=1)
         steps = np.linalg.norm(np.diff(rows, axis=0) / piece.scale, axis=1)
         nearer = (distance[1:] > 0.0) & (distance[1:] <= distance[:-1]) & (distance[1:] < near)
-        for row, counts in enumerate(nearer & (steps > LONG)):
+        counted = nearer & (steps > LONG)
+        if not counted.any():
+            self.approaching = 0
+            return None
+        for row, counts in enumerate(counted):
             self.approaching = self.approaching + 1 if counts else 0
             if self.approaching == APPROACHING:
                 bound = bounds[np.argmin(np.abs(bounds - piece.z[row, -1]))]

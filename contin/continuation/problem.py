@@ -404,8 +404,8 @@ class Problem(ABC):
         """Eigenvalues (multipliers) of the solution z, without those that are of its method of solution alone."""
         return values
 
-    def remarks(self, z: Array) -> Sequence[str]:
-        """Notes on the whole branch with rows z."""
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
+        """Notes on the whole branch with rows z, whose eigenvalues (rows, k) are as the march gave them."""
         return ()
 
     def guessed(self, z: Array, bounds: tuple[float, float]) -> Sequence[str]:

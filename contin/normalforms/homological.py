@@ -123,10 +123,11 @@ class CentreManifold:
     def _sum_of_moduli(self, v: Index) -> Real:
         """Of the summands of R_v - S_v, component by component."""
         sizes: Real = np.zeros(self.jet.n)
+        signs = np.resize(SIGNS, self.jet.n + self.jet.parameters)
         for weight, directions in self._products(v):
             sizes = sizes + np.abs(weight * self.jet.form(*directions))
             if len(directions) > 1:
-                aside = weight * self.jet.form(*(d * SIGNS[np.arange(len(d)) % len(SIGNS)] for d in directions))
+                aside = weight * self.jet.form(*(d * signs for d in directions))
                 sizes = sizes + ROUNDED * np.abs(aside)
         for coefficient, u in self._transport(v):
             sizes = sizes + np.abs(coefficient * self._coefficient(u))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, TypeAlias
 
@@ -56,6 +56,7 @@ class DerivativeJet:
     parameters: int = 0
     kind: Kind = "flow"
     scale: Real | None = None
+    several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
 
     @property
@@ -65,17 +66,23 @@ class DerivativeJet:
     def form(self, *directions: Vector) -> Vector:
         if any(d.dtype.kind == "c" for d in directions):
             return expand_complex(self._evaluate, directions, self.n)
-        return self._evaluate(directions)
+        return self._evaluate([directions])[0]
 
-    def _evaluate(self, directions: tuple[Real, ...]) -> Real:
-        key = tuple(sorted(d.tobytes() for d in directions))
-        if key not in self._known:
-            self._known[key] = np.array(self.derivative(directions), dtype=float)
-        return self._known[key]
+    def _evaluate(self, wanted: Sequence[tuple[Real, ...]]) -> list[Real]:
+        keys = [tuple(sorted(d.tobytes() for d in directions)) for directions in wanted]
+        missing = {key: directions for key, directions in zip(keys, wanted, strict=True) if key not in self._known}
+        if self.several is not None and len(missing) > 1:
+            self._known.update(zip(missing, self.several(list(missing.values())), strict=True))
+        else:
+            for key, directions in missing.items():
+                self._known[key] = np.array(self.derivative(directions), dtype=float)
+        return [self._known[key] for key in keys]
 
 
-def expand_complex(evaluate: Callable[[tuple[Real, ...]], Real], directions: tuple[Vector, ...], n: int) -> Vector:
-    """D^k F[d1, ..., dk] for complex directions from evaluations at real ones.
+def expand_complex(
+    evaluate: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]], directions: tuple[Vector, ...], n: int
+) -> Vector:
+    """D^k F[d1, ..., dk] for complex directions from evaluations at real ones, all of them together.
 
     Each direction a + ib is written in real basis vectors (a, b up to sign, zeros dropped), the product is expanded,
     and terms with the same multiset of basis vectors are collected before anything is evaluated.
@@ -93,10 +100,11 @@ def expand_complex(evaluate: Callable[[tuple[Real, ...]], Real], directions: tup
                 keys = tuple(sorted((*known, key)))
                 grown[keys] = grown.get(keys, 0.0) + coefficient * factor
         terms = grown
+    terms = {keys: coefficient for keys, coefficient in terms.items() if coefficient != 0.0}
     total = np.zeros(n, dtype=complex)
-    for keys, coefficient in terms.items():
-        if coefficient != 0.0:
-            total += coefficient * evaluate(tuple(basis[key] for key in keys))
+    values = evaluate([tuple(basis[key] for key in keys) for keys in terms])
+    for coefficient, value in zip(terms.values(), values, strict=True):
+        total += coefficient * value
     return total if any(d.dtype.kind == "c" for d in directions) else total.real
 
 

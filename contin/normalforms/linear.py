@@ -7,6 +7,8 @@ entries are near one. A state measured in units a million times smaller then cha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import frexp, ldexp
+from operator import mul
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from contin.normalforms.jet import Complex, Real
 
 TIE = 1e-6  # components within this of the largest modulus count as equally large: the first of them sets the sign
 ORTHOGONAL = 1e-12  # cosine of two null vectors that is zero with rounding errors
+FEW = 64  # entries of a matrix that are equilibrated as Python's numbers
 NOISE = 1e-10  # entries of a matrix below this fraction of the largest may be rounding errors
 
 
@@ -45,6 +48,8 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
     columns keep their scale.
     """
     size = np.abs(matrix)
+    if size.size <= FEW and np.isfinite(size).all():
+        return _equilibrated(size.tolist(), sweeps)
     r, c = np.ones(matrix.shape[0]), np.ones(matrix.shape[1])
     for _ in range(sweeps):
         scaled = r[:, None] * size * c
@@ -57,6 +62,27 @@ def equilibrate(matrix: Vector, sweeps: int = 12) -> tuple[Real, Real]:
         r_step, c_step = step[: len(rows)], step[len(rows) :]
         r, c = r * r_step, c * c_step
     return r, c
+
+
+def _equilibrated(size: list[list[float]], sweeps: int) -> tuple[Real, Real]:
+    """`equilibrate` of a few entries, for which Python's numbers take a fifth of the time; the same powers of two."""
+    r, c, across = [1.0] * len(size), [1.0] * len(size[0]), list(zip(*size, strict=True))
+    for _ in range(sweeps):
+        rows = [_half_power(max(map(mul, row, c)) * x) for row, x in zip(size, r, strict=True)]
+        columns = [_half_power(max(map(mul, column, r)) * x) for column, x in zip(across, c, strict=True)]
+        if all(step == 1.0 for step in (*rows, *columns)):
+            break
+        r, c = list(map(mul, r, rows)), list(map(mul, c, columns))
+    return np.array(r), np.array(c)
+
+
+def _half_power(x: float) -> float:
+    """1 / `root_power`(x, 2), and 1 for 0."""
+    if x == 0.0:
+        return 1.0
+    mantissa, exponent = frexp(x)
+    whole = exponent - 1
+    return ldexp(1.0, -(round(whole / 2) if mantissa == 0.5 else (whole + 1) // 2))
 
 
 def normalise(q: Vector) -> Vector:
@@ -147,7 +173,8 @@ def solve(matrix: Vector, rhs: Vector, columns: Vector | None = None, rows: Vect
         full, right = matrix, rhs
     else:
         k = columns.shape[1]
-        full = np.block([[matrix, columns], [rows.conj().T, np.zeros((k, k))]])
+        full = np.zeros((n + k, n + k), np.result_type(matrix, columns, rows))
+        full[:n, :n], full[:n, n:], full[n:, :n] = matrix, columns, rows.conj().T
         right = np.concatenate([rhs, np.zeros((k, *rhs.shape[1:]))])
     r, c = equilibrate(full)
     scaled = r[:, None] * full * c

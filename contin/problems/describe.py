@@ -13,9 +13,10 @@ from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point
 from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
-from contin.normalforms.jet import DerivativeJet
+from contin.normalforms.jet import DerivativeJet, Kind
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
+from contin.normalforms.sources import at_once
 from contin.problems.branching import degenerate
 from contin.problems.massless import in_own_units, unit_mass, with_units
 
@@ -39,7 +40,9 @@ def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) ->
         wide[:, problem.n + problem.active] = [d[-1] for d in directions]
         return problem.system.derivative(u, p, *wide)
 
-    return DerivativeJet(problem.linear_part(z), derivative, 1, "map" if problem.is_map else "flow", scale)
+    several = at_once(problem.system, u, p, [problem.active])
+    kind: Kind = "map" if problem.is_map else "flow"
+    return DerivativeJet(problem.linear_part(z), derivative, 1, kind, scale, several)
 
 
 def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:

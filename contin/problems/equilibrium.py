@@ -54,7 +54,7 @@ from contin.problems.surfaces.sliding import Sliding
 from contin.problems.symmetry import reversing_symmetries
 from contin.problems.touching import beyond
 from contin.simulate.natural import BENDS_UP_TO, growth_lengths, guessed_note, pure_derivatives, sizes_of
-from contin.simulate.reach import has_reach, left_reach
+from contin.simulate.reach import has_reach, is_constrained, left_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.translations import translation_notes
 
@@ -316,7 +316,8 @@ class EquilibriumProblem(Problem):
             z[:m], t[:m], tests[:m], unstable[:m], re[:m] + 1j * im[:m], lengths[:m], stop,
             float(info[1]), float(info[3]), int(info[4]), int(info[2]), detail,
         )  # fmt: skip
-        chunk = cut_before_pole(self.system, chunk, self._all_parameters(chunk.z), n)
+        if is_constrained(self.system):
+            chunk = cut_before_pole(self.system, chunk, self._all_parameters(chunk.z), n)
         return corners.one_corner_a_step(self, boundary.cut_at_surface(self, chunk))
 
     def _all_parameters(self, z: Array) -> Array:
@@ -433,7 +434,7 @@ class EquilibriumProblem(Problem):
                 columns[name] = recorded[:, k].copy()
         return columns
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the branch (rows z)."""
         bounds = float(z[:, -1].min()), float(z[:, -1].max())
         return neutral_remarks(self, z, lambda: self.initial_scale(z[0], bounds))

@@ -38,6 +38,7 @@ SAFETY: Final = 10.0
 STEP: Final = 1e-7  # (relative to the states' and parameter's scales) of the second difference that measures rounding
 CLEAR: Final = 0.5  # part of what the compiled tests allow for that an error may be
 ON_CIRCLE: Final = 1e-7  # distance from the unit circle of a multiplier of an orbit that is on it, to its error
+NEARLY: Final = 0.05  # ... and of one whose error is not known
 LOOKS: Final = 5  # rows of a branch at which pairs are looked for
 
 
@@ -161,9 +162,9 @@ def is_neutral(problem: DenseInOneParameter, z: Array, values: Values, scale: Ar
 
 def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) -> Sequence[str]:
     """That pairs of eigenvalues stay on the stability boundary along the branch (rows z, in the metric `scale`)."""
-    rows = _looked_at(z)
-    fewest = problem.n if len(rows) else 0
-    for row in rows:
+    looked = _places(len(z))
+    fewest = problem.n if looked else 0
+    for row in z[looked]:
         values, _ = spectrum(problem.linear_part(row))
         if not is_suspect(values, problem.is_map):  # what stays on the boundary is a pair whose sum is nearly zero
             return ()
@@ -172,10 +173,17 @@ def remarks(problem: DenseInOneParameter, z: Array, scale: Callable[[], Array]) 
     return _words(fewest, problem.is_map)
 
 
-def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array) -> Sequence[str]:
-    """The same of the multipliers of a family of orbits (rows z, padded with NaN)."""
-    fewest = problem.n if len(z) >= LOOKS else 0
-    for row in _looked_at(z):
+def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array, seen: Values) -> Sequence[str]:
+    """The same of the multipliers of a family of orbits (rows z, padded with NaN).
+
+    seen (rows, k) : multipliers from factors of orbits nearby, which tell families without such pairs.
+    """
+    looked = _places(len(z))
+    near = np.sum(np.abs(np.abs(seen[looked]) - 1.0) <= NEARLY, axis=1) - int(problem.autonomous)
+    if np.any((near < 2) & np.isfinite(seen[looked]).all(axis=1)):
+        return ()
+    fewest = problem.n if looked else 0
+    for row in z[looked]:
         values = problem.multipliers(row[~np.isnan(row)])
         others = values[1:] if problem.autonomous else values
         if not np.all(np.isfinite(values)):
@@ -186,9 +194,9 @@ def remarks_on_orbits(problem: OrbitProblem | ShootingProblem, z: Array) -> Sequ
     return _words(fewest, True)
 
 
-def _looked_at(z: Array) -> Array:
+def _places(rows: int) -> list[int]:
     """Some rows; none of a short branch."""
-    return z[[k * (len(z) - 1) // (LOOKS - 1) for k in range(LOOKS)]] if len(z) >= LOOKS else z[:0]
+    return [k * (rows - 1) // (LOOKS - 1) for k in range(LOOKS)] if rows >= LOOKS else []
 
 
 def _on_boundary(values: Values, is_map: bool, limit: float) -> int:

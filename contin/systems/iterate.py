@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError
-from contin.systems.protocol import one_by_one
+from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
     from contin.systems.protocol import Described, Limit, System
@@ -142,6 +142,10 @@ class IteratedSystem:
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
         return one_by_one(self.jacobian, u, p)
+
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        """`derivative` at N points, (N, n): u (N, n), p (N, m), directions (N, n + m)."""
+        return form_by_form(self.derivative, u, p, directions)
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k of the iterate along k directions (n + m,), real or complex.

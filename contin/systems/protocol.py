@@ -108,6 +108,9 @@ class System(Protocol):
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k f[v_1, ..., v_k], (n,)."""
 
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        """`derivative` at N points, (N, n): u (N, n), p (N, m), directions (N, n + m)."""
+
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2 f[v, .], (n, n + m)."""
 
@@ -137,3 +140,8 @@ def one_by_one(jacobian: Callable[[Array, Array], tuple[Array, Array]], u: Array
     """`System.jacobians` of a system that has no faster way."""
     parts = [jacobian(*place) for place in zip(u, p, strict=True)]
     return np.array([f for f, _ in parts]), np.array([matrix for _, matrix in parts])
+
+
+def form_by_form(derivative: Callable[..., Vector], u: Array, p: Array, directions: Sequence[Vector]) -> Vector:
+    """`System.derivatives` of a system that has no faster way."""
+    return np.array([derivative(*place) for place in zip(u, p, *directions, strict=True)])

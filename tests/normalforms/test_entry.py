@@ -31,6 +31,9 @@ class Cubic:
         assert all(len(d) == 4 for d in directions)
         return self._jet(u, p).form(*directions)
 
+    def derivatives(self, u, p, *directions):
+        return np.array([self.derivative(*place) for place in zip(u, p, *directions, strict=True)])
+
 
 def test_compiled_jet_places_the_active_parameters():
     u, p = np.zeros(2), np.array([0.0, 1.3])

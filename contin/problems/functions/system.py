@@ -18,7 +18,7 @@ from contin.problems.functions.derivatives import Lines, is_analytic
 from contin.problems.functions.guarded import called, numbers, vector
 from contin.problems.functions.trials import not_analytic, real, try_function
 from contin.records import Fields
-from contin.systems.protocol import one_by_one
+from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
     from contin.problems.functions.problem import FunctionProblem
@@ -286,6 +286,10 @@ class FunctionSystem:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
         return one_by_one(self.jacobian, u, p)
 
+    def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
+        """`derivative` at N points, (N, n): u (N, n), p (N, m), directions (N, n + m)."""
+        return form_by_form(self.derivative, u, p, directions)
+
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k F(z)[d1, ..., dk], (n,), directions (n + m,), real or complex."""
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
@@ -297,7 +301,8 @@ class FunctionSystem:
             with np.errstate(all="ignore"):
                 return self.lines.form(states, others, parts)
 
-        return expand_complex(real, tuple(np.asarray(d) for d in directions), self.n)
+        vectors = tuple(np.asarray(d) for d in directions)
+        return expand_complex(lambda wanted: [real(parts) for parts in wanted], vectors, self.n)
 
     def gradient(self, u: ArrayLike, p: ArrayLike, v: ArrayLike) -> Vector:
         """The matrix D^2F(z)[v, .], (n, n + m), v real or complex."""

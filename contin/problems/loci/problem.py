@@ -210,7 +210,7 @@ class LocusProblem(TwoParameterProblem):
         rate = float(np.linalg.norm(self.curve.matrix(z[0]) * d / d[:, None]))
         return bool(np.any(np.abs(z[:, -3]) > events.FORCED * rate))
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What holds all along the curve, and which tests failed on it."""
         return [*self._properties(z), *untold.remarks(self)]
 

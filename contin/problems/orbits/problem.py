@@ -191,9 +191,9 @@ class OrbitProblem(FamilyOfOrbits):
         found = foretold(self, origin, before, frame)
         return None if found is None else Renewal(frame.scale, origin, before, None, found.end, found.last, found.point)
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """That the family is vertical, or neutral."""
-        return (*remarks(self, z), *remarks_on_orbits(self, z))
+        return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues))
 
     def describe_failure(self, z: Array) -> str:
         profile = self.profile(z)

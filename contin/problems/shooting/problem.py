@@ -171,9 +171,9 @@ class ShootingProblem(FamilyOfOrbits):
             return np.full(self.n, np.nan, complex)
         return segments.multipliers()
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """That the family is neutral."""
-        return remarks_on_orbits(self, z)
+        return remarks_on_orbits(self, z, eigenvalues)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         return family_tangents(self, z, scale)

@@ -93,7 +93,7 @@ class ConnectionProblem(MarchedInPython):
             return np.full(len(tests_of_connections()), np.nan), 0, np.full(self.curve.n, np.nan, complex)
         return tests, self._unstable(values), values
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """Where the tests of this curve could not be computed."""
         failures = self._last.get("untested", [])
         if not failures:

@@ -56,7 +56,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
         end = approached(self, origin.z, before.z, frame.scale, failed=True)
         return None if end is None else Renewal(frame.scale, origin, before, None, end)
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         return criticality.remarks(self.curve)
 
     def has_met_half(self, z: Array, scale: Array) -> bool:

@@ -76,10 +76,10 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
             columns["turns"] = np.array([self.curve.turns(row, scale) for row in z])
         return columns
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         touched = self.curve.touched
         if touched is None:
-            return super().remarks(z)
+            return super().remarks(z, eigenvalues)
         surface = self.system.pieces.name(touched)
         return (f"the orbits touch {surface}: nonsmooth folds where `turns` is true; other events are not looked for",)
 

@@ -161,7 +161,7 @@ class LargeLocus(TwoParameterProblem):
             columns["neutral"] = z[:, -3] < 0.0  # type: ignore[assignment]
         return columns
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         return []
 
     def describe_failure(self, z: Array) -> str:
