@@ -9,7 +9,6 @@ import numpy as np
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
-from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.hopf import hopf_predictor
 from contin.problems.describe import jet_at
@@ -19,6 +18,7 @@ from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.problem import LargeProblem
 from contin.transitions.equivariant_hopf import patterns, through_an_orbit
+from contin.transitions.large_cycles import large_cycles
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import Explored, born
 
@@ -93,8 +93,6 @@ def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tu
 
 @born(LargeProblem, "HB", "the periodic orbits", explored=SMALL)
 def hopf_seeds_of_large(problem: LargeProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """As `hopf_seeds`, of a large system that is small enough to be followed as a dense one."""
+    """As `hopf_seeds`; of a system that is too large to be followed as a dense one by collocation in sparse intervals."""
     dense = dense_problem(problem)
-    if dense is None:
-        raise InputError(f"{point.branch}.{point.label}: the periodic orbits of a system this large are not followed")
-    return hopf_seeds(dense, point, parameter)
+    return hopf_seeds(dense, point, parameter) if dense is not None else [large_cycles(problem, point, parameter)]

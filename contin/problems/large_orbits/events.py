@@ -1,0 +1,85 @@
+"""Bifurcations of orbits of large systems: what a change means, and location to full precision along the family."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.problems.large_orbits.multipliers import REAL
+from contin.problems.sparse.special import At, secant
+
+if TYPE_CHECKING:
+    from contin.problems.large_orbits.problem import LargeOrbitProblem
+
+RESIDUAL_LIMIT: Final = 1e-7
+NEAR_FOLD: Final = 1e-3  # part of a unit tangent in the parameter below which a family is about to turn
+WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1", "BPC": "a second multiplier 1"}
+
+
+def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
+    """Types that account for the changes between two orbits; None: more than one."""
+    fold, _, pairs, turned = (bool(x) for x in a.tests * b.tests < 0.0)
+    moved = abs(b.unstable - a.unstable)
+    seen = fold + pairs + turned
+    if moved == 0 and not seen:
+        return ()
+    if fold and moved <= 1 and seen == 1:
+        return ("LPC",)
+    if turned and moved == 1 and seen == 1:
+        return ("PD",)
+    if pairs and moved == 2 and seen == 1:
+        return ("NS",)
+    return ("BPC",) if moved == 1 and not seen else None
+
+
+def verify(problem: LargeOrbitProblem, type_: str, near: Sample, frame: Frame) -> Outcome:
+    """The orbit of this type near a sample, by the secant method along the family."""
+    if type_ == "LPC":
+        found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
+    elif type_ == "BPC" and abs(float(near.tangent[-1])) < NEAR_FOLD:
+        return NOTHING  # the multiplier of the fold that is labelled
+    else:
+        found = secant(problem, near, frame, lambda at: _measure(problem, at, type_))
+    if found is None:
+        return unverified(type_, f"no orbit with {WORDS.get(type_, 'a turning parameter')} nearby")
+    at, left, error, _ = found
+    residual = max(at.residual, abs(left))
+    if not (residual < RESIDUAL_LIMIT and np.isfinite(error)):
+        return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
+    values, vectors = problem.multipliers(at.z, exactly=True)
+    critical = _critical(values, type_)
+    if critical is None:
+        return Rejected(f"{type_} not verified: the multiplier that crosses is lost")
+    chosen = [critical]
+    if type_ == "NS":
+        chosen.append(int(np.argmin(np.abs(values - values[critical].conj()))))
+    others = np.delete(values, chosen)
+    form = {"theta": float(abs(np.angle(values[critical])))} if type_ == "NS" else {}
+    unstable = int(np.sum(np.abs(others) > 1.0))
+    return Verified(
+        type_, at.z, residual, float(error), np.append(1.0 + 0.0j, values), unstable, form,
+        {"q": vectors[:, critical]},
+    )  # fmt: skip
+
+
+def _critical(values: NDArray[np.complex128], type_: str) -> int | None:
+    """Index of the multiplier of a type."""
+    real = np.abs(values.imag) <= REAL * np.abs(values)
+    kind = values.imag > REAL * np.abs(values) if type_ == "NS" else real
+    if type_ == "PD":
+        kind = kind & (values.real < 0.0)
+    elif type_ != "NS":
+        kind = kind & (values.real > 0.0)
+    found = np.flatnonzero(kind)
+    return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
+
+
+def _measure(problem: LargeOrbitProblem, at: At, type_: str) -> float:
+    """How far the critical multiplier is outside the unit circle."""
+    values, _ = problem.multipliers(at.z, exactly=True)
+    k = _critical(values, type_)
+    return float("nan") if k is None else float(abs(values[k])) - 1.0
+

@@ -1,0 +1,83 @@
+"""The collocation of an orbit: Radau points, three in each interval, order 5 at its end (Hairer and Wanner, Solving
+Ordinary Differential Equations II, sec. IV.5).
+
+The end of an interval is its last point, so values there are unknowns and what decays fast decays in one interval: the
+multipliers of stiff modes are 0, as those of the flow. Gauss points would give them modulus 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+
+STAGES: Final = 3
+_ROOT: Final = 6.0**0.5
+C: Final = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
+A: Final = np.array(
+    [
+        [(88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0],
+        [(296.0 + 169.0 * _ROOT) / 1800.0, (88.0 + 7.0 * _ROOT) / 360.0, (-2.0 - 3.0 * _ROOT) / 225.0],
+        [(16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0],
+    ]
+)
+WEIGHTS: Final = A[2]  # of integrals over an interval of length 1
+INVERSE: Final = np.linalg.inv(A)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One period: U (intervals, 3, n) at the points, the end of each interval last; the intervals have equal lengths.
+
+    It begins at the end of the last interval.
+    """
+
+    U: Array
+    period: float
+
+    @property
+    def h(self) -> float:
+        """Length of an interval, as part of the period."""
+        return 1.0 / len(self.U)
+
+    @property
+    def beginnings(self) -> Array:
+        """Values (intervals, n) at the beginning of each interval."""
+        return np.roll(self.U[:, 2], 1, axis=0)
+
+    @property
+    def slopes(self) -> Array:
+        """Derivatives (intervals, 3, n) by the time in periods, of the interpolating polynomials."""
+        return np.asarray(np.einsum("ik,jkn->jin", INVERSE, self.U - self.beginnings[:, None]) / self.h)
+
+    @property
+    def times(self) -> Array:
+        """(3 intervals + 1,), from 0 to 1."""
+        return np.append(0.0, (self.h * (np.arange(len(self.U))[:, None] + C)).ravel())
+
+    @property
+    def u(self) -> Array:
+        """(3 intervals + 1, n) at `times`."""
+        return np.vstack([self.U[-1, 2], self.U.reshape(-1, self.U.shape[2])])
+
+    def at(self, times: Array) -> Array:
+        """Values (K, n) at times from 0 to 1."""
+        place = np.asarray(times, dtype=float) * len(self.U)
+        j = np.clip(np.floor(place).astype(int), 0, len(self.U) - 1)
+        nodes = np.append(0.0, C)
+        x = (place - j)[:, None]
+        weights = np.ones((len(x), 4))
+        for k in range(4):
+            for other in range(4):
+                if other != k:
+                    weights[:, k : k + 1] *= (x - nodes[other]) / (nodes[k] - nodes[other])
+        values = np.concatenate([self.beginnings[:, None], self.U], axis=1)[j]
+        return np.asarray(np.einsum("tk,tkn->tn", weights, values))
+
+    def refined(self, intervals: int) -> Trajectory:
+        """The same on another number of intervals."""
+        times = ((np.arange(intervals)[:, None] + C) / intervals).ravel()
+        return Trajectory(self.at(times).reshape(intervals, STAGES, -1), self.period)

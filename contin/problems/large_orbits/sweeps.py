@@ -1,0 +1,101 @@
+"""The linearised equations of an orbit, solved from interval to interval.
+
+    d_j - 1 x d_{j-1,3} - T h (A x J) d_j = r_j,    d_{-1} = d_{N-1}
+
+with J at the interval's three points. Each interval is factored by itself, so memory and time are proportional to n times
+intervals where J is banded. Going once round is the action of the monodromy matrix M; closure, period, parameter and
+the two conditions (phase, arclength) make a system of n + 2 unknowns w = (d_{N-1,3}, dT, dp) with I - M in it, which GMRES
+solves: M has few eigenvalues that are not small where a system dissipates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_matrix, identity, kron
+
+from contin.abi import Array
+from contin.linalg.factor import Factor, Factoriser
+from contin.linalg.krylov import gmres
+from contin.problems.large_orbits.radau import STAGES, A
+
+
+@dataclass(frozen=True, eq=False)
+class Sweeps:
+    """Factors of all intervals."""
+
+    factors: Sequence[Factor]
+    n: int
+
+    @classmethod
+    def of(cls, jacobians: Sequence[Sequence[csc_matrix]], step: float, factoriser: Factoriser) -> Sweeps:
+        """From J at the points of every interval; step = T h."""
+        n = jacobians[0][0].shape[0]
+        unit = identity(STAGES * n, format="csc")
+        columns = [np.outer(-step * A[:, k], np.eye(STAGES)[k]) for k in range(STAGES)]
+        factors = []
+        for three in jacobians:
+            matrix = unit
+            for J, column in zip(three, columns, strict=True):
+                matrix = matrix + kron(J, column, format="csc")
+            factors.append(factoriser.factor(csc_matrix(matrix)))
+        return cls(factors, n)
+
+    def along(self, beginning: Array, right: Array | None = None) -> Array:
+        """d (intervals, 3, n) from d_{-1,3} = `beginning` (n,) and r (intervals, 3, n)."""
+        out = np.empty((len(self.factors), STAGES, self.n))
+        x = beginning
+        for j, factor in enumerate(self.factors):
+            known = np.broadcast_to(x, (STAGES, self.n)) if right is None else right[j] + x
+            out[j] = factor.solve(known.T.ravel()).reshape(self.n, STAGES).T
+            x = out[j, 2]
+        return out
+
+    def monodromy(self, w: Array) -> Array:
+        """M w."""
+        return np.asarray(self.along(w)[-1, 2])
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """The closed orbit's equations with two columns (period, parameter) and two rows, in units of their own.
+
+    columns (2, N, 3, n) : of the equations, by dT and dp.  rows (2, N 3 n + 2).  sizes (3,) : of states, T and p.
+    """
+
+    sweeps: Sweeps
+    columns: Array
+    rows: Array
+    sizes: Array
+    answers: Array  # what `columns` lead to from a beginning at rest, (2, N, 3, n)
+
+    @classmethod
+    def of(cls, sweeps: Sweeps, columns: Array, rows: Array, sizes: Array) -> Closed:
+        rest = np.zeros(sweeps.n)
+        answers = np.array([sweeps.along(rest, -column) for column in columns])
+        return cls(sweeps, columns, rows, sizes, answers)
+
+    def solve(self, right: Array, below: Array) -> tuple[Array, Array, int]:
+        """d (N, 3, n) and (dT, dp) for right-hand sides (N, 3, n) and (2,); and the iterations."""
+        n = self.sweeps.n
+        units = np.append(np.full(n, self.sizes[0]), self.sizes[1:])
+        row_sizes = np.abs(self.rows[:, :-2]).sum(axis=1) * self.sizes[0] + np.abs(self.rows[:, -2:]) @ self.sizes[1:]
+        particular = self.sweeps.along(np.zeros(n), right)
+
+        def whole(w: Array) -> Array:
+            return np.asarray(self.sweeps.along(w[:n]) + np.einsum("k,kjin->jin", w[n:], self.answers))
+
+        def conditions(d: Array, tp: Array) -> Array:
+            return np.asarray((self.rows[:, :-2] @ d.ravel() + self.rows[:, -2:] @ tp) / row_sizes)
+
+        def apply(v: Array) -> Array:
+            w = v * units
+            d = whole(w)
+            return np.append((w[:n] - d[-1, 2]) / self.sizes[0], conditions(d, w[n:]))
+
+        known = np.append(particular[-1, 2] / self.sizes[0], below / row_sizes - conditions(particular, np.zeros(2)))
+        v, iterations, _ = gmres(apply, lambda r: r, known)
+        w = v * units
+        return particular + whole(w), w[n:], iterations

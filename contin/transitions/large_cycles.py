@@ -1,0 +1,38 @@
+"""The seed of the cycles that are born at a Hopf point of a large system."""
+
+from __future__ import annotations
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.linalg.vectors import norm
+from contin.machine import elementary
+from contin.problems.large_orbits.problem import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
+from contin.problems.large_orbits.radau import STAGES, Trajectory
+from contin.problems.sparse.problem import LargeProblem
+
+import numpy as np
+
+
+def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> Seed:
+    """Small cycles u + r 2 Re(q exp(2 pi i t)), to first order in r."""
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    n, omega, q = problem.n, float(point.vectors["omega"]), np.asarray(point.vectors["q"])
+    p = problem.full_parameters(point.z)
+    orbits = LargeOrbitProblem(problem.system, p, problem.active, INTERVALS)
+    rest = Trajectory(np.tile(point.z[:-1], (INTERVALS, STAGES, 1)), 2.0 * np.pi / omega)
+    waves = elementary.exp(2.0j * np.pi * rest.times[1:])
+    first = 2.0 * (waves[:, None] * q).real
+    z = orbits.vector(rest, float(point.z[-1]))
+    size = float(point.scale[0]) / np.sqrt(n) / float(problem.system.model.typical[0])
+    scale = orbits.scale_of(size, np.array([PERIOD_SCALE * rest.period, float(point.scale[-1])]))
+    direction = np.append(first.ravel(), [0.0, 0.0]) / scale
+    values = np.asarray(point.eigenvalues)
+    order = np.argsort(np.minimum(np.abs(values - 1j * omega), np.abs(values + 1j * omega)))
+    others = values[order[2:]]
+    with np.errstate(over="ignore"):
+        multipliers = np.concatenate([[1.0, 1.0], elementary.exp(others * rest.period)]).astype(complex)
+    return Seed(
+        orbits, z, direction / norm(direction), None, scale, (1,), Parent(point.branch, point.label),
+        measured=(int(np.sum(others.real > 0.0)), multipliers),
+    )  # fmt: skip
