@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
@@ -20,6 +23,14 @@ def fields_of(problem: object, z: Array, values: Mapping[str, float], where: str
     if system is None or profile is None:
         raise InputError(f"{where} has no fields: they are at the rows and points of models of kind: pde")
     return profile(z[: system.n], {name: float(values[name]) for name in system.parameter_names})
+
+
+def fields_along(problem: Any, rows: Array, values: Mapping[str, float]) -> Fields:
+    """The coordinates, and each field at several states `rows` (K, n): (K, points) or (K, points, points)."""
+    p = {name: float(values[name]) for name in problem.system.parameter_names}
+    found = [problem.system.model.profile(row, p) for row in rows]
+    axes = problem.system.model.axes
+    return {name: x if name in axes else np.array([f[name] for f in found]) for name, x in found[0].items()}
 
 
 def has_fields(problem: object) -> bool:

@@ -70,4 +70,6 @@ def orbit_of(problem: object, z: Array, multipliers: NDArray[np.complex128], whe
     profile: Sampled = profile_of(z)
     t = profile.times * profile.period
     names = problem.system.state_names  # type: ignore[attr-defined]
+    if not names:  # a large system
+        names = [f"u{k}" for k in range(profile.u.shape[1])]
     return Orbit(t, {"t": t, **dict(zip(names, profile.u.T, strict=True))}, multipliers)

@@ -48,13 +48,13 @@ class ArrayFormulas:
         self._steps = [(node.op, node.value, tuple(place[a] for a in node.args)) for node in order]
         self._roots = [place[f] for f in formulas]
 
-    def __call__(self, values: Values, size: int) -> list[Vector]:
-        """The value of each formula, (size,)."""
+    def __call__(self, values: Values, size: int | tuple[int, ...]) -> list[Vector]:
+        """The value of each formula, of this shape."""
         done: list[Any] = []
         with np.errstate(all="ignore"):  # what is not finite is told where it matters
             for op, value, arguments in self._steps:
                 done.append(_step(op, value, [done[a] for a in arguments], values))
-            return [np.broadcast_to(np.asarray(done[root]), (size,)) for root in self._roots]
+            return [np.broadcast_to(np.asarray(done[root]), size) for root in self._roots]
 
 
 def _step(op: str, value: Any, x: list[Any], values: Values) -> Any:

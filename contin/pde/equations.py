@@ -54,9 +54,9 @@ class Discretised:
 
     def boundary(self, u: Vector, p: Values) -> tuple[Vector, Vector]:
         """b and g."""
-        b = np.concatenate([np.empty(0), *(piece.value([], p) for piece in self._values)])
-        parts = [piece.value(piece.slot_values(u, b, None), p) for piece in self._slopes]
-        return b, np.concatenate([np.empty(0), *parts])
+        b = _across(_joined([piece.value([], p) for piece in self._values]), u)
+        parts = [_spread(piece.value(piece.slot_values(u, b, None), p), u) for piece in self._slopes]
+        return b, _joined(parts)
 
     def slot_values(self, piece: Piece, u: Vector, p: Values) -> list[Vector]:
         """Each slot of a piece."""
@@ -64,11 +64,11 @@ class Discretised:
         return piece.slot_values(u, b, g)
 
     def value(self, u: Vector, p: Values) -> Vector:
-        """F (n,), real or complex."""
+        """F (n,), real or complex; (n, K) of K states u (n, K)."""
         b, g = self.boundary(u, p)
-        out = np.empty(self.n, np.result_type(u, float, *p.values()))
+        out = np.empty((self.n, *u.shape[1:]), np.result_type(u, float, *p.values()))
         for field, piece in self.pieces.items():
-            out[self.unknowns.places[field]] = piece.value(piece.slot_values(u, b, g), p)
+            out[self.unknowns.places[field]] = _spread(piece.value(piece.slot_values(u, b, g), p), u)
         return out
 
     # Jacobian ---------------------------------------------------------------------------------------------------------
@@ -79,22 +79,28 @@ class Discretised:
 
     def jacobian(self, u: Array, p: Values) -> csc_matrix:
         """dF/du, exact, always with the same pattern."""
+        return self.jacobians(u[:, None], p)[0]
+
+    def jacobians(self, u: Array, p: Values) -> list[csc_matrix]:
+        """dF/du at K states u (n, K)."""
         b, g = self.boundary(u, p)
-        outer = [a for piece in self.pieces.values() for a in piece.slopes(piece.slot_values(u, b, g), p)]
-        inner = [a for piece in self._slopes for a in piece.slopes(piece.slot_values(u, b, None), p)]
-        return self._assembly.matrix(_joined(outer), _joined(inner))
+        outer = [_spread(a, u) for q in self.pieces.values() for a in q.slopes(q.slot_values(u, b, g), p)]
+        inner = [_spread(a, u) for q in self._slopes for a in q.slopes(q.slot_values(u, b, None), p)]
+        both = _joined(outer), _joined(inner)
+        return [self._assembly.matrix(*(x[:, k] if x.ndim == 2 else x for x in both)) for k in range(u.shape[1])]
 
     def forms(self, u: Array, p: Values, directions: Sequence[tuple[Array, Mapping[str, float]]]) -> Array:
-        """D^k F[d_1, ..., d_k], directions as (states (n,), {parameter: rate})."""
+        """D^k F[d_1, ..., d_k], directions as (states (n,), {parameter: rate}); at K states with directions (n, K)."""
         whole = frozenset(range(len(directions)))
         rates = [rate for _, rate in directions]
         jet_u: Jet = {NOTHING: u, **{frozenset({k}): v for k, (v, _) in enumerate(directions)}}
-        b = _stacked([piece.jet([], p, rates, whole) for piece in self._values], whole)
-        g = _stacked([piece.jet(_slot_jets(piece, jet_u, b, None), p, rates, whole) for piece in self._slopes], whole)
-        out = np.empty(self.n)
+        b = {s: _across(x, u) for s, x in _stacked([q.jet([], p, rates, whole) for q in self._values], whole).items()}
+        inner = [piece.jet(_slot_jets(piece, jet_u, b, None), p, rates, whole) for piece in self._slopes]
+        g = _stacked([{s: _spread(x, u) for s, x in jet.items()} for jet in inner], whole)
+        out = np.empty(u.shape)
         for field, piece in self.pieces.items():
             jet = piece.jet(_slot_jets(piece, jet_u, b, g), p, rates, whole)
-            out[self.unknowns.places[field]] = jet[whole]
+            out[self.unknowns.places[field]] = _spread(jet[whole], u)
         return out
 
     def fields(self, u: Array, p: Values) -> dict[str, Array]:
@@ -104,7 +110,17 @@ class Discretised:
 
 
 def _joined(parts: Sequence[Vector]) -> Vector:
-    return np.concatenate([np.empty(0), *parts])
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def _across(x: Vector, u: Vector) -> Vector:
+    """What is the same for all of K states u (n, K), as one column."""
+    return x[:, None] if u.ndim == 2 and x.ndim == 1 else x
+
+
+def _spread(x: Vector, u: Vector) -> Vector:
+    """x at every one of K states."""
+    return np.broadcast_to(_across(x, u), (len(x), *u.shape[1:]))
 
 
 def _stacked(jets: Sequence[Jet], whole: frozenset[int]) -> Jet:
@@ -114,13 +130,7 @@ def _stacked(jets: Sequence[Jet], whole: frozenset[int]) -> Jet:
 def _slot_jets(piece: Piece, u: Jet, b: Jet, g: Jet | None) -> list[Jet]:
     found = []
     for m in piece.maps:
-        jet: Jet = {}
-        for subset, vector in b.items():
-            total = m.T @ vector
-            if subset in u:
-                total = total + m.S @ u[subset]
-            jet[subset] = total if g is None else total + m.G @ g[subset]
-        found.append(jet)
+        found.append({s: m(u.get(s), vector, None if g is None else g[s]) for s, vector in b.items()})
     return found
 
 

@@ -39,18 +39,24 @@ class Piece:
 
     def slot_values(self, u: Vector, b: Vector, g: Vector | None) -> list[Vector]:
         """Each slot at the nodes."""
-        return [m.S @ u + m.T @ b + (0.0 if g is None else m.G @ g) for m in self.maps]
+        return [m(u, b, g) for m in self.maps]
 
     def value(self, slots: Sequence[Vector], p: Values) -> Vector:
-        """(size,)"""
-        return self._value(self._named(slots, p), self.size)[0]
+        """(size,), or (size, K) where the slots are given in K states."""
+        return self._value(self._named(slots, p), self.shape(slots))[0]
+
+    def shape(self, slots: Sequence[Vector]) -> tuple[int, ...]:
+        """Of the values: as the slots are."""
+        return (self.size, *slots[0].shape[1:]) if slots else (self.size,)
 
     def slopes(self, slots: Sequence[Vector], p: Values) -> list[Vector]:
         """The derivative in each slot."""
-        return self._slopes(self._named(slots, p), self.size)
+        return self._slopes(self._named(slots, p), self.shape(slots))
 
     def _named(self, slots: Sequence[Vector], p: Values) -> dict[str, object]:
-        return {**p, **self.coordinates, **dict(zip(self.slots, slots, strict=True))}
+        wide = bool(slots) and slots[0].ndim == 2
+        places = {name: x[:, None] if wide else x for name, x in self.coordinates.items()}
+        return {**p, **places, **dict(zip(self.slots, slots, strict=True))}
 
     @cached_property
     def _slopes(self) -> ArrayFormulas:
@@ -59,18 +65,19 @@ class Piece:
 
     def jet(self, slots: Sequence[Jet], p: Values, rates: Sequence[Mapping[str, float]], wanted: frozenset[int]) -> Jet:
         """Derivatives along all subsets of `wanted`; rates[k] are those of the parameters along direction k."""
-        named = self._named([s[NOTHING] for s in slots], p)
-        out: Jet = {NOTHING: self._value(named, self.size)[0]}
+        here = [s[NOTHING] for s in slots]
+        named, shape = self._named(here, p), self.shape(here)
+        out: Jet = {NOTHING: self._value(named, shape)[0]}
         for subset in subsets(wanted):
-            total: Vector = np.zeros(self.size)
+            total: Vector = np.zeros(shape)
             for blocks in partitions(sorted(subset)):
-                total = total + self._form(blocks, slots, named, rates)
+                total = total + self._form(blocks, slots, named, rates, shape)
             out[subset] = total
         return out
 
     def _form(
         self, blocks: Sequence[frozenset[int]], slots: Sequence[Jet], named: Mapping[str, object],
-        rates: Sequence[Mapping[str, float]],
+        rates: Sequence[Mapping[str, float]], shape: tuple[int, ...],
     ) -> Vector:  # fmt: skip
         """D^k f [q_1, ..., q_k], q_j the derivatives of slots and parameters along the j-th block."""
         k, names = len(blocks), [*self.slots, *self.parameters]
@@ -83,7 +90,7 @@ class Piece:
             single = rates[next(iter(block))] if len(block) == 1 else {}
             along += [single.get(name, 0.0) for name in self.parameters]
             values.update({str(s.value): x for s, x in zip(direction_symbols(j + 1, len(names)), along, strict=True)})
-        return self._forms[k](values, self.size)[0]
+        return self._forms[k](values, shape)[0]
 
 
 def subsets(whole: frozenset[int]) -> list[frozenset[int]]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_matrix
 
 from contin.abi import Array
 from contin.errors import InputError
@@ -78,6 +79,18 @@ class PdeProblem(FunctionProblem):
         )
         self.state_names = ()
         self.starts = tuple(starts)
+
+    def at_states(self, u: Array, p: Mapping[str, float]) -> Array:
+        """F (n, K) at K states u (n, K), in one go."""
+        return self.discretised.value(u, p)
+
+    def jacobians_at(self, u: Array, p: Mapping[str, float]) -> list[csc_matrix]:
+        """dF/du at K states u (n, K)."""
+        return self.discretised.jacobians(u, p)
+
+    def parameter_slopes_at(self, u: Array, p: Mapping[str, float], name: str) -> Array:
+        """dF/dp_name (n, K) at K states u (n, K)."""
+        return self.discretised.forms(u, p, [(np.zeros(u.shape), {name: 1.0})])
 
     @property
     def axes(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, identity, vstack
 from scipy.sparse.linalg import splu
 
+from contin.abi import Vector
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
 from contin.model.expression import ZERO, Expression, substitute, symbol, symbols_in
@@ -42,6 +43,13 @@ class LinearMap:
     S: csr_matrix
     T: csr_matrix
     G: csr_matrix
+
+    def __call__(self, u: Vector | None, b: Vector, g: Vector | None) -> Vector:
+        """s, without what is given as None."""
+        total = self.T @ b if u is None else self.S @ u
+        if u is not None and self.T.nnz:
+            total = total + self.T @ b
+        return np.asarray(total + self.G @ g if g is not None and self.G.nnz else total)
 
     def rows(self, nodes: NDArray[np.intp]) -> LinearMap:
         """The same at some nodes."""

@@ -34,4 +34,5 @@ def check_columns(
 def _is_known(name: str, named: list[str]) -> bool:
     if name in named or name in OF_BRANCHES | OF_MANY:
         return True
-    return "." in name and name.split(".")[0] in named  # x.min, x.saddle, x.1: of orbits, connections, cycles of maps
+    # x.min, x.saddle, x.1: of orbits, connections, cycles of maps; u.max.min: of orbits of fields
+    return "." in name and (name.split(".")[0] in named or name.rpartition(".")[0] in named)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from contin.continuation.defects import noted
-from contin.continuation.fields import has_fields
+from contin.continuation.fields import fields_along, has_fields
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.records import Record
 
@@ -37,5 +37,7 @@ def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
     if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
         return None
     profile = branch.problem.profile(point.z)
+    if has_fields(branch.problem):
+        return {"orbit": {"t": profile.times * profile.period, **fields_along(branch.problem, profile.u, point.values)}}
     states = dict(zip(branch.problem.system.state_names, profile.u.T, strict=True))
     return {"orbit": {"t": profile.times * profile.period, **states}}

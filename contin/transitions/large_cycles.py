@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.linalg.vectors import norm
@@ -9,8 +11,6 @@ from contin.machine import elementary
 from contin.problems.large_orbits.problem import INTERVALS, PERIOD_SCALE, LargeOrbitProblem
 from contin.problems.large_orbits.radau import STAGES, Trajectory
 from contin.problems.sparse.problem import LargeProblem
-
-import numpy as np
 
 
 def large_cycles(problem: LargeProblem, point: SpecialPoint, parameter: str) -> Seed:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.problem import NOTHING, Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
+from contin.machine import elementary
 from contin.problems.large_orbits.multipliers import REAL
 from contin.problems.sparse.special import At, secant
 
@@ -15,22 +16,21 @@ if TYPE_CHECKING:
     from contin.problems.large_orbits.problem import LargeOrbitProblem
 
 RESIDUAL_LIMIT: Final = 1e-7
-NEAR_FOLD: Final = 1e-3  # part of a unit tangent in the parameter below which a family is about to turn
-WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1", "BPC": "a second multiplier 1"}
+WORDS: Final = {"PD": "a multiplier -1", "NS": "a pair of multipliers of modulus 1"}
 
 
 def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
     """Types that account for the changes between two orbits; None: more than one."""
-    fold, _, pairs, turned = (bool(x) for x in a.tests * b.tests < 0.0)
+    fold, _, pairs, turned, one = (bool(x) for x in a.tests * b.tests < 0.0)
     moved = abs(b.unstable - a.unstable)
     seen = fold + pairs + turned
-    if moved == 0 and not seen:
+    if moved == 0 and not seen and not one:
         return ()
     if fold and moved <= 1 and seen == 1:
         return ("LPC",)
-    if turned and moved == 1 and seen == 1:
+    if turned and moved == 1 and seen == 1 and not one:
         return ("PD",)
-    if pairs and moved == 2 and seen == 1:
+    if pairs and moved == 2 and seen == 1 and not one:
         return ("NS",)
     return ("BPC",) if moved == 1 and not seen else None
 
@@ -39,10 +39,8 @@ def verify(problem: LargeOrbitProblem, type_: str, near: Sample, frame: Frame) -
     """The orbit of this type near a sample, by the secant method along the family."""
     if type_ == "LPC":
         found = secant(problem, near, frame, lambda at: float(at.tangent[-1]))
-    elif type_ == "BPC" and abs(float(near.tangent[-1])) < NEAR_FOLD:
-        return NOTHING  # the multiplier of the fold that is labelled
     else:
-        found = secant(problem, near, frame, lambda at: _measure(problem, at, type_))
+        found = secant(problem, near, frame, lambda at: excess(problem, at, type_))
     if found is None:
         return unverified(type_, f"no orbit with {WORDS.get(type_, 'a turning parameter')} nearby")
     at, left, error, _ = found
@@ -50,14 +48,14 @@ def verify(problem: LargeOrbitProblem, type_: str, near: Sample, frame: Frame) -
     if not (residual < RESIDUAL_LIMIT and np.isfinite(error)):
         return unverified(type_, f"its defining system has no solution nearby (residual {residual:.1e})")
     values, vectors = problem.multipliers(at.z, exactly=True)
-    critical = _critical(values, type_)
+    critical = critical_index(values, type_)
     if critical is None:
         return Rejected(f"{type_} not verified: the multiplier that crosses is lost")
     chosen = [critical]
     if type_ == "NS":
         chosen.append(int(np.argmin(np.abs(values - values[critical].conj()))))
     others = np.delete(values, chosen)
-    form = {"theta": float(abs(np.angle(values[critical])))} if type_ == "NS" else {}
+    form = {"theta": float(abs(elementary.angle(values[critical])))} if type_ == "NS" else {}
     unstable = int(np.sum(np.abs(others) > 1.0))
     return Verified(
         type_, at.z, residual, float(error), np.append(1.0 + 0.0j, values), unstable, form,
@@ -65,7 +63,7 @@ def verify(problem: LargeOrbitProblem, type_: str, near: Sample, frame: Frame) -
     )  # fmt: skip
 
 
-def _critical(values: NDArray[np.complex128], type_: str) -> int | None:
+def critical_index(values: NDArray[np.complex128], type_: str) -> int | None:
     """Index of the multiplier of a type."""
     real = np.abs(values.imag) <= REAL * np.abs(values)
     kind = values.imag > REAL * np.abs(values) if type_ == "NS" else real
@@ -77,9 +75,9 @@ def _critical(values: NDArray[np.complex128], type_: str) -> int | None:
     return int(found[int(np.argmin(np.abs(np.abs(values[found]) - 1.0)))]) if found.size else None
 
 
-def _measure(problem: LargeOrbitProblem, at: At, type_: str) -> float:
+def excess(problem: LargeOrbitProblem, at: At, type_: str) -> float:
     """How far the critical multiplier is outside the unit circle."""
     values, _ = problem.multipliers(at.z, exactly=True)
-    k = _critical(values, type_)
+    k = critical_index(values, type_)
     return float("nan") if k is None else float(abs(values[k])) - 1.0
 

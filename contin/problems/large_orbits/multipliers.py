@@ -1,8 +1,8 @@
 """Leading multipliers of an orbit by Arnoldi's method on the action of the monodromy matrix M.
 
 The trivial one is taken out with its direction, v = f(u(0)): the others are those of the quotient, Q M Q with
-Q = I - v v^T/|v|^2. Near a fold of cycles, where a second one comes to 1, the error of the discretisation would otherwise
-enter by its square root.
+Q = I - v v^T/|v|^2. Near a fold of cycles, where a second one comes to 1, the error of the discretisation would
+otherwise enter by its square root.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ def leading(sweeps: Sweeps, velocity: Array) -> tuple[NDArray[np.complex128], ND
 
 
 def tests_of(values: NDArray[np.complex128]) -> tuple[Array, int]:
-    """[NS, PD] and the number of multipliers outside the unit circle; a test changes sign when one of its kind crosses."""
+    """[NS, PD, BPC], which change sign when a multiplier of their kind crosses, and the number outside the circle."""
     outside = np.abs(values) > 1.0
     pairs = (values.imag > REAL * np.abs(values)) & (values.imag > 0.0)
-    turned = (np.abs(values.imag) <= REAL * np.abs(values)) & (values.real < 0.0)
+    real = np.abs(values.imag) <= REAL * np.abs(values)
     tests = []
-    for kind in (pairs, turned):
+    for kind in (pairs, real & (values.real < 0.0), real & (values.real > 0.0)):
         gap = float(np.min(np.abs(np.abs(values[kind]) - 1.0), initial=1.0))
         tests.append(-gap if int(np.sum(outside & kind)) % 2 else gap)
     return np.array(tests), int(np.sum(outside))

@@ -13,18 +13,19 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Problem, Sample, unverified
+from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Problem, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.factor import Factoriser
 from contin.linalg.vectors import norm
+from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
-from contin.problems.large_orbits import events
+from contin.problems.large_orbits import branch_points, events
 from contin.problems.large_orbits.multipliers import leading, tests_of
+from contin.problems.large_orbits.points import Points
 from contin.problems.large_orbits.radau import STAGES, WEIGHTS, A, Trajectory
 from contin.problems.large_orbits.sweeps import Closed, Sweeps
 from contin.problems.orbits.birth import cut_at_birth
@@ -48,6 +49,7 @@ class Memory:
     last: Array | None = None  # z
     sweeps: Sweeps | None = None
     factoriser: Factoriser = field(default_factory=Factoriser)
+    origin: Sample | None = None  # of the last march, well away from what it leads to
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +61,26 @@ class OrbitLinearisation:
     scale: Array
     intervals: int
     sign: float = 1.0
-    log_determinant: float = 0.0
+
+    @cached_property
+    def _null(self) -> Array:
+        return self._solved(np.append(np.zeros(len(self.scale) - 1), 1.0), again=True)
+
+    @property
+    def log_determinant(self) -> float:
+        """-log |M^-1 e|, with which the test for branch points is constant: multipliers tell them here."""
+        length = norm(self._null)
+        return -float(elementary.log(length)) if 0.0 < length < np.inf else 0.0
 
     def solve(self, right: Array) -> Array:
         """M x = right, in scaled unknowns."""
+        if right[-1] == 1.0 and not right[:-1].any():
+            return self._null
+        return self._solved(right)
+
+    def _solved(self, right: Array, again: bool = False) -> Array:
         raw = right[:-2] * self.scale[:-2]
-        d, tp, _ = self.closed.solve(raw.reshape(self.intervals, STAGES, -1), right[-2:])
+        d, tp, _ = self.closed.solve(raw.reshape(self.intervals, STAGES, -1), right[-2:], again)
         return np.concatenate([d.ravel(), tp]) / self.scale
 
 
@@ -81,6 +97,7 @@ class LargeOrbitProblem(Problem):
     kind = "orbit"
     locus = None
     is_map = True
+    adaptive = True  # tests of a discretised problem: what is found beside a point is told apart down to 1e-4
     maximum_chunk = 2
 
     @property
@@ -158,8 +175,12 @@ class LargeOrbitProblem(Problem):
 
     def _rates(self, U: Array, p: Array) -> Array:
         """f at the points, (N, 3, n)."""
-        flat = U.reshape(-1, self.n)
-        return np.array([self.system.value(u, p) for u in flat]).reshape(U.shape)
+        return self.points.values(U.reshape(-1, self.n), p).reshape(U.shape)
+
+    @cached_property
+    def points(self) -> Points:
+        """The equations at many states."""
+        return Points(self.system, self.source)
 
     def settle(self, z: Array, tangent: Array, scale: Array) -> None:
         """The phase of orbits near z is that of z; of one of no size, that of the orbits it sets out to."""
@@ -192,13 +213,10 @@ class LargeOrbitProblem(Problem):
         if memory.last is not None and np.array_equal(memory.last, z):
             return memory.sweeps
         orbit, p = self.profile(z), self.full_parameters(z)
-        jacobians: list[list[csc_matrix]] = []
-        for three in orbit.U:
-            row = [self.system.attempt("Jacobian", lambda u=u: self.source.matrix(u, p), None, u, p) for u in three]
-            if any(J is None or not np.all(np.isfinite(J.data)) for J in row):
-                return None
-            jacobians.append(row)
-        memory.last, memory.sweeps = z.copy(), Sweeps.of(jacobians, orbit.period * orbit.h, memory.factoriser)
+        found = self.points.jacobians(orbit.U.reshape(-1, self.n), p)
+        if found is None:
+            return None
+        memory.last, memory.sweeps = z.copy(), Sweeps.of(found, orbit.period * orbit.h, memory.factoriser)
         return memory.sweeps
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> OrbitLinearisation | None:
@@ -211,11 +229,10 @@ class LargeOrbitProblem(Problem):
         if sweeps is None:
             return None
         orbit, p = self.profile(z), self.full_parameters(z)
-        f = self._rates(orbit.U, p)
-        slopes = np.array(
-            [self.system.parameter_slope(u, p, self.active) for u in orbit.U.reshape(-1, self.n)]
-        ).reshape(f.shape)  # fmt: skip
+        f = self._rates(orbit.U, p)  # finite, as the residual is
+        slopes = self.points.parameter_slopes(orbit.U.reshape(-1, self.n), p, self.active).reshape(f.shape)
         columns = -np.array([np.einsum("ik,jkn->jin", A, f), orbit.period * np.einsum("ik,jkn->jin", A, slopes)])
+        assert self.memory.direction is not None
         rows = np.array([np.append(self.memory.direction, [0.0, 0.0]), tangent / scale])
         size = float(scale[0]) / np.sqrt(len(scale) - 2)
         closed = Closed.of(sweeps, columns * orbit.h, rows, np.array([size, scale[-2], scale[-1]]))
@@ -272,6 +289,7 @@ class LargeOrbitProblem(Problem):
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         self.settle(origin.z, origin.tangent, frame.scale)
+        self.memory.origin = origin
         limit = min(limit, self.maximum_chunk)
         chunk = python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
         return cut_at_birth(self, chunk, frame, settings)
@@ -295,11 +313,13 @@ class LargeOrbitProblem(Problem):
         return events.explain(a, b)
 
     def watch(self, type_: str) -> int | None:
-        return {"LPC": 0, "NS": 2, "PD": 3}.get(type_)
+        return {"LPC": 0, "NS": 2, "PD": 3, "BPC": 4}.get(type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        self.settle(near.z, near.tangent, frame.scale)
         try:
+            if type_ == "BPC":
+                return branch_points.verify(self, near, frame)
+            self.settle(near.z, near.tangent, frame.scale)
             return events.verify(self, type_, near, frame)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             return unverified(type_, str(error))
@@ -312,8 +332,8 @@ class LargeOrbitProblem(Problem):
         return (self.parameters[0], "period", *(f"{name}.{end}" for name in names for end in ("min", "max")))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """The parameter, the period, smallest and largest value over the orbit's points of states and of what is recorded;
-        where nothing has a name, of the states' norm."""
+        """The parameter, the period, smallest and largest value over the orbit's points of states and of what is
+        recorded; where nothing has a name, of the states' norm."""
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy(), "period": z[:, -2].copy()}
         low, high = [], []
         for row in z:
@@ -335,6 +355,11 @@ class LargeOrbitProblem(Problem):
         """Why an observable is not finite on the orbit."""
         text: str | None = self.system.explain_observables(self.profile(z).U[0, 0], self.full_parameters(z))
         return text
+
+    def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
+        """Two points of one type are one: parameter and period agree."""
+        slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(float(a.z[-2] - b.z[-2])) <= 1e-5 * abs(float(a.z[-2]))
 
     def remarks(self, z: Array) -> Sequence[str]:
         """What the trivial multiplier says of the mesh, at the last row."""

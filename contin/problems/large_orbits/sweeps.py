@@ -2,10 +2,10 @@
 
     d_j - 1 x d_{j-1,3} - T h (A x J) d_j = r_j,    d_{-1} = d_{N-1}
 
-with J at the interval's three points. Each interval is factored by itself, so memory and time are proportional to n times
-intervals where J is banded. Going once round is the action of the monodromy matrix M; closure, period, parameter and
-the two conditions (phase, arclength) make a system of n + 2 unknowns w = (d_{N-1,3}, dT, dp) with I - M in it, which GMRES
-solves: M has few eigenvalues that are not small where a system dissipates.
+with J at the interval's three points. Each interval is factored by itself, so memory and time are proportional to n
+times intervals where J is banded. Going once round is the action of the monodromy matrix M; closure, period, parameter
+and the two conditions (phase, arclength) make a system of n + 2 unknowns (d_{N-1,3}, dT, dp) with I - M in it, which
+GMRES solves: M has few eigenvalues that are not small where a system dissipates.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csc_matrix, identity, kron
+from scipy.sparse import csc_matrix
 
 from contin.abi import Array
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import gmres
-from contin.problems.large_orbits.radau import STAGES, A
+from contin.problems.large_orbits.interval import Pattern, full_diagonal, one_pattern
+from contin.problems.large_orbits.radau import STAGES
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,18 +31,12 @@ class Sweeps:
     n: int
 
     @classmethod
-    def of(cls, jacobians: Sequence[Sequence[csc_matrix]], step: float, factoriser: Factoriser) -> Sweeps:
-        """From J at the points of every interval; step = T h."""
-        n = jacobians[0][0].shape[0]
-        unit = identity(STAGES * n, format="csc")
-        columns = [np.outer(-step * A[:, k], np.eye(STAGES)[k]) for k in range(STAGES)]
-        factors = []
-        for three in jacobians:
-            matrix = unit
-            for J, column in zip(three, columns, strict=True):
-                matrix = matrix + kron(J, column, format="csc")
-            factors.append(factoriser.factor(csc_matrix(matrix)))
-        return cls(factors, n)
+    def of(cls, jacobians: Sequence[csc_matrix], step: float, factoriser: Factoriser) -> Sweeps:
+        """From J at all points, three by three; step = T h."""
+        matrices = one_pattern([full_diagonal(J) for J in jacobians])
+        pattern = Pattern.of(matrices[0])
+        threes = [matrices[k : k + STAGES] for k in range(0, len(matrices), STAGES)]
+        return cls([factoriser.factor(pattern.matrix(three, step)) for three in threes], matrices[0].shape[0])
 
     def along(self, beginning: Array, right: Array | None = None) -> Array:
         """d (intervals, 3, n) from d_{-1,3} = `beginning` (n,) and r (intervals, 3, n)."""
@@ -77,8 +72,11 @@ class Closed:
         answers = np.array([sweeps.along(rest, -column) for column in columns])
         return cls(sweeps, columns, rows, sizes, answers)
 
-    def solve(self, right: Array, below: Array) -> tuple[Array, Array, int]:
-        """d (N, 3, n) and (dT, dp) for right-hand sides (N, 3, n) and (2,); and the iterations."""
+    def solve(self, right: Array, below: Array, again: bool = False) -> tuple[Array, Array, int]:
+        """d (N, 3, n) and (dT, dp) for right-hand sides (N, 3, n) and (2,); and the iterations.
+
+        again : once more for the residual, so that what is nearly singular is solved to rounding.
+        """
         n = self.sweeps.n
         units = np.append(np.full(n, self.sizes[0]), self.sizes[1:])
         row_sizes = np.abs(self.rows[:, :-2]).sum(axis=1) * self.sizes[0] + np.abs(self.rows[:, -2:]) @ self.sizes[1:]
@@ -97,5 +95,8 @@ class Closed:
 
         known = np.append(particular[-1, 2] / self.sizes[0], below / row_sizes - conditions(particular, np.zeros(2)))
         v, iterations, _ = gmres(apply, lambda r: r, known)
+        if again:
+            more, further, _ = gmres(apply, lambda r: r, known - apply(v))
+            v, iterations = v + more, iterations + further
         w = v * units
         return particular + whole(w), w[n:], iterations

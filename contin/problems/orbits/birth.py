@@ -10,12 +10,22 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
-from contin.problems.orbits.layout import Profile
 
 STEPS: Final = 12  # secants to the point
 ACCURATE: Final = 1e-3  # arclength to the point; its parameters change by the square of that
 TIMES: Final = np.linspace(0.0, 1.0, 64, endpoint=False)
 SMALL: Final = 1e-2  # relative amplitude below which an orbit is its Hopf point, or one of half its period
+
+
+class Shape(Protocol):
+    """An orbit of any discretisation."""
+
+    @property
+    def u(self) -> Array:
+        """(points, n)"""
+
+    def at(self, times: Array) -> Array:
+        """(K, n) at times from 0 to 1."""
 
 
 class Shrinking(Protocol):
@@ -25,7 +35,7 @@ class Shrinking(Protocol):
     def winding(self) -> Array:
         """What each state gains in one period."""
 
-    def profile(self, z: Array) -> Profile:
+    def profile(self, z: Array) -> Shape:
         """The orbit."""
 
     def orbit_sizes(self, z: Array, scale: Array) -> Array:

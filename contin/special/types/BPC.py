@@ -8,7 +8,8 @@ TYPE = SpecialType(
     condition="a second multiplier 1, another family crosses",
     source=CYCLES,
     births=(
-        "orbit_BPC_to_crossing", "orbit_BPC_to_crossing_by_shooting", "orbit_to_locus", "orbit_by_shooting_to_locus",
+        "orbit_BPC_to_crossing", "orbit_BPC_to_crossing_by_shooting", "orbit_of_large_to_orbits",
+        "orbit_to_locus", "orbit_by_shooting_to_locus",
     ),
     curves=("BPC",), continues=("orbit",),
     branch=1,

@@ -9,7 +9,8 @@ TYPE = SpecialType(
     source=f"{KUZNETSOV}, sec. 4.4; {CYCLES}",
     normal_form="contin.normalforms.maps:period_doubling", order=3,
     births=(
-        "map_PD_to_doubled", "orbit_PD_to_doubled", "orbit_PD_to_doubled_by_shooting", "point_to_locus",
+        "map_PD_to_doubled", "orbit_PD_to_doubled", "orbit_PD_to_doubled_by_shooting", "orbit_of_large_to_orbits",
+        "point_to_locus",
         "orbit_to_locus", "orbit_by_shooting_to_locus",
     ),
     curves=("PD",), continues=("fixed-point", "orbit"),

@@ -1,0 +1,117 @@
+"""Where another family crosses: a second multiplier 1.
+
+There the equations are singular: near it Newton's method finds the family only as well as rounding over the distance
+lets it. The point is therefore not approached: the multiplier, and the orbit, are interpolated from orbits on both
+sides, which planes give that are normal to the tangent at the row that the step set out from.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.problem import NOTHING, Frame, Outcome, Sample, Verified, unverified
+from contin.linalg.vectors import dot, norm
+from contin.machine import elementary
+from contin.problems.large_orbits.events import critical_index, excess
+from contin.problems.large_orbits.radau import A
+from contin.problems.sparse.special import At, point_at
+
+if TYPE_CHECKING:
+    from contin.problems.large_orbits.problem import LargeOrbitProblem
+
+APART: Final = (0.02, 0.01, 0.005)  # scaled distances between the orbits that are interpolated, in turn
+PLACES: Final = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
+RESIDUAL_LIMIT: Final = 1e-6
+
+
+def verify(problem: LargeOrbitProblem, near: Sample, frame: Frame) -> Outcome:
+    """The branch point of cycles near a sample."""
+    base = problem.memory.origin
+    if base is None:
+        return unverified("BPC", "no orbit apart from it is known")
+    problem.settle(base.z, base.tangent, frame.scale)
+    line = near.z - base.z
+    length = dot(base.tangent, line / frame.scale)
+    if length == 0.0:
+        return unverified("BPC", "no orbit apart from it is known")
+    centre, found = length, None
+    for apart in APART:  # every time about a better zero
+        found = _samples(problem, base, frame, centre + apart * PLACES, line / length)
+        if found is None:
+            return unverified("BPC", "the family is not found on both sides")
+        centre = _zero(found[0], found[2])
+        if not abs(centre - length) < 3.0 * APART[0]:
+            return unverified("BPC", "the multiplier does not cross 1 there")
+    assert found is not None
+    places, points, values = found
+    inner = slice(1, 5)
+    z = _interpolated(places, np.array([at.z for at in points]), centre)
+    rough = _zero(places[inner], values[inner])
+    other = _interpolated(places[inner], np.array([at.z for at in points[inner]]), rough)
+    tangent = _interpolated(places, np.array([at.tangent for at in points]), centre)
+    if min(at.tangent[-1] for at in points) < 0.0 < max(at.tangent[-1] for at in points):
+        return NOTHING  # the multiplier of a fold, which has its own label
+    residual = norm(problem.residual(z)[:-1] / frame.scale[:-2])
+    if not residual < RESIDUAL_LIMIT:
+        return unverified("BPC", f"orbits on both sides do not lead there (residual {residual:.1e})")
+    multipliers, vectors = problem.multipliers(z, exactly=True)
+    k = critical_index(multipliers, "BPC")
+    if k is None:
+        return unverified("BPC", "the multiplier that crosses is lost")
+    others = np.delete(multipliers, k)
+    return Verified(
+        "BPC", z, max(residual, abs(float(multipliers[k].real) - 1.0)), 2.0 * abs(float(other[-1] - z[-1])),
+        np.append(1.0 + 0.0j, multipliers), int(np.sum(np.abs(others) > 1.0)), {},
+        {"q": vectors[:, k].real, "own": tangent / norm(tangent)},
+    )  # fmt: skip
+
+
+def _samples(
+    problem: LargeOrbitProblem, base: Sample, frame: Frame, places: Array, line: Array
+) -> tuple[Array, list[At], Array] | None:
+    """Orbits at these distances from the base, and the logarithm of their multiplier."""
+    points, values = [], []
+    for s in places.tolist():
+        at = point_at(problem, base, s, base.z + s * line, frame)
+        if at is None:
+            return None
+        points.append(at)
+        values.append(float(elementary.log1p(excess(problem, at, "BPC"))))
+    return places, points, np.array(values)
+
+
+def _interpolated(x: Array, y: Array, at: float) -> Array:
+    """The polynomial through (x, y) at a place."""
+    weights = [float(np.prod((at - np.delete(x, k)) / (x[k] - np.delete(x, k)))) for k in range(len(x))]
+    return np.asarray(np.einsum("k,k...->...", np.array(weights), y))
+
+
+def _zero(x: Array, y: Array) -> float:
+    """Where y vanishes, by inverse interpolation."""
+    return float(_interpolated(y, x, 0.0))
+
+
+def null_vector(problem: LargeOrbitProblem, z: Array, q: Array, own: Array, scale: Array) -> Array:
+    """The null vector of the orbit's equations, without dp, that the multiplier's vector q belongs to.
+
+    In scaled unknowns, of length 1, normal to the family's own tangent.
+
+    M q = q + c f(u(0)): the period changes by -c, and the phase is that of z.
+    """
+    sweeps, orbit = problem.sweeps(z), problem.profile(z)
+    assert sweeps is not None
+    velocity = problem.system.value(orbit.U[-1, 2], problem.full_parameters(z))
+    moved = sweeps.monodromy(q)
+    c = dot(velocity, moved - q) / dot(velocity, velocity)
+    rates = problem.points.values(orbit.U.reshape(-1, problem.n), problem.full_parameters(z)).reshape(orbit.U.shape)
+    drift = np.einsum("ik,jkn->jin", A, rates) * orbit.h
+    d = sweeps.along(q, -c * drift)
+    slopes = orbit.slopes
+    d -= slopes * (float(np.sum(slopes * d)) / float(np.sum(slopes * slopes)))
+    vector = np.concatenate([d.ravel(), [-c, 0.0]]) / scale
+    vector -= dot(vector, own) * own
+    return np.asarray(vector / norm(vector))
+

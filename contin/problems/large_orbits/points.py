@@ -1,0 +1,68 @@
+"""Equations of a large system at many states: one by one, or at once where the model offers that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from scipy.sparse import csc_matrix
+
+from contin.abi import Array
+from contin.problems.functions.system import FunctionSystem
+from contin.problems.sparse.jacobian import JacobianSource
+from contin.records import Record
+
+
+@runtime_checkable
+class AtOnce(Protocol):
+    """A model that takes K states (n, K) at once."""
+
+    def at_states(self, u: Array, p: Record) -> Array:
+        """F (n, K)."""
+
+    def jacobians_at(self, u: Array, p: Record) -> list[csc_matrix]:
+        """dF/du, K of them."""
+
+    def parameter_slopes_at(self, u: Array, p: Record, name: str) -> Array:
+        """dF/dp_name (n, K)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Values and derivatives at the rows of u (K, n), at parameters p (m,)."""
+
+    system: FunctionSystem
+    source: JacobianSource
+
+    def _named(self, p: Array) -> dict[str, float]:
+        return dict(zip(self.system.parameter_names, p.tolist(), strict=True))
+
+    def values(self, u: Array, p: Array) -> Array:
+        """F (K, n), NaN where there is none."""
+        model: object = self.system.model
+        if isinstance(model, AtOnce):
+            return np.asarray(model.at_states(u.T, self._named(p)).T)
+        return np.array([self.system.value(row, p) for row in u])
+
+    def jacobians(self, u: Array, p: Array) -> list[csc_matrix] | None:
+        """dF/du; None where one of them is not finite."""
+        model: object = self.system.model
+        if isinstance(model, AtOnce):
+            found: Sequence[csc_matrix | None] = model.jacobians_at(u.T, self._named(p))
+        else:
+            found = [self._matrix(row, p) for row in u]
+        made = [J for J in found if J is not None and np.all(np.isfinite(J.data))]
+        return made if len(made) == len(found) else None
+
+    def _matrix(self, u: Array, p: Array) -> csc_matrix | None:
+        matrix: csc_matrix | None = self.system.attempt("Jacobian", lambda: self.source.matrix(u, p), None, u, p)
+        return matrix
+
+    def parameter_slopes(self, u: Array, p: Array, k: int) -> Array:
+        """dF/dp_k (K, n)."""
+        model: object = self.system.model
+        if isinstance(model, AtOnce):
+            return np.asarray(model.parameter_slopes_at(u.T, self._named(p), self.system.parameter_names[k]).T)
+        return np.array([self.system.parameter_slope(row, p, k) for row in u])

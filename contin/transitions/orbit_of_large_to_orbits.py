@@ -1,0 +1,45 @@
+"""The families that are born on a family of orbits of a large system: crossing ones, and doubled ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.linalg.vectors import norm
+from contin.problems.large_orbits.branch_points import null_vector
+from contin.problems.large_orbits.problem import LargeOrbitProblem, Memory
+from contin.transitions.registry import Explored, born
+
+
+@born(LargeOrbitProblem, "BPC", "the family that crosses", explored=Explored(orbits=True))
+def crossing(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """The family that crosses, along the null vector that is not the own tangent."""
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    problem = replace(problem, memory=Memory())
+    q, own = np.asarray(point.vectors["q"]), np.asarray(point.vectors["own"])
+    direction = null_vector(problem, point.z, q, own, point.scale)
+    measured = int(point.values["unstable"]), point.eigenvalues
+    parent = Parent(point.branch, point.label)
+    return [Seed(problem, point.z, direction, None, point.scale, parent=parent, measured=measured)]
+
+
+@born(LargeOrbitProblem, "PD", "the doubled orbits", explored=Explored(orbits=True))
+def doubled(problem: LargeOrbitProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
+    """Orbits of twice the period, along the vector that changes its sign in one."""
+    if parameter != problem.parameters[0]:
+        problem = problem.with_active(parameter, point.z)
+    sweeps, orbit = problem.sweeps(point.z), problem.profile(point.z)
+    assert sweeps is not None
+    once = sweeps.along(np.real(point.vectors["q"]))
+    twice = replace(problem, intervals=2 * problem.intervals, memory=Memory())
+    z = np.concatenate([orbit.U.ravel(), orbit.U.ravel(), [2.0 * orbit.period, point.z[-1]]])
+    size = float(point.scale[0]) / np.sqrt(len(point.scale) - 2)
+    scale = twice.scale_of(size, np.array([2.0 * point.scale[-2], point.scale[-1]]))
+    direction = np.concatenate([once.ravel(), -once.ravel(), [0.0, 0.0]]) / scale
+    parent = Parent(point.branch, point.label)
+    measured = int(point.values["unstable"]), point.eigenvalues**2
+    return [Seed(twice, z, direction / norm(direction), None, scale, (1,), parent, measured=measured)]

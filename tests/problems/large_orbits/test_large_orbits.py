@@ -1,0 +1,124 @@
+"""Orbits of large systems against closed forms: families, multipliers, observed order, every kind of bifurcation."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import contin
+from contin.problems.large_orbits.problem import LargeOrbitProblem
+from contin.problems.large_orbits.radau import A, C, Trajectory
+
+MESH = 3e-5  # error of ten intervals of order 5
+
+
+def test_collocation_is_exact_for_polynomials_of_its_degree():
+    for power in (1, 2, 3):
+        np.testing.assert_allclose(A @ C ** (power - 1), C**power / power, atol=1e-15)
+    assert A[2] @ C**4 == pytest.approx(0.2)  # order 5 at the end
+    times = ((np.arange(4)[:, None] + C) / 4).ravel()
+    wave = Trajectory(np.sin(2 * np.pi * times).reshape(4, 3, 1), 1.0)
+    fine = Trajectory(np.sin(2 * np.pi * ((np.arange(8)[:, None] + C) / 8).ravel()).reshape(8, 3, 1), 1.0)
+    t = np.linspace(0, 1, 50)
+    gaps = [np.abs(w.at(t)[:, 0] - np.sin(2 * np.pi * t)).max() for w in (wave, fine)]
+    assert gaps[0] / gaps[1] == pytest.approx(16, rel=0.3)
+
+
+def planted(a3, a5):
+    """r' = r (mu + a3 r^2 + a5 r^4) with angle t; on it hang a plane that turns by half an angle in a period, with
+    multipliers -exp(T (-0.5 +- r)); one with exp(T (mu - 0.3 +- 0.4 i)); and s' = (mu - 0.4) s - s^3."""
+
+    def residual(z, p):
+        x, y, w1, w2, v1, v2, s = z
+        mu, r2 = p["mu"], x * x + y * y
+        growth = mu + a3 * r2 + a5 * r2 * r2
+        return np.array([
+            growth * x - y, growth * y + x,
+            -0.5 * w1 + x * w1 + y * w2 - 0.5 * w2, -0.5 * w2 + y * w1 - x * w2 + 0.5 * w1,
+            (mu - 0.3) * v1 - 0.4 * v2, (mu - 0.3) * v2 + 0.4 * v1, (mu - 0.4) * s - s**3,
+        ])  # fmt: skip
+
+    pattern = np.zeros((7, 7))
+    pattern[:2, :2] = pattern[2:4, :4] = pattern[4:6, 4:6] = pattern[6, 6] = 1
+    names = ["x", "y", "w1", "w2", "v1", "v2", "s"]
+    pattern = sparse.csc_matrix(pattern)
+    return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5}, sparsity=pattern, states=names)
+
+
+def family(problem, span, **settings):
+    line = contin.continuation(problem, "mu", (-0.6, 0.2))
+    hopf = next(p for p in line.points if p.type == "HB" and abs(p.values["mu"]) < 1e-6)
+    return contin.continuation(hopf.switch(), "mu", span, settings={"intervals": 10, **settings})
+
+
+def test_bifurcations_of_cycles_are_where_they_were_planted():
+    found = family(planted(-1.0, 0.0), (-0.1, 0.5))
+    assert isinstance(found.problem, LargeOrbitProblem)
+    at = {p.label: p.values["mu"] for p in found.points}
+    assert at == pytest.approx({"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}, abs=MESH)
+    np.testing.assert_allclose(found.columns["period"], 2 * np.pi, rtol=MESH)
+    np.testing.assert_allclose(found.columns["x.max"] ** 2, found.columns["mu"], atol=0.02)
+    assert found.columns["unstable"][-1] == 4
+    for point in found.points:
+        assert abs(point.values["mu"] - {"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}[point.label]) < 10 * point.error + MESH
+    assert found["NS1"].normal_form["theta"] == pytest.approx(0.8 * np.pi, abs=1e-4)
+    crossing = contin.continuation(found["BPC1"].switch(), "mu", (0.2, 0.6), settings={"steps": 4})
+    np.testing.assert_allclose(
+        np.maximum(np.abs(crossing.columns["s.max"]), np.abs(crossing.columns["s.min"])) ** 2,
+        crossing.columns["mu"] - 0.4, atol=1e-3,
+    )  # fmt: skip
+    assert crossing.columns["mu"].max() > 0.4
+    doubled = contin.continuation(found["PD1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
+    np.testing.assert_allclose(doubled.columns["period"], 4 * np.pi, rtol=MESH)
+
+
+def test_fold_of_cycles_behind_a_subcritical_hopf_point():
+    found = family(planted(1.0, -1.0), (-0.4, 0.1))
+    folds = [p for p in found.points if p.type == "LPC"]
+    assert [p.values["mu"] for p in folds] == pytest.approx([-0.25], abs=MESH)
+    assert found.columns["x.max"].max() > 0.8
+
+
+def landau(points, method):
+    """A_t = (mu + i) A + (1 + i c1) A_xx - (1 + i c2) |A|^2 A on a circle, A = u + i v."""
+    square = "(u^2 + v^2)"
+    return contin.load({
+        "name": "cgl", "kind": "pde",
+        "domain": {"x": {"to": "2*pi", "points": points, "method": method, "periodic": True}},
+        "fields": {"u": 0, "v": 0}, "parameters": {"mu": -0.2, "c1": 0.5, "c2": -0.8},
+        "equations": {
+            "u": f"mu*u - v + dxx(u) - c1*dxx(v) - {square}*(u - c2*v)",
+            "v": f"mu*v + u + dxx(v) + c1*dxx(u) - {square}*(v + c2*u)",
+        },
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize(("points", "method"), [(6, "fourier"), (24, "differences")])
+def test_uniform_oscillations_of_the_complex_ginzburg_landau_equation(points, method):
+    problem = landau(points, method)
+    line = contin.continuation(problem, "mu", (-0.2, 0.3))
+    found = contin.continuation(line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 8, "intervals": 10})
+    mu = float(found.columns["mu"][-1])
+    c1, c2 = 0.5, -0.8
+    period = 2 * np.pi / (1 - c2 * mu)
+    assert mu > 0.01
+    assert found.columns["period"][-1] == pytest.approx(period, rel=MESH)
+    # perturbations of wave number k: l = -mu - q +- sqrt(mu^2 - 2 c1 c2 mu q - c1^2 q^2), q = k^2 or its discrete image
+    h = 2 * np.pi / points
+    exact = [np.exp(-2 * mu * period)]
+    for k in (1, 2):
+        q = k * k if method == "fourier" else (2 - 2 * np.cos(k * h)) / h**2
+        exact += 2 * [np.exp(period * (-mu - q + np.sqrt(complex(mu**2 - 2 * c1 * c2 * mu * q - c1**2 * q**2))))]
+    largest = np.sort(np.abs(found.eigenvalues[-1][1:4]))[::-1]
+    np.testing.assert_allclose(largest, np.sort(np.abs(exact))[::-1][:3], atol=2e-4)
+
+
+def test_the_period_converges_with_the_fifth_power():
+    errors = []
+    for intervals in (6, 12):
+        problem = landau(6, "fourier")
+        line = contin.continuation(problem, "mu", (-0.2, 0.3))
+        found = contin.continuation(
+            line["HB1"].switch(), "mu", (-0.1, 1), settings={"steps": 3, "intervals": intervals}
+        )
+        errors.append(abs(found.columns["period"][-1] * (1 + 0.8 * found.columns["mu"][-1]) / (2 * np.pi) - 1))
+    assert np.log2(errors[0] / errors[1]) > 3.5
