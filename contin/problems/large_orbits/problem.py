@@ -361,7 +361,7 @@ class LargeOrbitProblem(Problem):
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
         return abs(float(a.z[-1] - b.z[-1])) <= slack and abs(float(a.z[-2] - b.z[-2])) <= 1e-5 * abs(float(a.z[-2]))
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         """What the trivial multiplier says of the mesh, at the last row."""
         sweeps = self.sweeps(z[-1])
         if sweeps is None:
