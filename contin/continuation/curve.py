@@ -49,13 +49,13 @@ class Stretch:
     def _hermite(self, a: Sample, b: Sample, h: float, x: float | Array) -> Array:
         """Guesses at fractions x of the way from a to b, which is h long: a number, or (k, 1) for k rows."""
         chord = b.z - a.z
-        linear = a.z + x * chord
+        linear, left = a.z + x * chord, 1 - x
         along_a, along_b = dot(self.base.tangent, a.tangent), dot(self.base.tangent, b.tangent)
         if h == 0.0 or min(abs(along_a), abs(along_b)) < 0.2:  # the parametrisation is poor here
             return np.asarray(linear)
         slope_a = self.frame.scale * a.tangent * (h / along_a) - chord
         slope_b = self.frame.scale * b.tangent * (h / along_b) - chord
-        return np.asarray(linear + x * (1 - x) * ((1 - x) * slope_a - x * slope_b))
+        return np.asarray(linear + x * left * (left * slope_a - x * slope_b))
 
     def distance(self, a: Sample, b: Sample) -> float:
         return norm((a.z - b.z) / self.frame.scale)

@@ -249,6 +249,17 @@ class EquilibriumProblem(Problem):
 
     def _scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
         """Sizes of the states (n,), which of them are a mere 1, and the scale of the parameter."""
+        place = z.tobytes(), *bounds
+        if place not in self._known_scales:
+            self._known_scales.clear()  # asked for at a start, and of that again at the end
+            self._known_scales[place] = self._found_scales(z, bounds)
+        return self._known_scales[place]
+
+    @cached_property
+    def _known_scales(self) -> dict[tuple[object, ...], tuple[Array, Array, float]]:
+        return {}
+
+    def _found_scales(self, z: Array, bounds: tuple[float, float]) -> tuple[Array, Array, float]:
         width = parameter_width(self.system.model, self.parameters[0], float(z[-1]), bounds)
         jacobian = self.linearise(z)[1]
         declared, usual = sizes_of(self.system.model, tuple(self.full_parameters(z).tolist()))
@@ -344,7 +355,7 @@ class EquilibriumProblem(Problem):
         if is_neutral(self, base.z, base.eigenvalues, frame.scale):
             return python_march.probe(NeutralMarch(self, frame.scale), base, length, guess, frame, settings)
 
-        return self._probes(base, np.array([length]), np.array([guess]), frame, settings)[0]
+        return self._probes(base, np.array([length]), guess[None].copy(), frame, settings)[0]
 
     def probes(
         self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
@@ -368,10 +379,8 @@ class EquilibriumProblem(Problem):
             *memory_of(self.n, len(self.base)),
         )  # fmt: skip
         values = re + 1j * im
-        return [
-            None if count < 0 else Sample(z[k], t[k], tests[k], count, values[k])
-            for k, count in enumerate(counts.tolist())
-        ]
+        rows = zip(z, t, tests, counts.tolist(), values, strict=True)
+        return [None if row[3] < 0 else Sample(*row) for row in rows]
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self, guess, value, scale)

@@ -8,7 +8,7 @@ One that is there already, because a kernel needed it, is called (1 us each). Th
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, Final, TypeVar, overload
 
@@ -52,7 +52,7 @@ def _apply(name: str, *x: Any) -> Any:
         else:
             value = source(name)(*map(float, x))
         return np.float64(value) if any(isinstance(v, np.generic) for v in x) else value
-    arrays = np.broadcast_arrays(*x)
+    arrays = _alike(x)
     given = [np.ascontiguousarray(a, dtype=np.float64) for a in arrays]
     out = np.empty(arrays[0].shape)
     loaded = out.size <= SHORT and is_loaded(name)
@@ -62,6 +62,13 @@ def _apply(name: str, *x: Any) -> Any:
         return out if out.ndim else np.float64(out)
     _loop(name, len(x))(out.size, *(a.ctypes.data for a in given), out.ctypes.data)
     return out if out.ndim else np.float64(out)
+
+
+def _alike(x: tuple[Any, ...]) -> Sequence[Any]:
+    """The arguments as arrays of one shape."""
+    if isinstance(x[0], np.ndarray) and all(isinstance(v, (float, int)) for v in x[1:]):  # mostly; and much faster
+        return [x[0], *(np.full(x[0].shape, float(v)) for v in x[1:])]
+    return np.broadcast_arrays(*x)
 
 
 class _OfOne:

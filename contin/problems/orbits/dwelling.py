@@ -28,27 +28,28 @@ def turning(problem: FamilyOfOrbits, u: Array) -> Array | None:
     return None if matrix is None else np.asarray(u @ matrix.T)
 
 
-def speeds(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> tuple[Array, float]:
-    """Speed between neighbouring nodes, in states relative to their sizes, and its mean over the (scaled) period."""
+def speeds(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> tuple[Array, float, Array]:
+    """Speed between neighbouring nodes, in states relative to their sizes, its mean over the (scaled) period, and the
+    times from node to node."""
     steps = np.diff(profile.u, axis=0) / sizes
     along = turning(problem, 0.5 * (profile.u[1:] + profile.u[:-1]))
     if along is not None:
         along = along / sizes
         squares = np.maximum(np.sum(along * along, axis=1), np.finfo(float).tiny)
         steps = steps - (np.sum(steps * along, axis=1) / squares)[:, None] * along
-    lengths = np.linalg.norm(steps, axis=1)
-    return lengths / np.diff(profile.times), float(lengths.sum())
+    lengths, spans = np.sqrt(np.einsum("ij,ij->i", steps, steps)), np.diff(profile.times)
+    return lengths / spans, float(lengths.sum()), spans
 
 
 def dwelling(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> float:
     """Part of the period during which the orbit moves at less than a twentieth of its mean speed."""
-    speed, mean = speeds(problem, profile, sizes)
-    return float(np.diff(profile.times)[speed < SLOW * mean].sum())
+    speed, mean, spans = speeds(problem, profile, sizes)
+    return float(spans[speed < SLOW * mean].sum())
 
 
 def slowest_points(problem: FamilyOfOrbits, profile: Profile, sizes: Array) -> list[Array]:
     """The slowest node of every stretch of the orbit (a closed curve) that is passed slowly."""
-    speed, mean = speeds(problem, profile, sizes)
+    speed, mean, _ = speeds(problem, profile, sizes)
     slow = speed < SLOW * mean
     if slow.all() or not slow.any():
         return []

@@ -32,15 +32,14 @@ SHORTEST: Final = 1e-5  # scaled; no shorter step is tried
 
 def parts_apart(profile: Profile, winding: Array, parts: int) -> Array:
     """u(x + 1/parts) - u(x), relative to the extent of the orbit, (`SAMPLES`, n)."""
-    return _parts_apart(profile, winding, parts, profile.at(_times(parts).ravel()))
+    later, now = np.split(profile.at(_times(parts).ravel()), 2)
+    return np.asarray((later - now - winding / parts) / _extent(profile, winding))
 
 
-def _parts_apart(profile: Profile, winding: Array, parts: int, values: Array) -> Array:
-    """The same from the values at later times, then at the earlier ones."""
-    extent = np.maximum(np.ptp(profile.u, axis=0), np.abs(winding)).max()
-    later, now = values[: len(values) // 2], values[len(values) // 2 :]
-    difference = later - now - winding / parts
-    return np.asarray(difference / max(float(extent), np.finfo(float).tiny))
+def _extent(profile: Profile, winding: Array) -> float:
+    """The largest of the orbit's extents, and of what it gains in a period."""
+    u = profile.u.T
+    return max(float(np.maximum(u.max(axis=1) - u.min(axis=1), np.abs(winding)).max()), float(np.finfo(float).tiny))
 
 
 @cache
@@ -68,10 +67,11 @@ def times_traversed(problem: OrbitProblem, z: Array, before: Array, step: float)
     if not possible:
         return 1
     orbit, winding = problem.profile(z), np.asarray(problem.winding)
-    first = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2 * len(PARTS))
+    later, now = np.split(_first_look(orbit.m, orbit.h.tobytes())(orbit.u), 2)
+    gaps, limit, each = later - now, EQUAL * _extent(orbit, winding), len(later) // len(PARTS)
     for k, parts in enumerate(PARTS):
-        values = np.concatenate([first[k], first[len(PARTS) + k]])
-        if parts not in possible or not np.abs(_parts_apart(orbit, winding, parts, values)).max() < EQUAL:
+        gap = gaps[k * each : (k + 1) * each] - winding / parts
+        if parts not in possible or not np.abs(gap).max() < limit:
             continue
         here = parts_apart(orbit, winding, parts)
         if not np.abs(here).max() < EQUAL:
