@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contin.api.fixed_totals import for_branches
+from contin.api.fixed_totals import for_branches, varying
 from contin.api.responses import responses_in
 from contin.api.searches import find_equilibria
 from contin.api.seeds import FoundByItself, Range, as_seed, bounds_of, targets_of
@@ -21,7 +21,11 @@ from contin.continuation.trace import Watcher
 from contin.diagram.explore import Budget, Explorer
 from contin.diagram.phase.compute import phase as compute
 from contin.errors import ContinError, InputError, NoSolutionError, NotFiniteError
+from contin.model.advice import closest
 from contin.model.kinds import need_time
+from contin.problems.functions.problem import FunctionProblem
+from contin.problems.sparse.as_dense import SMALL
+from contin.problems.sparse.start import as_small
 from contin.problems.start import Equilibrium
 from contin.records import Record
 from contin.symbolic.passes.conserved import conserved_notes
@@ -29,6 +33,10 @@ from contin.symbolic.passes.conserved import conserved_notes
 if TYPE_CHECKING:
     from contin.model.model import Model
 
+FUNCTION: Final = (
+    "periodic orbits of a Python function are not followed in phase diagrams: curves of equilibria and their regions "
+    "only; a cycle's own curves start at its labels (contin.periodic_orbit, point.locus)"
+)
 EVERYWHERE: Final = "all"  # the start of a diagram that stands for all equilibria
 
 
@@ -89,7 +97,7 @@ def diagram(
 
 
 def phase(
-    model: Model,
+    model: Any,
     pair: Sequence[str],
     range: Mapping[str, Sequence[float]] | None = None,
     *,
@@ -129,11 +137,20 @@ def phase(
             failure = error
     if not found:
         raise failure or NoSolutionError("a phase diagram needs a start")
+    found = [as_small(e) for e in found]
     if any(not isinstance(e, Equilibrium) for e in found):
-        raise InputError("phase diagrams need a model of formulas or a function with a dense Jacobian")
+        raise InputError(
+            "phase diagrams need a model of formulas of fewer than 150 states, or a function of at most "
+            f"{SMALL} states or with a dense Jacobian"
+        )
+    known = varying(found[0].system.parameter_names)
+    for name in pair:
+        if name not in known:
+            raise InputError(f"no parameter {name!r}: {closest(name, known) or 'there are ' + ', '.join(known)}")
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
     result = compute(found, pair, box, settings, watch, orbits, journal)
-    return replace(result, notes=(*conserved_notes(model), *result.notes))
+    alone = (FUNCTION,) if orbits and isinstance(model, FunctionProblem) and model.kind == "flow" else ()
+    return replace(result, notes=(*conserved_notes(model), *alone, *result.notes))
 
 
 def _named_starts(model: Model, start: object) -> tuple[list[tuple[str, Any]], bool]:

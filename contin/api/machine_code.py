@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary, ref
 from contin.api.fixed_totals import for_branches
 from contin.lowering import compile_system
 from contin.model.kept import kept_with
+from contin.problems.functions.in_kernels import in_kernels
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import is_large
 
@@ -32,6 +33,11 @@ def _made_for(model: Any) -> Any:
         system = model.system() if isinstance(model, FunctionProblem) else compile_system(model)
         _compiled[model] = ref(system)
     return system
+
+
+def for_orbits(model: Any) -> Any:
+    """The same with addresses: a user's function behind callbacks."""
+    return in_kernels(compiled(model))
 
 
 def prepare(model: Model) -> None:

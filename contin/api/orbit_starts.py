@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
-from contin.api.machine_code import compiled
+from contin.api.machine_code import for_orbits
 from contin.api.requirements import need_parameters
 from contin.api.starts import equilibrium
 from contin.errors import InputError, NoSolutionError
@@ -68,14 +68,14 @@ def periodic_orbit(
             raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
         _, p = model.start_point(None, dict(parameters or {}))
         periods = np.asarray(model.periods(), dtype=float)
-        if shooting_chosen(compiled(model), method):
-            return orbit_from_return(compiled(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
-        return orbit_from_samples(compiled(model), t, start, p, periods, intervals, points)
+        if shooting_chosen(for_orbits(model), method):
+            return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
+        return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
-    u = consistent_start(compiled(model), u, p)
+    u = consistent_start(for_orbits(model), u, p)
     periods = np.asarray(model.periods(), dtype=float)
     return settled_orbit(
-        compiled(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
+        for_orbits(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
     )
 
 
@@ -100,6 +100,7 @@ def connecting_orbit(
     """
     need_time(model, "connecting orbits")
     saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
-    if any(not isinstance(saddle, Equilibrium) for saddle in saddles) or saddles[0].system.kind == "map":
+    written = isinstance(model, Model) and all(isinstance(saddle, Equilibrium) for saddle in saddles)
+    if not written or saddles[0].system.kind == "map":
         raise InputError("connecting orbits need a flow given by formulas")
     return ConnectingOrbit(saddles[0].system, saddles[0].p, np.array([saddle.u for saddle in saddles]))

@@ -14,11 +14,13 @@ from contin.lazy import module
 from contin.model.kinds import need_states
 from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.from_model import sparse_function
-from contin.problems.sparse.start import LargeEquilibrium, converge_large
+from contin.problems.sparse.start import converge_large
 from contin.problems.start import converge
 from contin.records import Record
 from contin.symbolic.passes.corotating import frame_for
 from contin.systems.iterate import iterate
+
+DENSE_UP_TO = 1000  # states of maps
 
 
 def equilibrium(
@@ -51,7 +53,9 @@ def equilibrium(
     u, p = model.start_point(start, dict(parameters or {}))
     model, u = frame_for(model, u, p)
     if isinstance(model, FunctionProblem) and model.method != "dense":
-        return _large_equilibrium(model, u, p, period)
+        if model.kind == "flow" and period == 1:
+            return converge_large(compiled(model), u, p)
+        _need_dense(model)
     sparse = sparse_function(model, u, p) if period == 1 else None
     if sparse is not None:
         return converge_large(sparse.system(), u, p)
@@ -63,8 +67,10 @@ def equilibrium(
         raise NotFiniteError(". ".join([str(error), *advice[:1]])) from None
 
 
-def _large_equilibrium(model: FunctionProblem, u: Any, p: Any, period: int) -> LargeEquilibrium:
-    """An equilibrium of a function with a sparse or matrix-free Jacobian."""
-    if model.kind == "map" or period != 1:
-        raise InputError("maps need a dense Jacobian; sparse and matrix-free ones are for equilibria of flows")
-    return converge_large(compiled(model), u, p)
+def _need_dense(model: FunctionProblem) -> None:
+    """Raises InputError for a map whose sparse or matrix-free Jacobian is too large to be taken as a dense one."""
+    if model.kind == "map" and model.n > DENSE_UP_TO:
+        raise InputError(
+            f"function {model.name!r} is a map of {model.n} states with a {model.method} Jacobian; maps are followed "
+            f"with dense ones, up to {DENSE_UP_TO} states"
+        )

@@ -106,7 +106,9 @@ class PdeProblem(FunctionProblem):
         """Values of all parameters with overrides, which may be formulas."""
         return parameter_values(self._formulas, [overrides or {}])
 
-    def start_point(self, start: Any = None, parameters: Record | None = None) -> tuple[Array, Array]:
+    def start_point(
+        self, start: Any = None, parameters: Record | None = None, finite: bool = True
+    ) -> tuple[Array, Array]:
         """Vectors u (n,) and p (m,): `start` is None (the fields' own), a name, a mapping of fields, or a vector."""
         chosen: Start | None = None
         if start is None:

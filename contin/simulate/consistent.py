@@ -72,7 +72,7 @@ def moved_onto(system: CompiledSystem, given: Array, found: Array) -> str:
 
 def onto_constraints(system: CompiledSystem, states: Array, parameters: Array) -> Array:
     """States (N, n) of a trajectory, near the algebraic equations, on them: one step of Newton's method."""
-    if system.constraints is None or not len(states):
+    if not isinstance(system, CompiledSystem) or system.constraints is None or not len(states):
         return states
     moved = states - system.correction(np.ascontiguousarray(states), np.ascontiguousarray(parameters))
     return np.where(np.isfinite(moved), moved, states)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 REMEMBERED: Final = 256  # values of the parameters
 ROUNDING: Final = 1e-12  # of its usual size: a state this small is a zero with rounding errors
 SMALLER: Final = 1e-2  # absolute tolerances, in natural sizes, beside relative ones
+COUPLED_UP_TO: Final = 500  # states of a function, up to which tolerances ask for its eigenvalues
 BENDS_UP_TO: Final = 50  # states: second and third derivatives are taken for so many
 SWEEPS: Final = 10  # of balancing
 
@@ -80,6 +81,9 @@ def absolute_tolerances(
     """Absolute tolerances of the states (n,): as given, for one or all, or these parts of their natural sizes."""
     if given is not None:
         return np.array(np.broadcast_to(given, int(system.n)), dtype=float)
+    if int(system.n) > COUPLED_UP_TO and not isinstance(system.model, Model):
+        usual = sizes_of(system.model, tuple(float(v) for v in p))[1]
+        return np.asarray(relative * np.maximum(usual, np.abs(u)))
     return natural_metric(system, np.asarray(u, dtype=float), np.asarray(p, dtype=float)).tolerances(relative)
 
 

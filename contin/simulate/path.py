@@ -11,6 +11,7 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.lowering.system import compile_in_time
 from contin.model.kinds import has_steps
+from contin.model.model import Model
 from contin.records import Fields
 from contin.simulate.between_jumps import fly_between_jumps
 from contin.simulate.flight import DONE, fly
@@ -22,7 +23,6 @@ from contin.simulate.until import fly_until, with_clock
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
-    from contin.model.model import Model
 
 STIFF: Final = ("Radau", "LSODA", "BDF")
 EVENT: Final = "event"
@@ -65,7 +65,8 @@ def path_of(
         if until is not None:
             raise InputError("until: events are located by the method DOP853 only")
         t, states, steps, outcome, why = integrate_stiff(system, u, p, times, method, rtol, errors, box)
-        why = NONSMOOTH if outcome == DONE and (system.n_switches or has_steps(model)) else why
+        rough = system.n_switches or (isinstance(model, Model) and has_steps(model))
+        why = NONSMOOTH if outcome == DONE and rough else why
         return Path(t, states, float(t[-1]) if len(t) else 0.0, steps, 0, outcome, why)
     options = {"rtol": rtol, "atol": errors, "box": box, "budget": budget}
     flight, outcome, why = _flown(model, system, u, p, times, until, options)
@@ -80,7 +81,7 @@ def _flown(
 ) -> tuple[Any, str, str]:
     """(flight, outcome, why) of the compiled integrator."""
     if until is None:
-        taken = stepped(model)
+        taken = stepped(model) if isinstance(model, Model) else None
         if taken is not None:
             flight = fly_between_jumps(taken, u, p, times, **options)
             return flight, flight.outcome, flight.why

@@ -11,7 +11,6 @@ from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
-from contin.lowering.system import compile_in_time
 from contin.model.kinds import need_time
 from contin.model.parts import TIME
 from contin.records import Record
@@ -19,6 +18,7 @@ from contin.simulate.consistent import consistent_start, moved_onto, onto_constr
 from contin.simulate.flight import DONE, ESCAPED, STOPPED
 from contin.simulate.path import EVENT, NO_EVENT, STIFF, path_of
 from contin.simulate.reach import left_reach
+from contin.simulate.systems import in_time, need_formulas
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
@@ -61,7 +61,11 @@ class Simulation:
     def columns(self) -> dict[str, Array]:
         """t, every state, every observable."""
         columns = {"t": self.t}
-        columns.update(zip(self.model.state_names, self.states.T, strict=True))
+        if self.model.state_names or not self.states.shape[1]:
+            columns.update(zip(self.model.state_names, self.states.T, strict=True))
+        else:  # a function of many states, without names
+            columns["norm"] = np.sqrt(np.mean(self.states * self.states, axis=1))
+            columns["min"], columns["max"] = self.states.min(axis=1), self.states.max(axis=1)
         columns.update(zip(self.model.observables, self.observables.T, strict=True))
         return columns
 
@@ -123,8 +127,10 @@ def simulate(
             raise InputError(f"{name} must be 0 or a positive number; got {value!r}")
     check_count("samples", samples, 1, max(2, LARGEST_TABLE // (1 + len(model.state_names))))
     check_count("budget", budget)
+    if until is not None:
+        need_formulas(model, "until", "look for the event in the states of the result")
     u, p = model.start_point(start, dict(parameters or {}), finite=False)
-    system = compile_in_time(model)
+    system = in_time(model, method not in STIFF)
     given, u = u, consistent_start(system, u, p)
     if model.kind == "map":
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contin.abi import Array
+from contin.systems.protocol import HasSlopes
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -41,10 +42,10 @@ def integrate_stiff(
             full[-1] = t
         return np.asarray(system.value(y, full))
 
-    def jacobian(t: float, y: Array) -> Array:
+    def jacobian(t: float, y: Array) -> Any:
         if system.is_forced:
             full[-1] = t
-        return np.asarray(system.jacobian(y, full)[1][:, :n])
+        return system.slopes(y, full) if isinstance(system, HasSlopes) else system.jacobian(y, full)[1][:, :n]
 
     def outside(t: float, y: Array) -> float:
         return box - float(np.abs(y).max())

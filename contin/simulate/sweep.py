@@ -11,13 +11,13 @@ import numpy as np
 from contin import lazy
 from contin.abi import Array
 from contin.errors import InputError
-from contin.lowering import compile_system
 from contin.model.advice import closest
 from contin.model.kinds import need_time
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import Metric, natural_metric
 from contin.simulate.steady import STATISTICS, Criterion, settle
+from contin.simulate.systems import autonomous
 from contin.simulate.watch import watching
 from contin.symbolic.passes.conserved import with_named_totals
 
@@ -103,7 +103,7 @@ def sweep(
         raise InputError(f"steps must be a whole number from 1 to {LARGEST}; got {steps!r}")
 
     need_time(model, "steady states in time to sweep")
-    system = compile_system(watching(model, measures))
+    system = autonomous(watching(model, measures))
     u0, p = model.start_point(start, {**(parameters or {}), parameter: low})
     u0 = consistent_start(system, u0, p)
     metric = natural_metric(system, u0, p)
@@ -131,7 +131,7 @@ def sweep(
 
 def parameters_of(model: Model, start: Any) -> Fields:
     """The parameter values that belong to a start."""
-    if start is None:
+    if start is None or not isinstance(start, str | Mapping):
         return {}
     return dict(model.start(start).parameters if isinstance(start, str) else start.get("parameters", {}))
 

@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from contin.errors import InputError
 from contin.model.expression import Expression, call, symbol
+from contin.model.model import Model
 from contin.records import Fields
 from contin.simulate.natural import sizes_of
-
-if TYPE_CHECKING:
-    from contin.model.model import Model
+from contin.simulate.systems import need_formulas
 
 ASLEEP: Final = 1e-6  # of the natural sizes: a product of two amplitudes for which their phase difference is nothing
 
 
-def watching(model: Model, measures: Mapping[str, str | Any] | None) -> Model:
+def watching(model: Any, measures: Mapping[str, str | Any] | None) -> Model:
     """The model with the quantities to watch as its observables.
 
     By default: for oscillators declared under `averaging` their amplitudes r1, r2, .. and the cosines c12, c13, .. of
     their phase differences from the first; otherwise states (of an angle its cosine and sine) and observables.
     Raises ExpressionError for a formula that is none.
     """
+    if not isinstance(model, Model):
+        if measures:
+            need_formulas(model, "measures", "let its `record` return what is to be watched")
+        watched: Model = model.watched()
+        return watched
     if measures:
         for name in measures:
             if not name.isidentifier():

@@ -19,7 +19,7 @@ Compiled models (`contin.lowering.system`), Python functions (`contin.problems.f
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -134,6 +134,14 @@ class System(Protocol):
 
     def trouble_near(self, u: Array, p: Array) -> str | None:
         """Why the equations may fail near this point, where that was seen."""
+
+
+@runtime_checkable
+class HasSlopes(Protocol):
+    """A system that may have its Jacobian sparse."""
+
+    def slopes(self, u: Array, p: Array) -> Any:
+        """df/du, (n, n), an array or a scipy.sparse matrix."""
 
 
 def one_by_one(jacobian: Callable[[Array, Array], tuple[Array, Array]], u: Array, p: Array) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from contin.machine import elementary
 from contin.normalforms.hopf import hopf_predictor
 from contin.problems.describe import jet_at
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.functions.in_kernels import in_kernels
 from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.sparse.as_dense import dense_problem
@@ -75,8 +76,9 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     base = equilibria.base.copy()
     base[equilibria.active] = point.z[-1]
     problem = OrbitProblem(
-        equilibria.system, base, equilibria.active, np.zeros(n), m, origin=(float(point.z[-1]), point.z[:-1].copy())
-    )
+        in_kernels(equilibria.system), base, equilibria.active, np.zeros(n), m,
+        origin=(float(point.z[-1]), point.z[:-1].copy()),
+    )  # fmt: skip
     multipliers = _multipliers_of_rest(point, cycles.omega, period)
     return Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,9 +13,11 @@ from numpy.typing import ArrayLike
 
 from contin.abi import Array, Vector
 from contin.errors import InputError, NotFiniteError
+from contin.machine import elementary
 from contin.model.expression import number
 from contin.model.parts import Expectation, Start
 from contin.problems.functions.guarded import called, numbers
+from contin.problems.functions.in_kernels import FunctionInKernels
 from contin.problems.functions.names import check_name, check_names
 from contin.problems.functions.system import FunctionSystem
 from contin.records import Record
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
     from contin.problems.functions.system import FunctionSystem
 
 NAMED = 50  # up to this number, states are columns of their own
+DENSE_IN_KERNELS = 1000  # states of which kernels keep a dense Jacobian
 DENSE = 200  # without a Jacobian or its sparsity, a dense one is differenced up to this number of states
 Values = Mapping[str, float]
 Method = Literal["dense", "sparse", "matrix-free"]
@@ -73,7 +77,13 @@ class FunctionProblem:
     forcing = None
     interval = None
     starts: tuple[Start, ...] = ()
-    functions: Mapping[str, str] = {}  # of a model's formulas: none here
+    uses_time = False
+    averaging = None
+    # what only formulas have: none here
+    functions: Mapping[str, str] = {}
+    labels: Mapping[str, str] = {}
+    mass: Mapping[str, float] = {}
+    equations: tuple[()] = ()
 
     def __init__(
         self,
@@ -154,6 +164,37 @@ class FunctionProblem:
         """The function with all its derivatives, as problems use it."""
         return FunctionSystem(self)
 
+    @cached_property
+    def in_kernels(self) -> FunctionInKernels:
+        """The same behind addresses, for kernels: orbits, trajectories."""
+        if self.n > DENSE_IN_KERNELS:
+            raise InputError(
+                f"function {self.name!r} has {self.n} states; orbits and trajectories by compiled steps keep a dense "
+                f"Jacobian, for up to {DENSE_IN_KERNELS}. Simulate it with method='BDF' and a sparse Jacobian"
+            )
+        return FunctionInKernels(self)
+
+    def watched(self) -> FunctionProblem:
+        """The function with what is watched until it settles as its record: states (of angles cosine and sine)."""
+        watched = copy(self)
+        for kept in ("in_kernels", "observables"):
+            watched.__dict__.pop(kept, None)
+        watched.record, watched.state_names = self._watch, ()
+        return watched
+
+    def _watch(self, u: Array, values: Any) -> dict[str, float]:
+        found: dict[str, float] = {}
+        if not self.state_names:
+            found |= {"norm": float(np.sqrt(np.mean(u * u))), "min": float(u.min()), "max": float(u.max())}
+        for name, x, period in zip(self.state_names, u.tolist(), self._periods.tolist(), strict=False):
+            if period > 0.0:
+                turn = 2.0 * np.pi * x / period
+                found |= {f"cos_{name}": float(elementary.cos(turn)), f"sin_{name}": float(elementary.sin(turn))}
+            else:
+                found[name] = x
+        recorded = {} if self.record is None else self.record(u, values)
+        return found | dict(recorded)
+
     # what verbs and reports ask of a model --------------------------------------------------------------------------
 
     @property
@@ -203,8 +244,13 @@ class FunctionProblem:
         """Period of each state (n,), 0 where it is not an angle."""
         return self._periods
 
-    def start_point(self, start: Any = None, parameters: Record | None = None) -> tuple[Array, Array]:
-        """Vectors u (n,) and p (m,): `start` is None (u0), a vector, or a mapping of states to values."""
+    def start_point(
+        self, start: Any = None, parameters: Record | None = None, finite: bool = True
+    ) -> tuple[Array, Array]:
+        """Vectors u (n,) and p (m,): `start` is None (u0), a vector, or a mapping of states to values.
+
+        finite : of a model's start that may have infinite values; a function's may not.
+        """
         p = np.array(list(self.default_parameters(parameters).values()), dtype=float)
         if start is None:
             return self.u0.copy(), p

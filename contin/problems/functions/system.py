@@ -244,7 +244,7 @@ class FunctionSystem:
             given = self.model.jacobian
 
             def evaluate() -> Array:
-                matrix = called("Jacobian", given, u, self._named(p))
+                matrix = _dense(called("Jacobian", given, u, self._named(p)))
                 if np.shape(matrix) != (self.n, self.n):
                     raise UserFunctionError(
                         f"jacobian must return dF/du of shape ({self.n}, {self.n}); got {np.shape(matrix)}"
@@ -263,6 +263,14 @@ class FunctionSystem:
             matrix[:, j] = self.lines.first(u, p, direction)
             direction[j] = 0.0
         return matrix
+
+    def slopes(self, u: Array, p: Array) -> Any:
+        """dF/du, (n, n): sparse where the user gives it so."""
+        given = self.model.jacobian
+        if given is None or self.model.method != "sparse":
+            return self.state_jacobian(u, p)
+        matrix = self.attempt("Jacobian", lambda: called("Jacobian", given, u, self._named(p)), None, u, p)
+        return self.state_jacobian(u, p) if matrix is None else matrix
 
     def _look_again(self, u: Array, p: Array) -> None:
         """Where complex steps no longer give the derivative, take differences from here on, with a warning."""
@@ -314,3 +322,13 @@ class FunctionSystem:
             return self.lines.along(lambda a, b: self.jacobian(a, b)[1], states, others, direction)
         unit = np.eye(self.n + self.m)
         return np.column_stack([self.derivative(u, p, direction, row) for row in unit])
+
+
+def _dense(matrix: Any) -> Any:
+    """A Jacobian as an array, also where the function gives it sparse or as products."""
+    from scipy.sparse import issparse
+    from scipy.sparse.linalg import LinearOperator
+
+    if issparse(matrix):
+        return matrix.toarray()
+    return matrix @ np.eye(matrix.shape[1]) if isinstance(matrix, LinearOperator) else matrix

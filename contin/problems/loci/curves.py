@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from contin.abi import NO_FUNCTION, Array
+from contin.abi import Array
+from contin.lowering.system import CompiledSystem
 from contin.problems.loci.bordered import BorderedCurve
 from contin.problems.loci.extended import ExtendedCurve
 
@@ -13,6 +14,6 @@ LARGE: Final = 50  # states beyond which minimally augmented systems take the pl
 
 def curve_of(type_: str, system: Any, p: Array, first: int, second: int, sizes: Array) -> ExtendedCurve | BorderedCurve:
     """The curve of points of a type in parameters `first` and `second`; the others are those of p."""
-    extended = system.kind != "map" and system.n <= LARGE and system.jacobian_address != NO_FUNCTION
+    extended = system.kind != "map" and system.n <= LARGE and isinstance(system, CompiledSystem)
     make = ExtendedCurve if extended else BorderedCurve
     return make(type_, system, p.copy(), first, second, sizes.copy())

@@ -10,8 +10,10 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.errors import NoSolutionError, NotFiniteError
 from contin.problems.functions.system import FunctionSystem
+from contin.problems.sparse.as_dense import SMALL
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.sparse.problem import LargeProblem
+from contin.problems.start import Equilibrium
 
 BUDGET = 40
 ACCURATE = 1e-12
@@ -35,6 +37,15 @@ class LargeEquilibrium:
 
     def __str__(self) -> str:
         return f"equilibrium of {len(self.u)} unknowns, largest {float(np.abs(self.u).max()):.6g}"
+
+
+def as_small(solution: object) -> object:
+    """An equilibrium of a small function with a sparse Jacobian as one of a dense problem; anything else as it is."""
+    if not isinstance(solution, LargeEquilibrium) or solution.system.model.written is not None:
+        return solution
+    if solution.system.n > SMALL:
+        return solution
+    return Equilibrium(solution.system, solution.u, solution.p, solution.system.model.periods())
 
 
 def converge_large(system: FunctionSystem, u: Array, p: Array) -> LargeEquilibrium:

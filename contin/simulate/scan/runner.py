@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from contin.abi import Array
 from contin.errors import ContinError
-from contin.lowering import compile_system
 from contin.model.evaluate import evaluate
 from contin.records import Fields
 from contin.simulate.consistent import consistent_start
@@ -15,6 +14,7 @@ from contin.simulate.natural import natural_metric
 from contin.simulate.scan.grid import NO_START, OTHER, Outcome, ScanSpec
 from contin.simulate.steady import Criterion, named_statistics, settle
 from contin.simulate.sweep import default_criterion, parameters_of
+from contin.simulate.systems import autonomous
 
 
 class Runner:
@@ -22,7 +22,7 @@ class Runner:
 
     def __init__(self, spec: ScanSpec) -> None:
         self.spec = spec
-        self.system = compile_system(spec.watched)
+        self.system = autonomous(spec.watched)
         if spec.model.kind == "flow":
             _ = self.system.pieces, self.system.observables  # compiled before threads ask for it
         self.criterion = self._criterion()

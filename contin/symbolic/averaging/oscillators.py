@@ -113,6 +113,8 @@ def weak_oscillators(model: Model, order: int = 1) -> WeakOscillators:
 
 
 def _declared(model: Model) -> tuple[str, tuple[Oscillator, ...]]:
+    if not isinstance(model, Model):
+        raise InputError("only a model of formulas can be averaged; this is a Python function: write its equations")
     averaging = model.averaging
     if averaging is None:
         raise InputError(

@@ -334,8 +334,11 @@ def test_colours_of_a_grid_are_few():
 
 
 def test_large_equilibria_say_what_is_missing():
-    with pytest.raises(InputError, match="maps need a dense Jacobian"):
-        api.equilibrium(contin.FunctionProblem(lambda u, p: u, np.ones(3), {"a": 1.0}, sparsity=np.eye(3), kind="map"))
+    many = 1001
+    with pytest.raises(InputError, match=r"a map of 1001 states with a sparse Jacobian; maps are followed with dense"):
+        api.equilibrium(
+            contin.FunctionProblem(lambda u, p: u, np.ones(many), {"a": 1.0}, sparsity=sp.identity(many), kind="map")
+        )
     never = contin.FunctionProblem(lambda u, p: u**2 + 1.0 + p["a"], np.ones(3), {"a": 1.0}, sparsity=np.eye(3))
     with pytest.raises(NoSolutionError, match=r"no equilibrium found from the start: residual .* Newton steps"):
         api.equilibrium(never)
