@@ -8,6 +8,7 @@ import numpy as np
 
 from contin.continuation.departure import Seed
 from contin.errors import InputError
+from contin.loci import of_points
 from contin.model.model import Model
 from contin.model.relations import relations
 from contin.problems.algebraic import AlgebraicProblem
@@ -15,6 +16,7 @@ from contin.problems.conditioned.equilibria import ConditionedEquilibria
 from contin.problems.conditioned.functionals import OrbitConditions
 from contin.problems.conditioned.orbits import ConditionedOrbits
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.loci.problem import LocusProblem
 from contin.problems.orbits.problem import OrbitProblem
 
 
@@ -30,8 +32,14 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
             "condition needs one parameter under `free` that is solved for"
         )
     model = getattr(getattr(problem, "system", None), "model", None)
+    if isinstance(problem, LocusProblem) and isinstance(model, Model):
+        _check_free(free, list(problem.system.parameter_names), problem.parameters)
+        return of_points.under_conditions(seed, relations(model, conditions, False), free)
     if not isinstance(problem, OrbitProblem | EquilibriumProblem) or not isinstance(model, Model):
-        raise InputError("conditions are for equilibria, fixed points and orbits by collocation of models of formulas")
+        raise InputError(
+            "conditions are for equilibria, fixed points, orbits by collocation, and curves of LP, HB, BP, PD, NS of "
+            "equilibria and fixed points, of models of formulas"
+        )
     if isinstance(problem, AlgebraicProblem):
         raise InputError("kind: algebraic: write conditions as further equations")
     if seed.born:
@@ -40,13 +48,7 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
             "solution: a user value of the branch, or `start:`"
         )
     names = list(problem.system.parameter_names)
-    for name in free:
-        if name not in names:
-            raise InputError(f"free: no parameter {name!r}; the model has {', '.join(names)}")
-        if name == problem.parameters[0]:
-            raise InputError(f"free: {name} varies in this run already")
-    if len(set(free)) < len(free):
-        raise InputError(f"free: {free[0]} is named twice")
+    _check_free(free, names, problem.parameters)
     places = tuple(names.index(name) for name in free)
     values = np.array([problem.base[k] for k in places])
     on_orbits = isinstance(problem, OrbitProblem)
@@ -57,3 +59,13 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
     else:
         conditioned = ConditionedEquilibria(problem, places, found)
     return Seed(conditioned, conditioned.joined(seed.z, values), arms=seed.arms)
+
+
+def _check_free(free: Sequence[str], names: Sequence[str], varying: Sequence[str]) -> None:
+    for name in free:
+        if name not in names:
+            raise InputError(f"free: no parameter {name!r}; the model has {', '.join(names)}")
+        if name in varying:
+            raise InputError(f"free: {name} varies in this run already")
+    if len(set(free)) < len(free):
+        raise InputError(f"free: {free[0]} is named twice")

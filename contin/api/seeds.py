@@ -79,16 +79,17 @@ def placed(start: Any, parameter: str | Sequence[str], range: Range | None) -> t
     if isinstance(start, LocusStart):
         start = start.point.locus(names)
     elif isinstance(start, StartOfCurve):
-        start = start.locus((names[0], names[1]))
+        start = start.locus((names[0], names[1]))  # of connections, which have two
     seed = start[0] if isinstance(start, list) and start else start
     if not isinstance(seed, Seed) or tuple(seed.problem.parameters) != names:
         raise InputError(
-            f"a curve in {', '.join(names)} starts from a labelled point: pass point.locus(), and the pair as parameter"
+            f"a curve in {', '.join(names)} starts from a labelled point: pass point.locus() and these names"
         )
     if range is not None and not isinstance(range, Mapping):
-        raise InputError(f"two parameters need a range each: {{{names[0]!r}: (lo, hi), {names[1]!r}: (lo, hi)}}")
-    first, second = (bounds_of(seed.problem, name, range) for name in names)
-    return replace(seed, problem=seed.problem.within(first, second)), first  # type: ignore[attr-defined]
+        each = ", ".join(f"{name!r}: (lo, hi)" for name in names)
+        raise InputError(f"several parameters need a range each: {{{each}}}")
+    bounds = [bounds_of(seed.problem, name, range) for name in names]
+    return replace(seed, problem=seed.problem.within(*bounds)), bounds[0]  # type: ignore[attr-defined]
 
 
 def as_seed(start: object, parameter: str) -> Seed:

@@ -27,7 +27,6 @@ from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.forcing import ForcingPeriod
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.orbits.mesh import estimate
 from contin.problems.orbits.move import Move
@@ -91,13 +90,9 @@ class BoundaryProblem(Problem):
         """The kernels' view of the equations."""
         scheme, system = basis(self.points), self.two.system
         return Equations(
-            system.value_address, system.jacobian_address, self._period.address, 1, self.n, self.points, self.active,
+            system.value_address, system.jacobian_address, self.two.period.address, 1, self.n, self.points, self.active,
             scheme.values, scheme.slopes, scheme.gauss, scheme.gauss_weights, np.zeros(self.n),
         )  # fmt: skip
-
-    @cached_property
-    def _period(self) -> ForcingPeriod:
-        return ForcingPeriod.of(self.two.system)
 
     def with_active(self, name: str, z: Array) -> BoundaryProblem:
         """The same solutions with another parameter varying; the present one is frozen at its value in z."""

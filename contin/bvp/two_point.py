@@ -25,6 +25,7 @@ from contin.model.expression import ZERO, Expression, call, number, power, subst
 from contin.model.functionals import condition_count
 from contin.model.model import Model
 from contin.model.parts import TIME, Forcing, Interval, State
+from contin.problems.orbits.forcing import ForcingPeriod
 
 INTEGRALS = ("integral", "mean", "norm")
 
@@ -53,6 +54,11 @@ class TwoPoint:
     @property
     def n_states(self) -> int:
         return len(self.model.states)
+
+    @cached_property
+    def period(self) -> ForcingPeriod:
+        """The interval of s, as the kernels ask for it."""
+        return ForcingPeriod.of(self.system)
 
     @cached_property
     def length(self) -> Expression:

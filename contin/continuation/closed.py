@@ -50,7 +50,8 @@ class _Loop:
         self.problem: Any = self.arm.problem  # of orbits: with a system, and planar
         self.first = self._marks(self.start[None])[0]
         ranges = np.abs(self.arm.scale[[-1, -2]])
-        self.sizes = np.append(ranges, np.maximum(np.abs(self.first[2:]), 1e-3 * np.abs(self.first[2:]).max(initial=0)))
+        extents = np.abs(self.first[2:])
+        self.sizes = np.append(ranges, np.maximum(extents, 1e-3 * extents.max(initial=0) or 1.0))
         self.last = self.start  # row
         self.away: Array | None = None  # the first step
 

@@ -257,6 +257,11 @@ class Problem(ABC):
             """Most points a march may accept before it returns, so that a chunk lasts about 50 ms at most."""
 
     @property
+    def has_stability(self) -> bool:
+        """False for solutions of equations without time."""
+        return self.kind not in WITHOUT_STABILITY
+
+    @property
     def free_names(self) -> tuple[str, ...]:
         """Parameters that are solved for beside the varying ones, so that conditions hold."""
         return ()

@@ -20,7 +20,6 @@ from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
 from contin.continuation.problem import (
-    WITHOUT_STABILITY,
     Frame,
     Problem,
     Sample,
@@ -197,7 +196,7 @@ def _assemble(
     if seed.scale is None:
         moving = [name for name in problem.guessed(seed.z, departure.bounds) if np.any(columns[name])]
         notes += [problem.guess_note(moving)] if moving else []
-    if problem.kind not in WITHOUT_STABILITY:
+    if problem.has_stability:
         columns["unstable"] = unstable
         columns["stable"] = columns["unstable"] == 0
     points = _label(name, rows.labelled, columns, raw_tangents, problem)

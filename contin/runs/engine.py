@@ -101,7 +101,7 @@ class ContinEngine:
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         point: Any = branch[label]
-        if len(run.parameters) == 2:
+        if len(run.parameters) > 1:
             return point.locus(run.parameters)
         if _goes_on(branch, point, run):
             return _same_solution(branch, point, run.parameters[0])

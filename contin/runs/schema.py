@@ -96,7 +96,7 @@ class ContinuationEntry(Section):
     samples: File | None = None  # a CSV file with one period of an orbit
     as_: Literal["equilibrium", "orbit", "locus", "connection"] | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
-    parameter: Annotated[Texts, Field(max_length=2)]
+    parameter: Annotated[Texts, Field(max_length=6)]
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
@@ -114,12 +114,12 @@ class ContinuationEntry(Section):
             raise wrong("has `samples`, one period of an orbit; write `as: orbit`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
             raise wrong(f"names {self.parameter[0]!r} twice in `parameter`")
-        if self.as_ == "connection" and (self.start is None or len(self.parameter) < 2):
+        if self.as_ == "connection" and (self.start is None or len(self.parameter) != 2):
             raise wrong("is a connection: give `start`, the saddle that it leaves, and two parameters")
         if self.to is not None and self.as_ != "connection":
             raise wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
-        if len(self.parameter) == 2 and self.from_ is None and self.as_ != "connection":
-            raise wrong("two parameters need a point to start from; write `from: NAME.LABEL`")
+        if len(self.parameter) > 1 and self.from_ is None and self.as_ != "connection":
+            raise wrong("two or three parameters need a point to start from; write `from: NAME.LABEL`")
         return self
 
 

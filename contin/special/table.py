@@ -100,7 +100,12 @@ def tests_of_connections() -> tuple[str, ...]:
 def crossings() -> tuple[str, ...]:
     """Points of codimension two from which other curves are followed than the one that they lie on."""
     rows = [row for row in table().values() if row.codimension == 2 and "HOM" not in row.on]
-    return tuple(row.code for row in rows if row.births or len(row.curves) > 1)
+    return tuple(row.code for row in rows if any(map(_in_a_plane, row.births)) or len(row.curves) > 1)
+
+
+def _in_a_plane(birth: str) -> bool:
+    """False for what needs a third parameter."""
+    return not birth.endswith("_in_three_parameters")
 
 
 def curves_of_points(code: str, own: str) -> tuple[str, ...]:

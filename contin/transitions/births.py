@@ -27,11 +27,13 @@ def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
 
 
 def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
-    """Seeds of the curves in two parameters that pass through a point of this problem's branch."""
-    rows = at_point(problem, point.type, 2)
+    """Seeds of the curves in two (three) parameters that pass through a point of this problem's branch."""
+    count = max(2, len(parameters))  # one is too few, as whoever is asked for two says
+    rows = at_point(problem, point.type, count)
     if not rows:
+        words = {2: "two", 3: "three"}.get(count, str(count))
         raise InputError(
-            f"{point.branch}.{point.label}: {point.type} has no curve in two parameters" + _where(problem, 2)
+            f"{point.branch}.{point.label}: {point.type} has no curve in {words} parameters" + _where(problem, count)
         )
     return [seed for row in rows for seed in row.make(problem, point, tuple(parameters))]
 

@@ -8,7 +8,7 @@ entry points of the group `contin.transitions`. A name tells when a leaf is need
     LABEL_LABEL_to_WHAT     on branches of every kind: BT_to_homoclinic, HH_to_tori
 
 KIND is one of those of `KINDS`, or none; labels are written in capitals. What starts in two parameters at a point of
-codimension one is called `..._to_locus`.
+codimension one is called `..._to_locus`, what needs three `..._in_three_parameters`.
 """
 
 from __future__ import annotations

@@ -71,6 +71,7 @@ def test_a_type_lies_on_branches_or_on_curves_by_its_codimension():
     for code, row in table().items():
         kinds = ("equilibrium", "fixed-point", "orbit", "algebraic", "bvp")
         where = kinds if row.codimension < 2 else (*POINTS, "LPC", "BPC", "HOM")
+        where = (*where, "CP", "BT", "GH", "ZH", "HH") if row.codimension > 2 else where
         assert row.on, code
         assert set(row.on) <= set(where), code
         assert row.condition, code

@@ -59,6 +59,8 @@ def quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array) -> float:
     wide = np.zeros(problem.n + len(problem.base))
     wide[: problem.n] = v * curve.sizes
     image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
+    if problem.n == 1 and problem.system.kind != "map":  # f_u is rounding at a fold, no measure of rates
+        return float(psi @ image)
     return float(psi @ image) / max(float(np.linalg.norm(scaled_matrix(problem, z))), 1e-300)
 
 

@@ -11,6 +11,7 @@ theta), and for BP the matrix [F_u F_s] with s a direction across the curve (Gri
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -45,7 +46,10 @@ class _Memory:
 
 @dataclass(frozen=True, eq=False)
 class BorderedCurve:
-    """z = (u, [kappa or unfolding], second parameter, first parameter), N - 1 equations."""
+    """z = (u, [kappa or unfolding], further parameters, second parameter, first parameter).
+
+    Without `more` parameters N - 1 equations; with each of them one equation fewer than makes a curve.
+    """
 
     type: str
     system: System
@@ -53,6 +57,7 @@ class BorderedCurve:
     first: int
     second: int
     sizes: Array
+    more: tuple[int, ...] = ()  # places of further parameters that vary, the last unknown first
     _memory: _Memory = field(default_factory=_Memory)
 
     compiled = False
@@ -67,7 +72,12 @@ class BorderedCurve:
 
     @property
     def size(self) -> int:
-        return self.n + 2 + self.has_scalar
+        return self.n + len(self.places) + self.has_scalar
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """Of the varying parameters, in the order of the unknowns."""
+        return (*self.more[::-1], self.second, self.first)
 
     @cached_property
     def identifying(self) -> NDArray[np.bool_]:
@@ -76,7 +86,7 @@ class BorderedCurve:
     @cached_property
     def growing(self) -> NDArray[np.bool_]:
         mask = np.ones(self.size, bool)
-        mask[-2:] = False
+        mask[-len(self.places) :] = False
         return mask
 
     @property
@@ -90,11 +100,16 @@ class BorderedCurve:
 
     def full_parameters(self, z: Array) -> Array:
         p = self.base.copy()
-        p[self.first], p[self.second] = z[-1], z[-2]
+        p[list(self.places)] = z[-len(self.places) :]
         return p
 
     def scalar(self, z: Array) -> float:
-        return float(z[-3])
+        return float(z[self._scalar])
+
+    @property
+    def _scalar(self) -> int:
+        """Place of the scalar unknown, from the end."""
+        return -1 - len(self.places)
 
     def matrix(self, z: Array) -> Array:
         return np.asarray(self.system.jacobian(z[: self.n], self.full_parameters(z))[1][:, : self.n])
@@ -137,7 +152,12 @@ class BorderedCurve:
         left, _, right = np.linalg.svd(matrix)
         corank = 2 if self.type in ("HB", "NS") else 1
         kernel = corank + matrix.shape[1] - matrix.shape[0]
-        self._memory.borders = _Borders(left[:, -corank:], right[-kernel:].T, across, left[:, -1])
+        b, c = left[:, -corank:], right[-kernel:].T
+        known = self._memory.borders
+        if known is not None and corank == kernel == 1:  # tests, which are oriented by them, keep their signs
+            b, c = (new if float(new[:, 0] @ old[:, 0]) >= 0.0 else -new
+                    for new, old in ((b, known.left), (c, known.right)))  # fmt: skip
+        self._memory.borders = _Borders(b, c, across, left[:, -1])
         return False
 
     def _slopes(self, jacobian: Array) -> Array:
@@ -148,6 +168,8 @@ class BorderedCurve:
     def _across(self, z: Array) -> Array:
         """A direction of the parameters across the curve; the first parameter's, until the curve's own is known."""
         known = self._memory.borders
+        if self.more:  # branch points in the first parameter
+            return np.array([1.0, 0.0])
         if known is None or abs(self.scalar(z)) > FORCED * float(np.abs(self._scaled(self.matrix(z))).max()):
             return np.array([1.0, 0.0])
         along = np.linalg.svd(self.linearise(z, known)[1])[2][-1]
@@ -176,12 +198,12 @@ class BorderedCurve:
         return np.array([self.linearise(row, borders)[0] for row in z])
 
     def linearise(self, z: Array, borders: _Borders | None = None) -> tuple[Array, Array]:
-        """Equations (N - 1,) and their Jacobian (N - 1, N), unscaled; the scalars G count as rates of the states."""
+        """Equations (N - 1, less one a further parameter) and their Jacobian, unscaled; G as rates of states."""
         n, d = self.n, self.sizes
         borders = self.parameters(z) if borders is None else borders
         u, p = z[:n], self.full_parameters(z)
         f, full = self.system.jacobian(u, p)
-        columns = [*range(n), n + self.second, n + self.first]
+        columns = [*range(n), *(n + place for place in self.places)]
         if self.system.kind == "map":
             f = f - u
         a = self._scaled(full[:, :n])
@@ -191,15 +213,15 @@ class BorderedCurve:
         v, w, g = _bordered(matrix, borders.left, borders.right)
 
         def hessian(direction: Array, parameter: float = 0.0) -> Array:
-            """D^2F[direction, .] (n, n + 2), rows scaled; the direction is given in scaled states."""
+            """D^2F[direction, .] by states and parameters, rows scaled; the direction is given in scaled states."""
             wide = np.zeros(n + len(p))
             wide[:n] = direction * d
             wide[n + self.first], wide[n + self.second] = parameter * borders.across
             return np.asarray(self.system.gradient(u, p, wide)[:, columns] / d[:, None])
 
         extra = int(self.has_scalar)
-        jacobian = np.zeros((n + 1 + extra, n + 2 + extra))
-        where = [*range(n), -2, -1]
+        jacobian = np.zeros((n + 1 + extra, self.size))
+        where = [*range(n), *range(-len(self.places), 0)]
         jacobian[:n, where] = full[:, columns]
         if self.system.kind == "map":
             jacobian[:n, :n] -= np.eye(n)
@@ -207,8 +229,8 @@ class BorderedCurve:
             jacobian[n, where] = -(w[:, 0] @ hessian(v[:, 0]))
             return np.append(f, g[0, 0]), jacobian
         if self.type == "BP":
-            f = f + z[-3] * borders.beta * d
-            jacobian[:n, -3] = borders.beta * d
+            f = f + self.scalar(z) * borders.beta * d
+            jacobian[:n, self._scalar] = borders.beta * d
             for k in range(2):
                 jacobian[n + k, where] = -(w[:, 0] @ hessian(v[:n, k], v[n, k]))
             return np.append(f, g[0]), jacobian
@@ -219,17 +241,17 @@ class BorderedCurve:
             change = change - 2.0 * kappa * hessian(critical)
             slope = -2.0 * (a @ critical)
         jacobian[n:, where] = -(w.T @ change)
-        jacobian[n:, -3] = -(w.T @ slope)
+        jacobian[n:, self._scalar] = -(w.T @ slope)
         return np.append(f, g[:, 0]), jacobian
 
     # -- setting out --------------------------------------------------------------------------------------------------
 
     def place(self, u: Array, p: Array, scalar: float = 0.0) -> Array:
-        ends = [p[self.second], p[self.first]]
-        return np.concatenate([u, [scalar] if self.has_scalar else [], ends])
+        return np.concatenate([u, [scalar] if self.has_scalar else [], p[list(self.places)]])
 
-    def scales(self, z: Array, widths: tuple[float, float]) -> Array:
-        ends = [widths[1], widths[0]]
+    def scales(self, z: Array, widths: Sequence[float]) -> Array:
+        """widths: of the parameters, the last unknown first."""
+        ends = widths[::-1]
         if not self.has_scalar:
             return np.concatenate([self.sizes, ends])
         typical = 1.0

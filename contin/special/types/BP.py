@@ -9,7 +9,12 @@ TYPE = SpecialType(
     source=f"{KUZNETSOV}, sec. 7.4; {SINGULARITIES}",
     normal_form="contin.normalforms.directions:any_branch_point", needs=("kernel", "state_error"), order=3,
     births=(
-        "equilibrium_BP_to_branches", "equilibrium_BP_to_sparse_branches", "bvp_BP_to_crossing", "point_to_locus",
+        "equilibrium_BP_to_branches",
+        "equilibrium_BP_to_sparse_branches",
+        "bvp_BP_to_crossing",
+        "point_to_locus",
+        "equilibrium_BP_to_curves_in_three_parameters",
+        "bvp_to_locus",
     ),
     curves=("BP",), continues=("equilibrium", "fixed-point", "algebraic", "bvp"), cycle="BPC",
     branch=1, maps=True,

@@ -1,0 +1,1 @@
+"""Curves of special solutions: equations of any discretisation, and scalars that vanish along the curve."""

@@ -1,0 +1,105 @@
+"""Curves of equilibria and fixed points: of codimension two in three parameters, of one under conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import Parent
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.loci.points import PointBase
+from contin.loci.problem import AugmentedCurve
+from contin.loci.scalars import Conditions, Degeneracy, Unfolding
+from contin.model.model import Model
+from contin.model.relations import Relation
+from contin.problems.loci.bordered import BorderedCurve
+from contin.problems.loci.problem import LocusProblem
+
+RESTS_ON = {"CP": "LP", "BT": "LP", "GH": "HB", "ZH": "HB", "HH": "HB", "BP": "BP"}  # curves in three parameters
+SHORTEST = 1.0 / 256.0  # step of the homotopy onto the conditions
+
+
+def places(names: Sequence[str], parameters: Sequence[str]) -> list[int]:
+    """Of parameters among those of the model."""
+    for name in parameters:
+        if name not in names:
+            raise InputError(f"no parameter {name!r}; the model has {', '.join(names)}")
+    if len(set(parameters)) < len(parameters):
+        raise InputError(f"a curve of special points needs different parameters; got {', '.join(parameters)}")
+    return [list(names).index(name) for name in parameters]
+
+
+def bordered(
+    locus: LocusProblem, type_: str, p: Array, parameters: Sequence[str]
+) -> LocusProblem:
+    """A curve of points of a type by minimally augmented equations, with all these parameters varying."""
+    first, second, *more = places(locus.system.parameter_names, parameters)
+    curve = BorderedCurve(type_, locus.system, p.copy(), first, second, locus.curve.sizes.copy(), tuple(more))
+    return replace(locus, curve=curve, memory={})
+
+
+def of_codimension_two(
+    locus: LocusProblem, type_: str, u: Array, p: Array, scalar: float, parameters: Sequence[str], parent: Parent
+) -> Seed:
+    """The curve of such points in three parameters through (u, p); scalar: kappa of a Hopf point."""
+    base = PointBase(bordered(locus, RESTS_ON[type_], p, parameters), codimension=2)
+    held = Unfolding(base.locus) if type_ == "BP" else Degeneracy(type_, base.locus)
+    problem = AugmentedCurve(base, (held,), type_, tuple(parameters))
+    return Seed(problem, base.locus.curve.place(u, p, scalar), parent=parent)
+
+
+def under_conditions(seed: Seed, relations: tuple[Relation, ...], free: Sequence[str]) -> Seed:
+    """The seed's curve in two parameters with conditions, for which the parameters `free` are solved."""
+    locus = seed.problem
+    assert isinstance(locus, LocusProblem)
+    model = locus.system.model
+    if not isinstance(model, Model):
+        raise InputError("conditions need a model made of formulas")
+    own = locus.curve
+    u, p, z = seed.z[: own.n], own.full_parameters(seed.z), seed.z
+    base = PointBase(bordered(locus, locus.locus, p, (*locus.parameters, *free)))
+    held = Conditions(model, relations, base.locus)
+    problem = AugmentedCurve(
+        base, (held,), locus.locus, locus.parameters, tuple(free), (locus.first_bounds, locus.second_bounds)
+    )
+    start = base.locus.curve.place(u, p, own.scalar(z) if own.has_scalar else 0.0)
+    return replace(seed, problem=problem, z=onto(problem, start), direction=None, scale=None)
+
+
+def onto(problem: AugmentedCurve, z: Array) -> Array:
+    """From a point to one that meets the scalars held, with the first parameter fixed, else the second, ...
+
+    By homotopy: what they are off by is taken away in steps as long as Newton's method can follow.
+    """
+    scale = problem.initial_scale(z, (-np.inf, np.inf))
+    near = problem.near(z, scale)
+    if near is not None:
+        for fixed in range(len(problem.names)):
+            found = _homotopy(problem, z, near.values(z), scale, -1 - fixed)
+            if found is not None:
+                return found
+    raise InputError(
+        f"no {problem.type} near the start meets the conditions ({', '.join(h.text for h in problem.held)}) for any "
+        f"nearby {', '.join(problem.free)}; start nearer to them"
+    )
+
+
+def _homotopy(problem: AugmentedCurve, z: Array, off: Array, scale: Array, index: int) -> Array | None:
+    done, step = 0.0, 1.0
+    if not np.all(np.isfinite(off)):
+        return None
+    while done < 1.0:
+        share = min(1.0, done + step)
+        shifted = replace(problem, offset=tuple(((1.0 - share) * off).tolist()))
+        found = shifted.at_unknown(index, z, float(z[index]), scale)
+        if found is None:
+            step *= 0.5
+            if step < SHORTEST:
+                return None
+            continue
+        z, done, step = found, share, 2.0 * step
+    return z

@@ -1,0 +1,18 @@
+"""The curves through folds and branch points of boundary-value problems: in two parameters, generic BP in three."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from contin.bvp.problem import BoundaryProblem
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.loci.of_boundary import curve_of
+from contin.transitions.registry import born
+
+
+@born(BoundaryProblem, "BP", "the curve of such points in three parameters", parameters=3)
+@born(BoundaryProblem, "LP BP", "the curve of such points", parameters=2)
+def loci_of_solution(problem: BoundaryProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Seed of the curve of points of the same type."""
+    return [curve_of(problem, point.z, point.type, parameters, Parent(point.branch, point.label))]

@@ -1,0 +1,28 @@
+"""The curves in three parameters through a point of codimension two on a curve of equilibria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from contin.continuation.branch import Parent, SpecialPoint
+from contin.continuation.departure import Seed
+from contin.errors import InputError
+from contin.loci.of_points import of_codimension_two
+from contin.machine import elementary
+from contin.problems.loci.problem import LocusProblem
+from contin.transitions.registry import born
+
+
+@born(LocusProblem, "CP BT GH ZH HH", "the curve of such points in three parameters", parameters=3)
+def in_three_parameters(problem: LocusProblem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
+    """Seed of the curve of points of the same type."""
+    if problem.system.kind == "map":
+        raise InputError(f"{point.branch}.{point.label}: curves in three parameters are those of flows")
+    curve = problem.curve
+    u, p = point.z[: problem.n], curve.full_parameters(point.z)
+    kappa = 0.0
+    if point.type in ("GH", "ZH", "HH"):
+        pairs = [v.imag for v in point.vectors["critical"] if v.imag > 0.0]
+        kappa = elementary.square(float(max(pairs)))
+    parent = Parent(point.branch, point.label)
+    return [of_codimension_two(problem, point.type, u, p, kappa, parameters, parent)]
