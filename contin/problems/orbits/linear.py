@@ -64,7 +64,7 @@ class OrbitLinear:
     def field(self) -> Array:
         """f(u) at the nodes, (nodes, n)."""
         parameters = self.problem.full_parameters(self.z)
-        return np.array([self.problem.system.value(u, parameters) for u in self.profile.u])
+        return np.asarray(self.problem.system.values(self.profile.u, parameters))
 
     @cached_property
     def _points(self) -> Any:

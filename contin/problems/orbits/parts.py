@@ -38,10 +38,12 @@ def by_parts(linear: OrbitLinear) -> Multipliers | None:
     profile, derivatives = linear.profile, linear.state_derivatives  # (N, m, n, n)
     driven = np.any(derivatives != 0.0, axis=(0, 1))  # [k, q]: q drives k
     parts = _parts(driven)
+    if len(parts) == 1 and profile.n > 2:
+        return None
     sizes = linear.problem.state_sizes(profile)
     moving = profile.period * np.max(np.abs(linear.field), axis=0) > AT_REST * sizes
     own = [part for part in parts if moving[part].any() and not moving[_drivers(driven, part)].any()]
-    if len(own) != 1 or (len(parts) == 1 and profile.n > 2):
+    if len(own) != 1:
         return None
     found: list[complex] = []
     for part in parts:
@@ -62,15 +64,22 @@ def by_parts(linear: OrbitLinear) -> Multipliers | None:
 
 def _parts(driven: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
     """States that drive each other, directly or through others (strongly connected components)."""
-    from scipy.sparse.csgraph import connected_components
-
-    count, label = connected_components(driven, directed=True, connection="strong")
-    return [np.flatnonzero(label == k) for k in range(count)]
+    reached = driven | np.eye(len(driven), dtype=bool)
+    while True:  # paths of twice the length
+        longer = reached @ reached
+        if np.array_equal(longer, reached):
+            break
+        reached = longer
+    together = reached & reached.T
+    first = together.argmax(axis=1)  # the first state of each one's part
+    return [np.flatnonzero(first == k) for k in range(len(driven)) if first[k] == k]
 
 
 def _drivers(driven: NDArray[np.bool_], part: NDArray[np.intp]) -> NDArray[np.intp]:
     """The states outside a part that drive it directly."""
-    return np.setdiff1d(np.flatnonzero(driven[part].any(axis=0)), part)
+    outside = np.asarray(driven[part].any(axis=0))
+    outside[part] = False
+    return np.flatnonzero(outside)
 
 
 def _liouville(profile: Profile, block: Array) -> float:
