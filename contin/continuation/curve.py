@@ -28,7 +28,10 @@ class Stretch:
 
     def between(self, a: Sample, b: Sample, fraction: float) -> Sample | None:
         """The point at a fraction of the way from a to b (in s); None where Newton fails or leaves the stretch."""
-        s_a, s_b = self.length_of(a), self.length_of(b)
+        return self._between(a, b, (self.length_of(a), self.length_of(b)), fraction)
+
+    def _between(self, a: Sample, b: Sample, lengths: tuple[float, float], fraction: float) -> Sample | None:
+        s_a, s_b = lengths
         s = s_a + fraction * (s_b - s_a)
         found = self.problem.probe(self.base, s, self._hermite(a, b, s_b - s_a, fraction), self.frame, self.settings)
         return found if found is None or self._is_near(found, a, b, 2.0 * self.distance(a, b)) else None
@@ -69,7 +72,8 @@ class Stretch:
         the middle does, so that a jump (a corner of a piecewise equation) is found as surely as a zero.
         """
         f_a, f_b = value(a), value(b)
-        width = abs(self.length_of(b) - self.length_of(a))
+        s_a, s_b = self.length_of(a), self.length_of(b)
+        width = abs(s_b - s_a)
         bisect, beyond, rough = False, False, False
         for _ in range(budget):
             if width <= accuracy or f_b == 0.0:
@@ -82,7 +86,7 @@ class Stretch:
                     fraction = aside if fraction < 0.5 else 1.0 - aside
                 least = 0.1 * accuracy / width
                 fraction = min(max(fraction, least), 1.0 - least)
-            middle = self.between(a, b, fraction)
+            middle = self._between(a, b, (s_a, s_b), fraction)
             if middle is None:
                 if fraction == 0.5:
                     break
@@ -92,10 +96,10 @@ class Stretch:
             if f_middle == 0.0:
                 return middle, middle
             if (f_middle > 0.0) == (f_a > 0.0):
-                a, f_a = middle, f_middle
+                a, f_a, s_a = middle, f_middle, self.length_of(middle)
             else:
-                b, f_b = middle, f_middle
-            new_width = abs(self.length_of(b) - self.length_of(a))
+                b, f_b, s_b = middle, f_middle, self.length_of(middle)
+            new_width = abs(s_b - s_a)
             slow = new_width > 0.5 * width and not bisect
             rough |= slow and beyond
             bisect, beyond = slow and rough, slow and not rough

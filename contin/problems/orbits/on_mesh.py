@@ -10,7 +10,7 @@ from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
 from contin.machine import elementary
-from contin.problems.orbits.layout import Profile, make_scale, sizes_of
+from contin.problems.orbits.layout import Profile, Transfer, make_scale, node_times, sizes_of
 from contin.problems.orbits.problem import OrbitProblem
 
 
@@ -25,10 +25,11 @@ def on_mesh(seed: Seed, settings: Settings) -> Seed:
         h = np.diff(np.interp(np.linspace(0, 1, settings.intervals + 1), np.linspace(0, 1, len(h) + 1), profile.mesh))
     changed = replace(problem, points=settings.points, intervals=settings.intervals)
 
+    transfer = Transfer.to_times(profile.m, profile.h, node_times(h, settings.points))
+
     def moved(z: Array) -> Array:
         old = problem.profile(z)
-        target = Profile(settings.points, np.empty((len(h) * settings.points + 1, old.n)), old.period, h, old.parameter)
-        return replace(target, u=old.at(target.times)).vector()
+        return Profile(settings.points, transfer(old.u), old.period, h, old.parameter).vector()
 
     if seed.direction is None:
         return replace(seed, problem=changed, z=moved(seed.z))
