@@ -18,6 +18,7 @@ _EXPORTS = {
     "average": "contin.symbolic.averaging.average",
     "boundary_problem": "contin.api",
     "continuation": "contin.api",
+    "deflated": "contin.api",
     "diagram": "contin.api",
     "draw": "contin.api",
     "equilibrium": "contin.api",

@@ -81,7 +81,7 @@ class Note:
 def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
     """All events between a and b, in order."""
     types = stretch.problem.explain(a, b)
-    if types == () or unresolved(stretch.problem, np.array([a.eigenvalues, b.eigenvalues])).any():
+    if types == () or any(unresolved(stretch.problem, row.eigenvalues[None]).any() for row in (a, b)):
         return
     width = stretch.distance(a, b)
     if types is not None and len(types) == 1 and width > COINCIDENT:
