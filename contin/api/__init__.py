@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from contin.api.auto_start import find_start
     from contin.api.boundary import boundary_problem
     from contin.api.branches import continuation, walk
-    from contin.api.deflated import deflated
+    from contin.api.deflations import deflated
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
     from contin.api.orbit_starts import connecting_orbit, periodic_orbit
@@ -22,7 +22,7 @@ _HOMES = {
     "compiled": "machine_code",
     "connecting_orbit": "orbit_starts",
     "continuation": "branches",
-    "deflated": "deflated",
+    "deflated": "deflations",
     "diagram": "diagrams",
     "draw": "pictures",
     "equilibrium": "starts",

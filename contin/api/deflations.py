@@ -45,7 +45,7 @@ def deflated(
     """All branches of equilibria that deflation finds at `samples` values of the parameter in `range`.
 
     At each value, up through the range and down again, every known solution and every start of the model is a guess of
-    Newton's method, from which the known solutions are deflated. What is found is followed through the whole range, with
+    Newton's method, from which the known solutions are deflated. What is found is followed through the range, with
     the branches that cross its own, and is known then. `notes` say how many solutions are known at each value, and how
     many came from deflation there. There is no guarantee that all are found; more `samples` find more.
     Farrell, Birkisson and Funke, SIAM J. Sci. Comput. 37 (2015) A2026.
