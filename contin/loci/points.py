@@ -20,6 +20,7 @@ from contin.problems.codim2.functions import function_of
 from contin.problems.codim2.matrices import eigenvalues
 from contin.problems.codim2.monitors import tests_at
 from contin.problems.codim2.solving import Solution
+from contin.problems.loci import timeless
 from contin.problems.scales import parameter_width
 from contin.special.table import signs_of_points
 
@@ -96,6 +97,13 @@ class PointBase(Base):
         return dense_bordered(f / units, jacobian * scale / units[:, None], rows)
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        tests, unstable, values = self._stability(type_, z)
+        if self.has_stability:
+            return tests, unstable, values
+        tests[timeless.CONSIDERED - 2 :] = 1.0  # two tests of the curve come before these
+        return tests, 0, timeless.NONE
+
+    def _stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         if self.codimension == 1:
             return tests_at(self.locus, z)
         return third.tests_at(self.locus, type_, z)
@@ -125,9 +133,11 @@ class PointBase(Base):
 
     def described(self, type_: str, point: Verified, scale: Array) -> Outcome:
         if self.codimension > 1:
-            return third.described(self.locus, type_, point)
-        solution = Solution(point.z / scale, point.residual, point.error / float(scale[-1]))
-        return events._point(self.locus, point.type, solution, Frame(scale))
+            found = third.described(self.locus, type_, point)
+        else:
+            solution = Solution(point.z / scale, point.residual, point.error / float(scale[-1]))
+            found = events._point(self.locus, point.type, solution, Frame(scale))
+        return found if self.has_stability else timeless.point_without(found)
 
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         return self.locus.finite(z, values)

@@ -198,7 +198,7 @@ class AugmentedCurve(Problem):
         """Names that `columns` gives."""
         return self.base.column_names()
 
-    def remarks(self, z: Array) -> Sequence[str]:
+    def remarks(self, z: Array, eigenvalues: NDArray[np.complex128]) -> Sequence[str]:
         return self.words
 
     def describe_failure(self, z: Array) -> str:

@@ -215,7 +215,7 @@ def described(problem: LocusProblem, curve: str, point: Verified) -> Outcome:
     form: dict[str, object] = {"on": curve}
     try:
         form |= dict(branch_point(jet_at(problem, z, (problem.curve.first,))).coefficients) if curve == "BP" else dict(
-            _form(problem, curve, z)
+            _form(problem, "BT" if type_ == "BT" else curve, z)
         )  # fmt: skip
         remark = ""
     except NO_FORM as reason:

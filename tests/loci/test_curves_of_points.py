@@ -192,3 +192,22 @@ def test_what_cannot_be_followed_is_said():
         contin.continuation(
             one["LP1"].locus(("a", "b")), ("a", "b"), {"a": WIDE, "b": WIDE}, conditions=["c = 1"], free=["b"]
         )
+
+
+def test_curves_of_algebraic_equations_know_no_stability():
+    """Written as two equations in any order: folds and cusps, and nothing that eigenvalues would say."""
+    equations = {"x": "y - x^2", "y": "a + b*x + c*y + y^2"}
+    for order in (("x", "y"), ("y", "x")):
+        first, second = (equations[name] for name in order)
+        system = model({"x": first, "y": second}, {"a": -3, "b": -3, "c": -1}, kind="algebraic")
+        folds = contin.continuation(
+            line(system, {"x": 2, "y": 4}, "a", (-40, 4))["LP1"].locus(("a", "b")), ("a", "b"), {"a": WIDE, "b": WIDE}
+        )
+        assert [p.type for p in folds.points] == ["CP", "CP"]
+        assert "unstable" not in folds.columns
+        assert folds["CP1"].eigenvalues.size == 0
+        names = ("a", "b", "c")
+        cusps = contin.continuation(folds["CP1"].locus(names), names, {"a": WIDE, "b": WIDE, "c": (-3, 3)})
+        assert [p.type for p in cusps.points] == ["SW"]
+        assert np.allclose(cusps.columns["c"], -6 * cusps.columns["x"] ** 2, atol=1e-9)
+        assert "stable" not in cusps.columns

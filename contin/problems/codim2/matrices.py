@@ -26,7 +26,7 @@ def scaled_matrices(problem: LocusProblem, z: Array) -> Array:
     curve, n = problem.curve, problem.n
     parameters = np.empty((len(z), len(problem.base)))
     parameters[:] = problem.base
-    parameters[:, curve.first], parameters[:, curve.second] = z[:, -1], z[:, -2]
+    parameters[:, list(curve.places)] = z[:, -len(curve.places) :]
     jacobians = curve.system.jacobians(z[:, :n], parameters)[1]
     return np.asarray(jacobians[:, :, :n] * curve.sizes / curve.sizes[:, None])
 

@@ -73,6 +73,11 @@ class ExtendedCurve:
         return extended_system(self.system, self.type, names[self.first], names[self.second])
 
     @property
+    def places(self) -> tuple[int, ...]:
+        """Of the varying parameters, in the order of the unknowns."""
+        return self.second, self.first
+
+    @property
     def n(self) -> int:
         return int(self.system.n)
 

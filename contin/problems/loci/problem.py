@@ -18,6 +18,7 @@ from contin.kernels import locus as kernel
 from contin.linalg import newton
 from contin.machine import elementary
 from contin.problems.codim2 import degenerate, events, untold
+from contin.problems.loci import timeless
 from contin.problems.loci.curves import curve_of
 from contin.problems.loci.march import march, probe
 from contin.problems.massless import finite_eigenvalues
@@ -70,6 +71,10 @@ class LocusProblem(TwoParameterProblem):
 
     # -- the engine's contract ----------------------------------------------------------------------------------------
 
+    @property
+    def has_stability(self) -> bool:
+        return not timeless.is_timeless(self.system)
+
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         return np.asarray(self.curve.scales(z, self.widths(z, bounds)))
 
@@ -82,6 +87,13 @@ class LocusProblem(TwoParameterProblem):
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        found = self._marched(origin, before, length, frame, step, limit, settings, loop)
+        return found if self.has_stability else timeless.chunk_without(found)
+
+    def _marched(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
         renewed = self.curve.settle(origin.z)
         if not self.curve.compiled:
@@ -132,6 +144,10 @@ class LocusProblem(TwoParameterProblem):
         return 0.0 if self.system.n_switches else 0.01
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        found = self._probed(base, length, guess, frame, settings)
+        return found if self.has_stability else timeless.sample_without(found)
+
+    def _probed(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         if not self.curve.compiled:
             return probe(self, base, length, guess, frame, settings)
 
@@ -162,10 +178,12 @@ class LocusProblem(TwoParameterProblem):
         return events.watch(self.locus, type_)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
-        return events.verify(self, type_, near, frame)
+        found = events.verify(self, type_, near, frame)
+        return found if self.has_stability else timeless.point_without(found)
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        return events.verify_compound(self, a, b, frame)
+        found = events.verify_compound(self, a, b, frame)
+        return found if self.has_stability else timeless.points_without(found)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return degenerate.is_mirror(self, z, self.initial_scale(z, self.first_bounds))
@@ -181,7 +199,7 @@ class LocusProblem(TwoParameterProblem):
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first row at which the model does not hold, and why."""
         p = np.tile(self.base, (len(z), 1))
-        p[:, self.curve.first], p[:, self.curve.second] = z[:, -1], z[:, -2]
+        p[:, list(self.curve.places)] = z[:, -len(self.curve.places) :]
         return left_reach(self.system, z[:, : self.n], p)
 
     def columns(self, z: Array) -> dict[str, Array]:
