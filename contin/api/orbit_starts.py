@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from contin.abi import Array
 from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
 from contin.api.machine_code import for_orbits
 from contin.api.requirements import need_parameters
 from contin.api.starts import equilibrium
-from contin.errors import InputError, NoSolutionError
+from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.model.model import Model
+from contin.problems.orbits.frame import system_of_orbits
 from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
 from contin.problems.start import Equilibrium
-from contin.records import Record
+from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
+from contin.symbolic.passes.corotating import frame_for, of_orbits
 
 
 def periodic_orbit(
@@ -45,6 +49,10 @@ def periodic_orbit(
         at equal times.
     intervals, points : of the mesh; by default as many intervals as the error needs, with 4 Gauss points each. By
         shooting: intervals is the number of segments.
+
+    In a model that declares a rotation the orbit is looked for first in the frame that turns with the state: there an
+    orbit that returns turned by an angle (a relative periodic orbit) is periodic, and its multipliers are those of the
+    full space without the ones of the rotation.
 
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
@@ -72,11 +80,18 @@ def periodic_orbit(
             return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
         return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
-    u = consistent_start(for_orbits(model), u, p)
-    periods = np.asarray(model.periods(), dtype=float)
-    return settled_orbit(
-        for_orbits(model), u, p, periods, method=method, transient=transient, intervals=intervals, points=points
-    )
+
+    def settled(model: Model, u: Array) -> PeriodicOrbit | ShotOrbit:
+        system, periods = for_orbits(model), np.asarray(model.periods(), dtype=float)
+        u = consistent_start(system, u, p)
+        options: Fields = {"method": method, "transient": transient, "intervals": intervals, "points": points}
+        return settled_orbit(system, u, p, periods, **options)
+
+    turning, turned = frame_for(model, u, p)
+    if turning is not model:
+        with suppress(NoSolutionError, NotFiniteError):  # a rotating wave is an orbit at rest in its frame
+            return settled(of_orbits(turning), turned)
+    return settled(of_orbits(model), u)
 
 
 def _auto_orbit(model: Any, parameters: Record | None) -> PeriodicOrbit | ShotOrbit:
@@ -103,4 +118,5 @@ def connecting_orbit(
     written = isinstance(model, Model) and all(isinstance(saddle, Equilibrium) for saddle in saddles)
     if not written or saddles[0].system.kind == "map":
         raise InputError("connecting orbits need a flow given by formulas")
-    return ConnectingOrbit(saddles[0].system, saddles[0].p, np.array([saddle.u for saddle in saddles]))
+    system = system_of_orbits(saddles[0].system)
+    return ConnectingOrbit(system, saddles[0].p, np.array([saddle.u for saddle in saddles]))

@@ -41,7 +41,7 @@ def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, pa
     first, second = indices(problem.system, parameters)
     u, p = point.z[: problem.n], problem.curve.full_parameters(point.z)
     try:
-        jet = compiled_jet(problem.system, u, p, (first, second), "flow", problem.curve.sizes)
+        jet = compiled_jet(compiled(problem), u, p, (first, second), "flow", problem.curve.sizes)
         unfolding = bogdanov_takens_unfolding(jet)
     except NO_FORM:  # the point's own remark says why
         return []

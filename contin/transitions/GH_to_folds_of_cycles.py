@@ -23,7 +23,7 @@ def folds_at_generalised_hopf(problem: LocusProblem, point: SpecialPoint, parame
         return loci_through(problem, point, parameters)
     place = Place.of(problem, point, parameters)
     try:
-        cycles = lpc_predictor(place.jet(problem.system), float(point.normal_form["omega"]))
+        cycles = lpc_predictor(place.jet(compiled(problem)), float(point.normal_form["omega"]))
     except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
         raise InputError(
             f"{point.branch}.{point.label}: the curve of folds that ends here could not be predicted; the two "

@@ -23,7 +23,7 @@ def tori_at_double_hopf(problem: LocusProblem, point: SpecialPoint, parameters: 
     place = Place.of(problem, point, parameters)
     try:
         omegas = float(point.normal_form["omega1"]), float(point.normal_form["omega2"])
-        found = torus_predictors(place.jet(problem.system), omegas)
+        found = torus_predictors(place.jet(compiled(problem)), omegas)
     except (KeyError, ZeroDivisionError, np.linalg.LinAlgError):
         return []  # without a normal form, which the point's own remark tells
     parent = Parent(point.branch, point.label)

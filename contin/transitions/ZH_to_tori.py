@@ -25,7 +25,7 @@ def tori_at_zero_hopf(problem: LocusProblem, point: SpecialPoint, parameters: Se
     place = Place.of(problem, point, parameters)
     omegas = [float(v.imag) for v in np.asarray(point.vectors["critical"]) if v.imag > 0.0]
     try:
-        cycles, rate = torus_predictor(place.jet(problem.system), omegas[0])
+        cycles, rate = torus_predictor(place.jet(compiled(problem)), omegas[0])
     except (IndexError, ZeroDivisionError, np.linalg.LinAlgError):
         return []  # without a normal form, which the point's own remark tells
     if rate == 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from contin.normalforms.hopf import hopf_predictor
 from contin.problems.describe import jet_at
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.in_kernels import in_kernels
+from contin.problems.orbits.frame import system_of_orbits
 from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.sparse.as_dense import dense_problem
@@ -42,6 +44,7 @@ def hopf_seeds(equilibria: EquilibriumProblem, point: SpecialPoint, parameter: s
     refuse_sliding(equilibria, point)
     if parameter != equilibria.parameters[0]:
         equilibria = equilibria.with_active(parameter, point.z)
+    equilibria = replace(equilibria, system=system_of_orbits(equilibria.system))
     jet, omega = jet_at(equilibria, point.z, point.scale[:-1]), float(point.vectors["omega"])
     several = patterns(equilibria, point, omega) if 1 < int(point.vectors.get("kernel", 1)) <= MOST else []
     if not several:

@@ -15,6 +15,7 @@ from contin.continuation.settings import Settings
 from contin.lowering.system import CompiledSystem
 from contin.machine import elementary
 from contin.normalforms.sources import compiled_jet
+from contin.problems.orbits.frame import system_of_orbits
 from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
@@ -82,9 +83,9 @@ def seed_of_cycles(
 
 
 def compiled(problem: TwoParameterProblem) -> CompiledSystem:
-    """The compiled model of such a curve."""
+    """The compiled model of the orbits beside such a curve."""
     assert isinstance(problem.system, CompiledSystem)
-    return problem.system
+    return system_of_orbits(problem.system)
 
 
 def follows_cycles(problem: TwoParameterProblem) -> bool:

@@ -178,7 +178,8 @@ def draw_three():
         ("in-phase", ("r1",), BLACK, "in phase"),
         ("in-phase/BP1", ("r1", "r2"), BLUE, "two and one"),
         ("in-phase/BP1/BP1", ("r1", "r2", "r3"), ORANGE, "all unequal"),
-        ("beats", ("r1.max", "r1.min"), RED, "beats of two and one"),
+        ("beats", ("r1.max", "r1.min"), RED, "beats born at a Hopf point"),
+        ("beats near in-phase", ("r1.max", "r1.min"), PINK, "beats found by simulation"),
     ):
         branch = found[name]
         if len(columns) == 3:  # its arms are mirror images: one is drawn, or the dashes of one fill the other's gaps
@@ -389,6 +390,15 @@ def check() -> None:
     # the same fold twice: by switching at the multiple branch point, and in the subspace of clusters, from the pair
     fold = points(three["anti-phase"], "LP", "mu")[0]
     assert min(abs(mu - fold) for mu in points(states["in-phase/BP1"], "LP", "mu")) < 1e-8
+    # beats near in-phase: as relative orbits of three, and in the invariants of two clusters, where no frame is needed
+    simulated = states["beats near in-phase"], results("three-beats.json")["beats"]
+    for label, value in (("LPC", 2.9571103), ("HOM", 3.30225)):
+        assert all(min(abs(mu - value) for mu in points(branch, label, "mu")) < 1e-4 for branch in simulated)
+    folds = [points(branch, "LPC", "mu")[0] for branch in simulated]
+    assert abs(folds[0] - folds[1]) < 1e-7
+    stable = np.array(simulated[0]["columns"]["stable"])
+    assert stable.any()
+    assert not stable.all()
     four = four_states()
     assert abs(points(four["in-phase"], "BP", "mu")[0] - 2 / 4 * mu_c(0.8)) < 1e-8
     assert {family(name) for name in four} == {"4", "3 + 1", "2 + 2", "2 + 1 + 1", "1 + 1 + 1 + 1"}

@@ -8,6 +8,9 @@ that turns with the mean rate of the state itself,
 these are equilibria with the unknown rate already eliminated, and the phase condition phase(u) = 0 makes them isolated.
 The shape of the solution does not depend on the frame: the eigenvalues are those of the rotating wave, with the trivial
 one replaced by a negative one (Beyn and Thuemmler, Freezing solutions of equivariant evolution equations, 2004).
+
+Orbits need another frame, that of `of_orbits`: in this one the angle of an orbit swings about the phase condition, with
+which it cannot always keep up, so that families of orbits have folds of the frame's own.
 """
 
 from __future__ import annotations
@@ -34,6 +37,7 @@ from contin.symbolic.passes.holding import holds
 
 Array = NDArray[np.float64]
 _made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
+_of_orbits: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()  # beside each of them the one for orbits
 _generators: WeakKeyDictionary[Model, tuple[Expression, ...]] = WeakKeyDictionary()  # of the models made
 
 
@@ -78,11 +82,45 @@ def corotating(model: Model) -> Model:
     generator = [model.rotation.get(name, ZERO) for name in model.state_names]
     rate = rotation_rate(model, model.equations, phase_condition(model))
     equations = tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
+    _made[model] = result = _in_frame(model, equations)
+    _of_orbits[result] = _in_frame(model, _turning_with_the_pair(model))
+    return result
+
+
+def _in_frame(model: Model, equations: tuple[Expression, ...]) -> Model:
     result = model.replace(states=_normalised(model), equations=equations, rotation={})
     # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
-    _made[model] = result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
-    _generators[result] = tuple(generator)
+    result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
+    _generators[result] = tuple(model.rotation.get(name, ZERO) for name in model.state_names)
     return result
+
+
+def of_orbits(model: Model) -> Model:
+    """The frame for periodic orbits in place of that of `corotating`; a model in no such frame is its own.
+
+    It turns with the pair of states (a, b), xi_a = -c b, xi_b = c a, of the phase condition alone:
+
+        u' = f - rate xi,    c rate = (a f_b - b f_a + a b) / (a^2 + b^2).
+
+    The pair's angle falls to 0 whatever the rest of the state does: b = 0 is invariant, and on it the flow is the
+    quotient by the rotation. Orbits that return turned by an angle (relative periodic orbits) are the periodic orbits
+    there, one for one, with the multipliers of the full space but the rotation's, and the period of the return.
+    """
+    return _of_orbits.get(model, model) if isinstance(model, Model) else model
+
+
+def _turning_with_the_pair(model: Model) -> tuple[Expression, ...]:
+    """f - rate xi; for the pair itself without the terms that cancel, so that b = 0 stays 0 whatever rounding does."""
+    a, b, speed = _turned_pair(model)
+    f = dict(zip(model.state_names, model.equations, strict=True))
+    x, y = symbol(a), symbol(b)
+    square = add(power(x, number(2)), power(y, number(2)))
+    fall = div(mul(x, y), square)  # of the pair's angle
+    rate = div(add(div(add(mul(x, f[b]), neg(mul(y, f[a]))), square), fall), speed)
+    growth = div(add(mul(x, f[a]), mul(y, f[b])), square)
+    pair = {a: add(mul(x, growth), mul(y, fall)), b: sub(mul(y, growth), mul(x, fall))}
+    every = zip(model.state_names, model.equations, strict=True)
+    return tuple(pair.get(name) or sub(rule, mul(rate, model.rotation.get(name, ZERO))) for name, rule in every)
 
 
 def frame_generator(model: Model, parameters: Mapping[str, float]) -> Array | None:

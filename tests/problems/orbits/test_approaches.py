@@ -109,14 +109,14 @@ def test_a_loop_and_its_image_in_turn_are_one_approach_with_two_passes(beats):
 
 
 def test_the_rate_at_which_a_frame_keeps_up_is_no_eigenvalue_of_the_saddle(beats):
-    """The amplitudes stand in a frame that keeps up with their phases at its own rate, 1/3, slower than all others.
+    """The amplitudes stand in a frame that keeps up with their phases at its own rate, 1.
 
     Differences of the amplitudes decay or grow at rates that come in equal pairs (three metronomes may be exchanged).
     """
     end = beats.ends[1]
     values = np.sort(np.real(end.data["eigenvalues"]))
-    frame = int(np.argmin(np.abs(values + 1.0 / 3.0)))
-    assert values[frame] == pytest.approx(-1.0 / 3.0, abs=1e-6)
+    frame = int(np.argmin(np.abs(values + 1.0)))
+    assert values[frame] == pytest.approx(-1.0, abs=1e-6)
     own = np.delete(values, frame)
     assert own[-1] == pytest.approx(own[-2], abs=1e-6)
     assert end.data["saddle_quantity"] == pytest.approx(own[-1] + own[own < 0].max(), abs=1e-9)

@@ -1,0 +1,27 @@
+"""The compiled model in which orbits are followed: in the frame for orbits where equilibria were followed in theirs."""
+
+from __future__ import annotations
+
+from typing import TypeVar, cast
+from weakref import WeakKeyDictionary
+
+from contin.lowering import compile_system
+from contin.lowering.system import CompiledSystem
+from contin.model.model import Model
+from contin.symbolic.passes.corotating import of_orbits
+from contin.systems.protocol import System
+
+S = TypeVar("S", bound=System)
+_made: WeakKeyDictionary[CompiledSystem, CompiledSystem] = WeakKeyDictionary()
+
+
+def system_of_orbits(system: S) -> S:
+    """`system`, or in its place the system in the frame of `of_orbits`: the same states, rest where it was."""
+    if not isinstance(system, CompiledSystem) or not isinstance(system.written, Model):
+        return system
+    model = of_orbits(system.written)
+    if model is system.written:
+        return system
+    if system not in _made:
+        _made[system] = compile_system(model)
+    return cast(S, _made[system])
