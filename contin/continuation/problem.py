@@ -348,8 +348,8 @@ class Problem(ABC):
 
     @property
     def has_reach(self) -> bool:
-        """True where the equations are an approximation, or may become singular: `left_reach` is worth asking."""
-        return False
+        """False where `left_reach` can find nothing, for equations that are exact and never singular."""
+        return True
 
     def left_reach(self, z: Array) -> tuple[int, str] | None:
         """The first of the rows z at which the equations, an approximation, do not hold, and why."""

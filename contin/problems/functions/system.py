@@ -290,6 +290,10 @@ class FunctionSystem:
             matrix = np.column_stack([self.state_jacobian(states, others), *columns])
         return self.value(states, others), matrix
 
+    def values(self, u: Array, p: Array) -> Array:
+        """F at N points u (N, n), (N, n)."""
+        return np.array([self.value(at, p) for at in u])
+
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""
         return one_by_one(self.jacobian, u, p)

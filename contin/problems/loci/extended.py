@@ -77,11 +77,11 @@ class ExtendedCurve:
         """Of the varying parameters, in the order of the unknowns."""
         return self.second, self.first
 
-    @property
+    @cached_property
     def n(self) -> int:
         return int(self.system.n)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """N, the number of unknowns."""
         return int(self.extended.n) + 1
@@ -149,7 +149,9 @@ class ExtendedCurve:
         p[self.active] = z[-1]
         f, jacobian = self.extended.jacobian(z[:-1], p)
         k = self.size - 1
-        return f, np.column_stack([jacobian[:, :k], jacobian[:, k + self.active]])
+        chosen = np.empty((k, k + 1))
+        chosen[:, :k], chosen[:, k] = jacobian[:, :k], jacobian[:, k + self.active]
+        return f, chosen
 
     def values(self, z: Array, parameters: Array) -> Array:
         """F at rows z, (rows, N - 1), unscaled."""

@@ -45,7 +45,7 @@ class LocusProblem(TwoParameterProblem):
 
     maximum_chunk = CHUNK
 
-    @property
+    @cached_property
     def n(self) -> int:
         return int(self.curve.n)
 

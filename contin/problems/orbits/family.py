@@ -52,7 +52,7 @@ class FamilyOfOrbits(Problem):
     adaptive = True
     locus = None
 
-    @property
+    @cached_property
     def n(self) -> int:
         return int(self.system.n)
 
