@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.continuation.departure import Seed
 from contin.errors import InputError
-from contin.loci import of_points
+from contin.loci import of_orbits, of_points
 from contin.model.model import Model
 from contin.model.relations import relations
 from contin.problems.algebraic import AlgebraicProblem
@@ -17,6 +17,7 @@ from contin.problems.conditioned.functionals import OrbitConditions
 from contin.problems.conditioned.orbits import ConditionedOrbits
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
+from contin.problems.orbits.loci.problem import OrbitLocusProblem
 from contin.problems.orbits.problem import OrbitProblem
 
 
@@ -32,6 +33,9 @@ def under_conditions(seed: Seed, conditions: Sequence[str], free: Sequence[str])
             "condition needs one parameter under `free` that is solved for"
         )
     model = getattr(getattr(problem, "system", None), "model", None)
+    if isinstance(problem, OrbitLocusProblem):
+        _check_free(free, list(problem.system.parameter_names), problem.parameters)
+        return of_orbits.under_conditions(seed, conditions, free)
     if isinstance(problem, LocusProblem) and isinstance(model, Model):
         _check_free(free, list(problem.system.parameter_names), problem.parameters)
         return of_points.under_conditions(seed, relations(model, conditions, False), free)

@@ -82,11 +82,16 @@ def critical(matrix: csc_matrix, n: int, branching: bool) -> csc_matrix:
 
 
 def singular(
-    equations: Equations, y: Array, matrix: csc_matrix, borders: Borders, slopes: bool = True
-) -> Singular | None:
-    """The scalars at y (scaled), where [F_x, F_p] is `matrix`; without `slopes` their gradient is left empty."""
-    n, count = matrix.shape[0], borders.right.shape[1]
-    own = critical(matrix, n, count == 2)
+    equations: Equations, y: Array, matrix: csc_matrix, borders: Borders, slopes: bool = True,
+    own: csc_matrix | None = None,
+) -> Singular | None:  # fmt: skip
+    """The scalars at y (scaled), where [F_x, F_p] is `matrix`; without `slopes` their gradient is left empty.
+
+    own : M, where it is made of the first rows of F_x in another way, such as of orbits that close with another sign.
+    """
+    count = borders.right.shape[1]
+    own = critical(matrix, matrix.shape[0], count == 2) if own is None else own
+    n = own.shape[0]
     factors = Factors(stacked(own, borders.left[:, None], borders.right))
     if factors.sign == 0.0:
         return None
@@ -105,5 +110,5 @@ def singular(
         ahead, behind = (equations.at(y + side * step * direction) for side in (1.0, -1.0))
         if ahead is None or behind is None:
             return None
-        gradient[k] = -((ahead[1] - behind[1]).T @ w) / (2.0 * step)
+        gradient[k] = -((ahead[1][:n] - behind[1][:n]).T @ w) / (2.0 * step)
     return Singular(g, gradient, v, w)
