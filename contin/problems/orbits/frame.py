@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from typing import TypeVar, cast
-from weakref import WeakKeyDictionary
 
 from contin.lowering import compile_system
 from contin.lowering.system import CompiledSystem
+from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.symbolic.passes.corotating import of_orbits
 from contin.systems.protocol import System
 
 S = TypeVar("S", bound=System)
-_made: WeakKeyDictionary[CompiledSystem, CompiledSystem] = WeakKeyDictionary()
 
 
 def system_of_orbits(system: S) -> S:
@@ -22,6 +21,4 @@ def system_of_orbits(system: S) -> S:
     model = of_orbits(system.written)
     if model is system.written:
         return system
-    if system not in _made:
-        _made[system] = compile_system(model)
-    return cast(S, _made[system])
+    return cast(S, kept_with(system, "system of orbits", lambda: compile_system(model)))

@@ -16,8 +16,7 @@ which it cannot always keep up, so that families of orbits have folds of the fra
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from weakref import WeakKeyDictionary
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from contin.errors import InputError
 from contin.machine import elementary
 from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import ZERO, Expression, add, div, mul, neg, number, power, split_coefficient, sub, symbol
+from contin.model.kept import kept_with
 from contin.model.model import Model
 from contin.model.parts import State
 from contin.model.rotation import check_rotation
@@ -36,9 +36,17 @@ from contin.symbolic.passes.formulas import read
 from contin.symbolic.passes.holding import holds
 
 Array = NDArray[np.float64]
-_made: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()
-_of_orbits: WeakKeyDictionary[Model, Model] = WeakKeyDictionary()  # beside each of them the one for orbits
-_generators: WeakKeyDictionary[Model, tuple[Expression, ...]] = WeakKeyDictionary()  # of the models made
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """What belongs to a model in a frame: the rotation that the frame follows, and what it was made from.
+
+    It is kept with that very model: of equal ones, one may be freed before the other.
+    """
+
+    generator: tuple[Expression, ...]
+    written: Model
 
 
 def corotate(model: Model, rotation: Record | None = None) -> Model:
@@ -75,24 +83,29 @@ def corotating(model: Model) -> Model:
     InputError
         The model declares no rotation, or none that turns a pair of states.
     """
-    if model in _made:
-        return _made[model]
     if not model.rotation:
         raise InputError(f"model {model.name} declares no rotation; add, for example, rotation: {{u: -v, v: u}}")
+    return kept_with(model, "corotating", lambda: _in_frame(model, _keeping_up(model)))
+
+
+def _keeping_up(model: Model) -> tuple[Expression, ...]:
     generator = [model.rotation.get(name, ZERO) for name in model.state_names]
     rate = rotation_rate(model, model.equations, phase_condition(model))
-    equations = tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
-    _made[model] = result = _in_frame(model, equations)
-    _of_orbits[result] = _in_frame(model, _turning_with_the_pair(model))
-    return result
+    return tuple(sub(f, mul(rate, xi)) for f, xi in zip(model.equations, generator, strict=True))
 
 
 def _in_frame(model: Model, equations: tuple[Expression, ...]) -> Model:
     result = model.replace(states=_normalised(model), equations=equations, rotation={})
     # the phase condition distinguishes two states, so a symmetry that exchanges them may be lost
     result = result.replace(symmetries=tuple(s for s in model.symmetries if holds(result, s)))
-    _generators[result] = tuple(model.rotation.get(name, ZERO) for name in model.state_names)
+    frame = _Frame(tuple(model.rotation.get(name, ZERO) for name in model.state_names), model)
+    kept_with(result, "frame", lambda: frame)
     return result
+
+
+def _frame_of(model: Model) -> _Frame | None:
+    nothing: _Frame | None = None
+    return kept_with(model, "frame", lambda: nothing)
 
 
 def of_orbits(model: Model) -> Model:
@@ -106,7 +119,11 @@ def of_orbits(model: Model) -> Model:
     quotient by the rotation. Orbits that return turned by an angle (relative periodic orbits) are the periodic orbits
     there, one for one, with the multipliers of the full space but the rotation's, and the period of the return.
     """
-    return _of_orbits.get(model, model) if isinstance(model, Model) else model
+    frame = _frame_of(model) if isinstance(model, Model) else None
+    if frame is None:
+        return model
+    written = frame.written
+    return kept_with(written, "orbits", lambda: _in_frame(written, _turning_with_the_pair(written)))
 
 
 def _turning_with_the_pair(model: Model) -> tuple[Expression, ...]:
@@ -125,11 +142,11 @@ def _turning_with_the_pair(model: Model) -> tuple[Expression, ...]:
 
 def frame_generator(model: Model, parameters: Mapping[str, float]) -> Array | None:
     """Matrix (n, n) of the linear rotation xi(u) = G u that the frame of a corotating model follows; else None."""
-    generator = _generators.get(model)
-    if generator is None:
+    frame = _frame_of(model)
+    if frame is None:
         return None
     names = list(model.state_names)
-    return _matrix(generator, names, {**parameters, **dict.fromkeys(names, 0.0)})
+    return _matrix(frame.generator, names, {**parameters, **dict.fromkeys(names, 0.0)})
 
 
 def _matrix(generator: Sequence[Expression], names: Sequence[str], point: Mapping[str, float]) -> Array:
