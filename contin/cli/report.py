@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from rich.console import Console
+from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -15,6 +16,7 @@ from contin.plot.vocabulary import KINDS, locus_words, style_of
 from contin.records import Record
 
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
+UNBOUNDED: Final = 10_000  # columns of a console in which no table is shortened
 _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there is decides
 _OF_KIND: Final = {"pitchfork": "b30", "transcritical": "b20"}
 
@@ -44,7 +46,7 @@ def print_report(document: Record, console: Console) -> None:
 def _print_branch(branch: Record, states: Iterable[str], console: Console) -> None:
     console.print(heading(branch), highlight=False)
     if branch["points"]:
-        console.print(_table(branch, states))
+        console.print(_fitting(branch, list(states), console))
     else:
         console.print("  no special points", highlight=False)
     for which, end in zip(("first row", "last row"), branch["ends"], strict=True):
@@ -83,11 +85,23 @@ def heading(branch: Record) -> Text:
     return Text.assemble((branch["name"], "bold cyan"), f"  {what} in {parameters}{origin}; {rows} points")
 
 
-def _table(branch: Record, states: Iterable[str]) -> Table:
+def _fitting(branch: Record, states: list[str], console: Console) -> Table:
+    """The table with as many states as fit the console's width; with none, its words fold.
+
+    Labels, parameters and coefficients are never shortened.
+    """
+    shown = _shown_columns(branch, states)
+    for count in range(len(shown), len(branch["parameters"]) - 1, -1):
+        table = _table(branch, shown[:count], fold=False)
+        if Measurement.get(console, console.options.update(width=UNBOUNDED), table).maximum <= console.width:
+            return table
+    return _table(branch, list(branch["parameters"]), fold=True)
+
+
+def _table(branch: Record, shown: list[str], *, fold: bool) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
-    shown = _shown_columns(branch, list(states))
     table.add_column("  label", style="bold", no_wrap=True)
-    table.add_column("type", no_wrap=True)
+    table.add_column("type", no_wrap=not fold)
     for name in shown:
         table.add_column(name, justify="right", no_wrap=True)
     table.add_column("coefficient", no_wrap=True)
@@ -98,10 +112,11 @@ def _table(branch: Record, states: Iterable[str]) -> Table:
 
 
 def _shown_columns(branch: Record, states: list[str]) -> list[str]:
+    """Parameters, the period, the first states: of orbits their maxima; of cycles of maps their first points."""
     columns = branch["columns"]
-    named = [name for state in states for name in (state, f"{state}.max") if name in columns]
+    named = [next((name for name in (state, f"{state}.max") if name in columns), None) for state in states]
     period = ["period"] if "period" in columns else []
-    return [*branch["parameters"], *period, *named[:MOST_STATES]]
+    return [*branch["parameters"], *period, *[name for name in named if name][:MOST_STATES]]
 
 
 def words(point: Record) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 import warnings
@@ -13,7 +14,7 @@ from contin import lazy
 from contin.cli.interrupt import check, hold
 from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
 from contin.cli.terminal import console
-from contin.cli.ticker import Ticker
+from contin.cli.ticker import Ticker, duration
 from contin.errors import InputError
 from contin.kernels.clock import CLOCK
 from contin.machine.progress import telling
@@ -219,7 +220,7 @@ class Status:
         self.console = console
         moving = console.is_terminal and not console.quiet
         self.shown: Any = console.status("", spinner="dots") if moving else Ticker(console)
-        self.run = ""
+        self.run, self.began = "", time.perf_counter()
 
     def making(self, progress: Progress) -> None:
         """Where machine code is made, on its first use on a machine: the one line that explains the wait."""
@@ -240,14 +241,21 @@ class Status:
     def watch(self, progress: Record) -> None:
         """After every chunk of a branch; raises KeyboardInterrupt after Ctrl-C."""
         check()
-        labels = ", ".join(progress["labels"]) or "none"
-        position = f"{progress['parameter']} = {progress['value']:.6g} ({progress['fraction']:.0%} of its range)"
-        self._update(f"{self.run}: {position}, {progress['rows']} points, labels: {labels}")
+        told = [f"{progress['rows']} points"]  # no labels: the whole branch decides which of them are kept
+        value, part = progress["value"], progress["fraction"]  # not numbers where a piece has no rows, a range no end
+        if math.isfinite(value):
+            of_range = f" ({part:.0%} of its range)" if math.isfinite(part) else ""
+            told.insert(0, f"{progress['parameter']} = {value:.6g}{of_range}")
+        self._update(f"{self.run}: {', '.join(told)}")
 
     def _update(self, text: str) -> None:
         from rich.text import Text
 
-        self.shown.update(Text(text))
+        line = Text(text)
+        if self.console.is_terminal:  # one line, beside the spinner: a line that wraps leaves its rest behind
+            line = Text(f"{duration(time.perf_counter() - self.began)}  {text}")
+            line.truncate(max(self.console.width - 4, 1), overflow="ellipsis")
+        self.shown.update(line)
 
     def __enter__(self) -> None:
         self.shown.start()

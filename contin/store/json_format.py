@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FORMAT_VERSION: Final = 1
 
 OrbitSampler = Callable[[Branch, SpecialPoint], Record | None]
-"""Gives the orbit at a point as {'t': .., state: ..}, or None where the point has none."""
+"""Gives {'orbit': {'t': .., state: ..}} (or {'fields': ..}) at a point, or None where the point has neither."""
 
 
 def result_document(

@@ -96,7 +96,8 @@ def test_what_belongs_to_an_end_stands_beside_its_reason():
 
 def test_orbits_are_added_to_points_that_have_one():
     def sampler(branch, point):
-        return {"t": np.array([0.0, 1.0]), "x": np.array([2.0, 2.0])} if branch.kind == "orbit" else None
+        orbit = {"t": np.array([0.0, 1.0]), "x": np.array([2.0, 2.0])}
+        return {"orbit": orbit} if branch.kind == "orbit" else None
 
     rest, cycles, _ = document(bautin(), orbit=sampler)["branches"]
     assert cycles["points"][0]["orbit"] == {"t": [0.0, 1.0], "x": [2.0, 2.0]}

@@ -208,7 +208,13 @@ class CycleProblem(Problem):
         return same and float(np.abs(tangent[:half] + tangent[half:-1]).max()) <= 1e-3 * speed
 
     def columns(self, z: Array) -> dict[str, Array]:
-        return self.inner.columns(np.column_stack([z[:, : self.n], z[:, -1]]))
+        """Those of the first point, `x`; then of each state all iterates `x.1 ... x.k`, and `x.min`, `x.max`."""
+        columns = self.inner.columns(np.column_stack([z[:, : self.n], z[:, -1]]))
+        points = z[:, :-1].reshape(len(z), self.period, self.n)
+        for i, name in enumerate(self.system.state_names):
+            columns.update({f"{name}.{j + 1}": points[:, j, i] for j in range(self.period)})
+            columns[f"{name}.min"], columns[f"{name}.max"] = points[:, :, i].min(axis=1), points[:, :, i].max(axis=1)
+        return columns
 
     def at_first(self, point: SpecialPoint) -> SpecialPoint:
         """The point as a fixed point of the iterate."""

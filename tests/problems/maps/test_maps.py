@@ -228,3 +228,17 @@ def test_the_explorer_follows_the_cascade_to_period_64_and_each_cycle_once():
     )  # fmt: skip
     found = api.diagram(bubble, "p", (-1.0, 1.0))
     assert [b.name for b in found.branches] == ["start", "start/PD1"]
+
+
+def test_cycles_have_all_their_iterates_as_columns_in_order_with_least_and_largest():
+    """Period two of the logistic map: (r + 1 -+ sqrt((r - 3)(r + 1)))/(2 r)."""
+    line = api.continuation(api.equilibrium(logistic()), "r", (2.5, 3.6))
+    doubled = api.continuation(line["PD1"].switch(), "r", (2.5, 3.4)).columns
+    r = doubled["r"]
+    gap = np.sqrt(np.maximum((r - 3) * (r + 1), 0.0))
+    tolerance = {"rtol": 0.0, "atol": 1e-7}  # at r = 3 the root of rounding
+    np.testing.assert_allclose(doubled["x.min"], (r + 1 - gap) / (2 * r), **tolerance)
+    np.testing.assert_allclose(doubled["x.max"], (r + 1 + gap) / (2 * r), **tolerance)
+    np.testing.assert_allclose(doubled["x.2"], r * doubled["x.1"] * (1 - doubled["x.1"]), rtol=1e-9)
+    np.testing.assert_allclose(doubled["x.1"], r * doubled["x.2"] * (1 - doubled["x.2"]), rtol=1e-9)
+    assert np.array_equal(doubled["x"], doubled["x.1"])
