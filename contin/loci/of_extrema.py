@@ -17,10 +17,12 @@ from contin.loci.equilibria import EquilibriumBase
 from contin.loci.extremal import Extremal
 from contin.loci.of_boundary import boundary_base, start
 from contin.loci.of_points import bordered, places
+from contin.loci.orbits import OrbitBase
 from contin.loci.points import PointBase
 from contin.loci.problem import AugmentedCurve
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
+from contin.problems.orbits.problem import OrbitProblem
 
 TYPE = "EX"
 
@@ -37,7 +39,7 @@ def newest(point: SpecialPoint, own: Sequence[str], parameters: Sequence[str]) -
 
 
 def of_solutions(
-    problem: EquilibriumProblem | BoundaryProblem, point: SpecialPoint, parameters: Sequence[str]
+    problem: EquilibriumProblem | BoundaryProblem | OrbitProblem, point: SpecialPoint, parameters: Sequence[str]
 ) -> Seed:
     """From an extremum on a branch."""
     names, new = tuple(parameters), newest(point, problem.parameters, parameters)
@@ -49,6 +51,10 @@ def of_solutions(
     own = problem.base.copy()
     own[problem.active] = point.z[-1]
     found = tuple(places(problem.system.parameter_names, names))
+    if isinstance(problem, OrbitProblem):
+        orbits = OrbitBase(replace(problem, base=own, active=found[0]), found, "")
+        z = np.append(point.z[:-1], own[list(found)][::-1])
+        return Seed(AdaptiveCurve(orbits, held, TYPE, names), z, parent=parent)
     sizes = point.scale[:-1] if point.scale.size else np.maximum(np.abs(point.z[:-1]), 1e-3)
     points = EquilibriumBase(replace(problem, base=own), found, sizes.copy())
     curve = AugmentedCurve(points, held, TYPE, names)
@@ -87,13 +93,16 @@ def of_extrema(problem: AugmentedCurve, point: SpecialPoint, parameters: Sequenc
     return Seed(made, z, parent=Parent(point.branch, point.label))
 
 
-def _wider(base: object, names: Sequence[str]) -> PointBase | EquilibriumBase | BoundaryBase:
+def _wider(base: object, names: Sequence[str]) -> PointBase | EquilibriumBase | BoundaryBase | OrbitBase:
     """The same equations with one more varying parameter."""
     if isinstance(base, EquilibriumBase):
         return replace(base, places=tuple(places(base.system.parameter_names, names)))
     if isinstance(base, BoundaryBase):
         found = tuple(places(base.problem.two.parameters, names))
         return BoundaryBase(replace(base.problem, active=found[0], spaces={}), found, base.type)
+    if isinstance(base, OrbitBase):
+        found = tuple(places(base.system.parameter_names, names))
+        return OrbitBase(replace(base.problem, active=found[0]), found, base.type)
     assert isinstance(base, PointBase)
     locus = base.locus
     return replace(base, locus=bordered(locus, locus.locus, locus.base.copy(), names))

@@ -1,4 +1,4 @@
-"""Folds, branch points and period doublings of periodic orbits by collocation as a base of curves, on a mesh in z.
+"""Periodic orbits by collocation, their folds, branch points and period doublings as a base of curves, on a mesh in z.
 
 z = (u at the nodes, T, mesh, [unfolding of branch points], parameters, the last one first).
 """
@@ -49,7 +49,7 @@ class _Kept:
 class OrbitBase(Base):
     """problem : of the orbits, the first parameter active.  places : of the varying parameters, the last unknown first.
 
-    type : LPC, BPC or PD.
+    type : LPC, BPC, PD, or "" for orbits themselves.
     """
 
     problem: OrbitProblem
@@ -116,7 +116,7 @@ class OrbitBase(Base):
 
     @property
     def conditions(self) -> int:
-        return 1
+        return int(self.type != "")
 
     def constants(self) -> dict[str, float]:
         return self.problem.constants()
@@ -132,7 +132,7 @@ class OrbitBase(Base):
         return self.joined(inner, np.array([*[1.0] * self.extra, *widths[::-1]]))
 
     def settle(self, z: Array) -> None:
-        self._kept.mesh = np.zeros(0)
+        self._kept.mesh, self._kept.reference = np.zeros(0), self.inner(z)
 
     def _linear(self, z: Array, scale: Array, place: int) -> OrbitLinear:
         """The orbit's equations with the parameter at `place` among the unknowns as the last one."""
@@ -175,6 +175,10 @@ class OrbitBase(Base):
         if here is None:
             return None
         f, matrix = here
+        still = z.size - len(where)
+        if not self.type:
+            whole = sparse.vstack([matrix, sparse.csr_matrix(rows[:, where])], format="csc")
+            return SparseBordered(np.append(f, np.zeros(still)), whole, where, z.size)
         own = self._critical(matrix, z)
         borders = self._borders(z, own)
         found = singular(on_mesh, y, matrix, borders, own=own)
@@ -188,7 +192,6 @@ class OrbitBase(Base):
         whole = sparse.vstack(
             [columns, sparse.csr_matrix(gradient), sparse.csr_matrix(rows[:, where])], format="csc"
         )
-        still = z.size - len(where)
         return SparseBordered(np.concatenate([f, found.values, np.zeros(still)]), whole, where, z.size)
 
     def _borders(self, z: Array, own: csc_matrix) -> Borders:
@@ -202,7 +205,7 @@ class OrbitBase(Base):
     # -- stability -----------------------------------------------------------------------------------------------------
 
     def _others(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
-        return np.asarray(without(nontrivial(self.problem, values), CRITICAL[self.type]))
+        return np.asarray(without(nontrivial(self.problem, values), CRITICAL.get(self.type, [])))
 
     def stability(self, type_: str, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         values = np.asarray(self.at(z).multipliers(self.inner(z)))
@@ -214,7 +217,7 @@ class OrbitBase(Base):
         return np.array([product_of(others - 1.0), product_of(others + 1.0), product_of(pairs)]), unstable, values
 
     def types(self, curve: str) -> Sequence[str]:
-        return TYPES[self.type]
+        return TYPES.get(self.type, ())
 
     def watch(self, curve: str, type_: str) -> int | None:
         known = self.types(curve)

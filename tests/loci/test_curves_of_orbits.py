@@ -75,3 +75,20 @@ def test_branch_points_of_cycles_in_three_parameters():
     assert np.allclose(found.columns["x.max"] ** 2, s, atol=1e-6)
     assert np.ptp(s) > 0.5
     assert found.locus == "BPC"
+
+
+def test_extrema_of_the_period():
+    """r' = r (m - w), theta' = 1 + (m - k)^2 + (k - 1)^2: the period is longest at m = k, then at k = 1."""
+    model = circles("m - w", "1 + (m - k)^2 + (k - 1)^2", {"m": 0.5, "k": 0.8})
+    orbit = contin.periodic_orbit(model, {"x": 0.7, "y": 0}, intervals=16)
+    finer = COARSE | {"intervals": 16}
+    family = contin.continuation(orbit, "m", (0.5, 1.2), direction="up", settings=finer, extrema=["period"])
+    found = contin.continuation(
+        family["EX1"].locus(("m", "k")), ("m", "k"), {"m": (0.4, 1.5), "k": (0.6, 1.3)}, extrema=["period"],
+        settings=COARSE,
+    )  # fmt: skip
+    assert np.allclose(found.columns["m"], found.columns["k"], atol=1e-7)
+    assert np.ptp(found.columns["k"]) > 0.6
+    best = found["EX1"]
+    assert abs(best.values["k"] - 1.0) < 1e-6
+    assert abs(best.values["period"] - 2 * np.pi) < 1e-9
