@@ -67,18 +67,7 @@ def periodic_orbit(
     model = reduced
     need_parameters(model)
     if isinstance(start, np.ndarray):
-        if period is None and times is None:
-            raise InputError(
-                "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
-            )
-        t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
-        if t.shape != (len(start),):
-            raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
-        _, p = model.start_point(None, dict(parameters or {}))
-        periods = np.asarray(model.periods(), dtype=float)
-        if shooting_chosen(for_orbits(model), method):
-            return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
-        return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)
+        return _through_samples(model, start, parameters, period, times, method, intervals, points)
     u, p = model.start_point(start, dict(parameters or {}))
 
     def settled(model: Model, u: Array) -> PeriodicOrbit | ShotOrbit:
@@ -92,6 +81,25 @@ def periodic_orbit(
         with suppress(NoSolutionError, NotFiniteError):  # a rotating wave is an orbit at rest in its frame
             return settled(of_orbits(turning), turned)
     return settled(of_orbits(model), u)
+
+
+def _through_samples(
+    model: Any, start: Array, parameters: Record | None, period: float | None, times: Any, method: str | None,
+    intervals: int | None, points: int,
+) -> PeriodicOrbit | ShotOrbit:  # fmt: skip
+    """The orbit through states (K, n) over one period."""
+    if period is None and times is None:
+        raise InputError(
+            "an array of states over one period needs its period: periodic_orbit(model, u, period=...)"
+        )
+    t = np.linspace(0.0, period or 0.0, len(start)) if times is None else np.asarray(times, dtype=float)
+    if t.shape != (len(start),):
+        raise InputError(f"`times` must have one entry for each of the {len(start)} rows; got shape {t.shape}")
+    _, p = model.start_point(None, dict(parameters or {}))
+    periods = np.asarray(model.periods(), dtype=float)
+    if shooting_chosen(for_orbits(model), method):
+        return orbit_from_return(for_orbits(model), start[0], p, periods, float(t[-1] - t[0]), 1, intervals)
+    return orbit_from_samples(for_orbits(model), t, start, p, periods, intervals, points)
 
 
 def _auto_orbit(model: Any, parameters: Record | None) -> PeriodicOrbit | ShotOrbit:

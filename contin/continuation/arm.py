@@ -73,9 +73,8 @@ class Arm:
                 self.end = End("steps", f"all {settings.steps} steps used at {self.course.position(origin.z)}")
                 return
             frame = Frame(self.scale)
-            chunk = (self.march or problem.march)(
-                origin, before, length, frame, step, limit, self.bounds, settings, self.loop
-            )
+            march = self.march or problem.march
+            chunk = march(origin, before, length, frame, step, limit, self.bounds, settings, self.loop)
             chunk, corner, (piece, self.end) = self._looked_at(chunk, before, event)
             past = None if self.is_over() else self._past_touching(piece)
             if past is not None:
@@ -83,8 +82,7 @@ class Arm:
                 yield past[0]
                 origin, before, length, step, event = past[1], None, 0.0, settings.first_step, None
                 continue
-            if len(chunk) > 1:
-                event = _behind(chunk, piece, self.scale)
+            event = _behind(chunk, piece, self.scale) if len(chunk) > 1 else event
             self.accepted += len(piece.z)
             yield piece
             failed = self.end if chunk.stop is Stop.CORRECTOR and len(chunk) > 1 else None

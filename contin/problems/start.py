@@ -159,30 +159,40 @@ def _newton(system: System, u: Array, p: Array, angle_periods: Array, again: int
         size = float(np.max(np.abs(step) / np.maximum(scale, np.abs(u))))
         if size < ACCURATE or (size >= 0.5 * before and before < ACCEPTABLE):
             return solution(u + step if size < before else u)
-        damping = 1.0
-        accepted = False
-        while damping > 1e-4:
-            trial = u + damping * step
-            f_trial, a_trial = evaluate(trial)
-            if np.all(np.isfinite(f_trial)) and np.all(np.isfinite(a_trial)):
-                trial_step = _newton_step(a, f_trial, scale)  # natural monotonicity: measured by the old Jacobian
-                if trial_step is not None:
-                    trial_size = float(np.max(np.abs(trial_step) / np.maximum(scale, np.abs(u))))
-                    if trial_size <= (1.0 - 0.25 * damping) * size or trial_size < ACCEPTABLE:
-                        accepted = True
-                        break
-            damping *= 0.5
-        if not accepted:
+        accepted = _damped(evaluate, u, a, step, scale)
+        if accepted is None:
             rounding = _is_rounding(lambda state: evaluate(state)[0], u, f, step, scale)
             if rounding or _is_lost_in_its_terms(system, u, problem.base, f):
                 return solution(u)
             break
+        u, f, a, damping = accepted
         before = size if damping == 1.0 else np.inf
-        u, f, a = trial, f_trial, a_trial
         history.append(float(np.max(np.abs(f))))
         if history[-1] < best:
             best_u, best = u, history[-1]
     raise NoSolutionError(_failure(system, history, best_u, best))
+
+
+def _damped(
+    evaluate: Callable[[Array], tuple[Array, Array]], u: Array, a: Array, step: Array, scale: Array
+) -> tuple[Array, Array, Array, float] | None:
+    """(state, f, Jacobian, damping) after the longest part of a Newton step that brings the solution nearer.
+
+    By natural monotonicity: the next step, measured by the old Jacobian a, must be shorter.
+    """
+    unit = np.maximum(scale, np.abs(u))
+    size, damping = float(np.max(np.abs(step) / unit)), 1.0
+    while damping > 1e-4:
+        trial = u + damping * step
+        f_trial, a_trial = evaluate(trial)
+        if np.all(np.isfinite(f_trial)) and np.all(np.isfinite(a_trial)):
+            trial_step = _newton_step(a, f_trial, scale)
+            if trial_step is not None:
+                trial_size = float(np.max(np.abs(trial_step) / unit))
+                if trial_size <= (1.0 - 0.25 * damping) * size or trial_size < ACCEPTABLE:
+                    return trial, f_trial, a_trial, damping
+        damping *= 0.5
+    return None
 
 
 def _scale_at(system: System, u: Array, p: Array) -> Array:
