@@ -1,4 +1,4 @@
-"""The branch of a large system that crosses its own branch at a branch point."""
+"""The branches of a large system that cross its own branch at a branch point."""
 
 from __future__ import annotations
 
@@ -12,25 +12,37 @@ from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.machine import elementary
+from contin.problems.sparse.multiple import ReducedJet
 from contin.problems.sparse.problem import LargeProblem
-from contin.problems.sparse.special import reduction
+from contin.problems.sparse.special import kernel_at, reduction
 from contin.problems.symmetry import reversing_symmetries
 from contin.transitions.registry import Explored, born
 
+PARALLEL = 0.9999  # cosine from which a direction is the branch's own
 
-@born(LargeProblem, "BP", "the branch that crosses", explored=Explored())
+
+@born(LargeProblem, "BP", "the branches that cross", explored=Explored())
 def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own there."""
     own = point.tangent / point.scale
     own = own / norm(own)
     if parameter != problem.parameters[0]:
         problem = problem.with_active(parameter, point.z)
-    reduced, _ = reduction(problem, point.z, own, point.scale)
-    curves = reduced.crossing(point.z)
-    if not curves:
-        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    k = int(point.vectors.get("kernel", 1))
+    if k > 1:
+        curves = ReducedJet(kernel_at(problem, point.z, own, point.scale, k), point.z).branches()
+    else:
+        curves = reduction(problem, point.z, own, point.scale)[0].crossing(point.z)
     cosines = [abs(float((d / point.scale) @ own)) / norm(d / point.scale) for d, _ in curves]
-    direction, bend = curves[int(np.argmin(cosines))]
+    others = [curve for curve, cosine in zip(curves, cosines, strict=True) if cosine < PARALLEL]
+    if not others:
+        raise InputError(f"{point.branch}.{point.label}: no second real branch crosses here")
+    chosen = others if k > 1 else [curves[int(np.argmin(cosines))]]
+    return [_seed(problem, point, direction, bend) for direction, bend in chosen]
+
+
+def _seed(problem: LargeProblem, point: SpecialPoint, direction: Array, bend: Array) -> Seed:
+    """The branch z + s direction + s^2 bend / 2 (raw)."""
     scaled = direction / point.scale
     lead = direction[-1] if abs(scaled[-1]) > 1e-6 * norm(scaled) else 0.0
     if lead < 0.0 or (lead == 0.0 and direction[int(np.argmax(np.abs(direction)))] < 0.0):
@@ -41,7 +53,7 @@ def sparse_branches(problem: LargeProblem, point: SpecialPoint, parameter: str) 
     d, c = d / length, c / elementary.square(length)
     symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
     seed = Seed(problem, point.z, d, c - float(c @ d) * d, scale, parent=Parent(point.branch, point.label))
-    return [replace(seed, arms=(1,), symmetries=symmetries)] if symmetries else [seed]
+    return replace(seed, arms=(1,), symmetries=symmetries) if symmetries else seed
 
 
 def _metric(z: Array, direction: Array, bend: Array, old: Array) -> Array:

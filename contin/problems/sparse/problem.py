@@ -17,6 +17,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
+from contin.linalg.copies import SMALL, every, with_copies
 from contin.linalg.eigen import Region, Spectrum, followed, leading
 from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
 from contin.linalg.vectors import norm
@@ -190,6 +191,8 @@ class LargeProblem(Problem):
             linear = self.linear(z)
         assert linear is not None
         n = self.n
+        if linear.matrix is not None and n <= SMALL:
+            return every(linear.matrix.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
         lagging = isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact
@@ -201,6 +204,9 @@ class LargeProblem(Problem):
             right, up = work.region.of(linear.matrix)
             radius = float(elementary.hypot(right, up)) if right > 0.0 and up > 1e-9 * right else 0.0
         found = leading(linear, n, start, radius, work.reach)
+        unstable = found.values[found.values.real > 0.0]
+        if unstable.size and found.certain:
+            found = with_copies(linear, n, found, float(np.abs(unstable).max()))
         if found.values.size:
             work.vectors = found.vectors[:, : FOLLOWED + int(np.sum(found.values.real > 0.0))]
             work.start = np.asarray(found.vectors.real.sum(axis=1) + found.vectors.imag.sum(axis=1))

@@ -8,7 +8,7 @@ equation. Errors are the scatter of results from points perturbed by 1e-9.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.problem import Failure, Frame, Outcome, Rejected, Sample, Verified, unverified
-from contin.errors import InputError
+from contin.errors import InputError, NotFiniteError
 from contin.linalg.linear import Linear
 from contin.linalg.vectors import norm
+from contin.normalforms.directions import any_branch_point
 from contin.problems.sparse import forms
+from contin.problems.sparse.multiple import Kernel, ReducedJet
 from contin.problems.sparse.reduced import Reduced
 
 if TYPE_CHECKING:
@@ -79,6 +81,8 @@ def verify_compound(problem: LargeProblem, a: Sample, b: Sample, frame: Frame) -
     found: list[Outcome] = []
     if a.tests[0] * b.tests[0] < 0.0:
         found.append(_fold(problem, a, frame))
+    elif abs(a.unstable - b.unstable) > 1 and a.tests[2] * b.tests[2] > 0.0:
+        found.append(_multiple(problem, a, frame, abs(a.unstable - b.unstable)))
     elif (a.unstable - b.unstable) % 2:
         found.append(_branch_point(problem, a, frame))
     if np.any((a.eigenvalues.imag > 0) & (np.abs(a.eigenvalues.real) < CRITICAL * np.abs(a.eigenvalues))):
@@ -299,6 +303,42 @@ def _branch_point(problem: LargeProblem, near: Sample, frame: Frame) -> Outcome:
     error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
     unstable = int(np.sum(others.real > 0.0))
     return Verified("BP", z, residual, float(error), spectrum.values, unstable, form, {"kernel": 1})
+
+
+def kernel_at(problem: LargeProblem, z: Array, tangent: Array, scale: Array, k: int) -> Kernel:
+    """The reduction bordered by the k eigenvectors to the eigenvalues nearest to zero.  tangent : scaled."""
+    spectrum = problem.spectrum(z)
+    nearest = np.argsort(np.abs(spectrum.values))[:k]
+    if len(nearest) < k or np.any(spectrum.values[nearest].imag != 0.0):
+        raise ArithmeticError(f"{k} real eigenvalues near zero were not found")
+    return Kernel.of(problem, z, np.real(spectrum.vectors[:, nearest]), tangent, scale)
+
+
+def _multiple(problem: LargeProblem, near: Sample, frame: Frame, k: int) -> Outcome:
+    """A branch point with a kernel of dimension k."""
+    try:
+        kernel = kernel_at(problem, near.z, near.tangent, frame.scale, k)
+        found = kernel.point()
+    except (ArithmeticError, NotFiniteError) as failure:
+        return unverified("BP", str(failure))
+    if found is None:
+        return unverified("BP", f"{k} eigenvalues vanish near each other, not together")
+    z, left = found
+    residual = max(float(np.max(np.abs(problem.residual(z) / frame.scale[:-1]))), left)
+    generator, scatter = np.random.default_rng(3), 0.0
+    for _ in range(SAMPLES):
+        moved = z + PERTURBATION * frame.scale * generator.uniform(-1.0, 1.0, z.size) / np.sqrt(z.size)
+        again = replace(kernel, origin=moved).point()
+        scatter = np.inf if again is None else max(scatter, abs(float(again[0][-1] - z[-1])))
+    spectrum = problem.spectrum(z)
+    others = np.delete(spectrum.values, np.argsort(np.abs(spectrum.values))[:k])
+    reduction_ = ReducedJet(kernel, z).reduction
+    form = any_branch_point(reduction_.jet, kernel=k, reduction=reduction_)
+    error = 4.0 * scatter + EPSILON * abs(float(z[-1]))
+    unstable = int(np.sum(others.real > 0.0))
+    return Verified(
+        "BP", z, residual, float(error), spectrum.values, unstable, dict(form.coefficients), {"kernel": k}
+    )
 
 
 def tangents(problem: LargeProblem, z: Array, scale: Array) -> list[Array]:

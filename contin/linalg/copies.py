@@ -1,0 +1,120 @@
+"""Further copies of multiple eigenvalues, which a Krylov space from one vector does not hold.
+
+An eigenvalue of multiplicity m has one direction in the Krylov space of any vector. So, after Arnoldi's method has
+found eigenvalues, it is run again from a random vector orthogonal to their vectors, with these projected out (locking:
+Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., sec. 6.2.3), until nothing as near to zero is left.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array, Vector
+from contin.linalg.eigen import CONVERGED, Spectrum
+from contin.linalg.linear import Linear
+from contin.linalg.vectors import norm
+
+ROUNDS: Final = 64  # as many copies are looked for
+STEPS: Final = 24  # of Arnoldi's method for each; by then the nearest one has converged, or there is none
+ENOUGH: Final = 8  # ... after which a nearest one beyond the reach is believed
+SLACK: Final = 1.0 + 1e-3
+INDEPENDENT: Final = 1e-8
+ROUNDED: Final = 1e-5  # of a value: imaginary parts that rounding makes of several equal real ones
+SMALL: Final = 60  # unknowns of which all eigenvalues are computed
+
+
+def with_copies(linear: Linear, n: int, found: Spectrum, reach: float) -> Spectrum:
+    """The spectrum with all further eigenvalues of modulus up to `reach`. Costs at least `ENOUGH` solves."""
+    basis = _orthonormal(np.hstack([found.vectors.real, found.vectors.imag]))
+    images: Array | None = None
+    for attempt in range(ROUNDS):
+        x = _nearest(linear, n, basis, reach, attempt)
+        if x is None:
+            break
+        if images is None:
+            images = np.column_stack([linear.solve(v) for v in basis.T])
+        fresh = _orthonormal(x, basis)
+        if not fresh.shape[1]:
+            break
+        basis = np.hstack([basis, fresh])
+        images = np.hstack([images, np.column_stack([linear.solve(v) for v in fresh.T])])
+    if images is None or not np.all(np.isfinite(images)):
+        return found
+    theta, ritz = np.linalg.eig(basis.T @ images)
+    order = np.argsort(-np.abs(theta))
+    return _split(1.0 / theta[order], basis @ ritz[:, order], found.certain)
+
+
+def every(matrix: Array) -> Spectrum:
+    """All eigenvalues of a small matrix, nearest to zero first."""
+    values, vectors = np.linalg.eig(matrix)
+    order = np.argsort(np.abs(values))
+    return _split(values[order], vectors[:, order], True)
+
+
+def _split(values: Vector, vectors: Vector, certain: bool) -> Spectrum:
+    """Pairs that rounding made of a double real eigenvalue are real again."""
+    values, vectors = values.astype(complex), vectors.astype(complex)
+    for k in np.flatnonzero((values.imag > 0.0) & (values.imag <= ROUNDED * np.abs(values))).tolist():
+        other = int(np.argmin(np.abs(values - np.conj(values[k]))))
+        v = vectors[:, k]
+        values[k] = values[other] = values[k].real
+        vectors[:, k], vectors[:, other] = v.real, v.imag
+    return Spectrum(values, vectors, certain)
+
+
+def _nearest(linear: Linear, n: int, basis: Array, reach: float, seed: int) -> Array | None:
+    """Real and imaginary part of the vector to the eigenvalue nearest to zero outside a space; None beyond `reach`."""
+    most = min(STEPS, n - basis.shape[1])
+    if most < 1:
+        return None
+    v = _outside(np.random.default_rng(100 + seed).normal(size=n), basis)
+    space, h = [v / norm(v)], np.zeros((most + 1, most))
+    for k in range(most):
+        w = _outside(linear.solve(space[k]), basis)
+        if not np.all(np.isfinite(w)):
+            return None
+        block = np.array(space)
+        for _ in range(2):
+            c = np.einsum("ij,j->i", block, w)
+            w = w - np.einsum("i,ij->j", c, block)
+            h[: k + 1, k] += c
+        h[k + 1, k] = norm(w)
+        theta, ritz = np.linalg.eig(h[: k + 1, : k + 1])
+        first = int(np.argmax(np.abs(theta)))
+        size = float(np.abs(theta[first]))
+        converged = abs(h[k + 1, k] * ritz[-1, first]) <= CONVERGED * size
+        ended = k + 1 == most or h[k + 1, k] <= 1e-14 * size
+        if converged or ended:
+            if not size * reach * SLACK >= 1.0:
+                return None
+            x = block.T @ ritz[:, first]
+            return np.column_stack([x.real, x.imag])
+        if k + 1 >= ENOUGH and size * reach < 0.5:
+            return None
+        space.append(w / h[k + 1, k])
+    return None
+
+
+def _outside(w: Array, basis: Array) -> Array:
+    for _ in range(2):
+        w = w - basis @ (basis.T @ w)
+    return w
+
+
+def _orthonormal(columns: Array, basis: Array | None = None) -> Array:
+    """Orthonormal columns that span the same, outside a basis; what depends on the others is left out."""
+    kept: list[Array] = [] if basis is None else list(basis.T)
+    given = len(kept)
+    for column in columns.T:
+        size = norm(column)
+        w = column / size if size > 0.0 else column
+        for _ in range(2):
+            for v in kept:
+                w = w - float(v @ w) * v
+        if norm(w) > INDEPENDENT:
+            kept.append(w / norm(w))
+    fresh = kept[given:]
+    return np.column_stack(fresh) if fresh else np.empty((columns.shape[0], 0))
