@@ -1,8 +1,8 @@
 """Branch points of large systems whose kernel has dimension k > 1, from bordered solves alone.
 
 As in `contin.problems.sparse.reduced`, with k columns: near z0 the solutions of F(z) = 0 are the zeros of mu(a) in
-R^k, a in R^(k + 1): F(z) + B mu = 0, C^T (z - z0) = a. At the point mu and all its first derivatives vanish: more equations than
-unknowns, which agree where all k eigenvalues vanish at one place; Gauss and Newton's method finds it, and what is left
+R^k, a in R^(k + 1): F(z) + B mu = 0, C^T (z - z0) = a. At the point mu and all its first derivatives vanish: more
+equations than unknowns, which agree where all k eigenvalues vanish at one place; Gauss and Newton's method finds it, and what is left
 over says whether there is such a place. The branches are those of the reduced equation D^2 mu, D^3 mu.
 """
 
@@ -163,7 +163,7 @@ class ReducedJet:
         if len(directions) == 1:
             return np.zeros(self.kernel.k)
         if len(directions) == 2:
-            return -np.einsum("kij,i,j->k", mu, *directions)
+            return np.asarray(-np.einsum("kij,i,j->k", mu, *directions))
         a, b, c = directions
         lifted = [d @ along for d in directions]
         form = self.kernel.problem.form
