@@ -2,8 +2,8 @@
 
 As in `contin.problems.sparse.reduced`, with k columns: near z0 the solutions of F(z) = 0 are the zeros of mu(a) in
 R^k, a in R^(k + 1): F(z) + B mu = 0, C^T (z - z0) = a. At the point mu and all its first derivatives vanish: more
-equations than unknowns, which agree where all k eigenvalues vanish at one place; Gauss and Newton's method finds it, and what is left
-over says whether there is such a place. The branches are those of the reduced equation D^2 mu, D^3 mu.
+equations than unknowns, which agree where all k eigenvalues vanish at one place. Gauss and Newton's method finds it;
+what is left over says whether there is such a place. The branches are those of the reduced equation D^2 mu, D^3 mu.
 """
 
 from __future__ import annotations
