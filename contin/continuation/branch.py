@@ -193,6 +193,8 @@ class Branch:
     def multiplier_kind(self) -> bool:
         """True where `eigenvalues` are multipliers (orbits and maps)."""
         if self.kind == "locus":
+            if self.locus == "EX" and "period" in self.columns:
+                return True
             system = getattr(self.problem, "system", None)  # a branch that was read from a file has no problem
             return self.locus in ("LPC", "BPC", "PD", "NS", "UZ") or getattr(system, "kind", "flow") == "map"
         return self.kind in ("orbit", "fixed-point")

@@ -25,11 +25,11 @@ def test_the_folds_of_bratus_problem_scaled():
     model = bvp("uv", {"u": "v", "v": "-lam*k^2*exp(k*u)"}, ["u(start) = 0", "u(end) = 0"], {"lam": 1.0, "k": 1})
     line = contin.continuation(boundary_guess(model), "lam", (0.5, 4), direction="up")
     point = line["LP1"]
-    found = contin.continuation(point.locus(("lam", "k")), ("lam", "k"), {"lam": (1, 8), "k": (0.6, 1.6)})
+    found = contin.continuation(point.locus(("lam", "k")), ("lam", "k"), {"lam": (2, 6), "k": (0.8, 1.3)})
     assert (found.kind, found.locus, found.parameters) == ("locus", "LP", ("lam", "k"))
     assert "unstable" not in found.columns
     assert np.allclose(found.columns["lam"] * found.columns["k"] ** 3, FOLD, rtol=1e-9)
-    assert len(found) > 8
+    assert len(found) > 5
     assert [end.reason for end in found.ends] == ["bound", "bound"]
 
 
@@ -37,7 +37,7 @@ def test_branch_points_that_a_symmetry_forces():
     """u'' = -lam k sin u: the straight rod buckles at lam k = pi^2."""
     model = bvp("uv", {"u": "v", "v": "-lam*k*sin(u)"}, ["u(start) = 0", "u(end) = 0"], {"lam": 5, "k": 1})
     line = contin.continuation(boundary_guess(model), "lam", (5, 20))
-    found = contin.continuation(line["BP1"].locus(("lam", "k")), ("lam", "k"), {"lam": (4, 20), "k": (0.2, 3)})
+    found = contin.continuation(line["BP1"].locus(("lam", "k")), ("lam", "k"), {"lam": (6, 14), "k": (0.2, 3)})
     assert found.locus == "BP"
     assert np.allclose(found.columns["lam"] * found.columns["k"], np.pi**2, rtol=1e-9)
     assert np.abs(found.columns["unfolding"]).max() < 1e-10
@@ -53,16 +53,16 @@ def test_cusps_and_their_curve_in_three_parameters():
     names = ("a", "b", "c")
     model = constant("a + b*u(start) + c*u(end)^2 + u(start)^4 = 0", {"a": -1, "b": -1, "c": -1})
     line = contin.continuation(boundary_guess(model, "far"), "a", (-1.5, 2), settings=COARSE)
-    wide = dict.fromkeys(names, (-3.0, 3.0))
+    wide = dict.fromkeys(names, (-1.5, 1.5))
     folds = contin.continuation(line["LP1"].locus(("a", "b")), ("a", "b"), {k: wide[k] for k in "ab"}, settings=COARSE)
     cusps = sorted(p.values["b"] for p in folds.points)
     assert {p.type for p in folds.points} == {"CP"}
     assert cusps == pytest.approx([-8 / 6**1.5, 8 / 6**1.5], abs=1e-9)
-    found = contin.continuation(folds["CP1"].locus(names), names, wide | {"c": (-2, -0.5)}, settings=COARSE)
+    found = contin.continuation(folds["CP1"].locus(names), names, wide | {"c": (-1.3, -0.8)}, settings=COARSE)
     u = found.columns["u.start"]
     for name, exact in {"a": -3 * u**4, "b": 8 * u**3, "c": -6 * u**2}.items():
         assert np.allclose(found.columns[name], exact, atol=1e-8)
-    assert np.ptp(u) > 0.25
+    assert np.ptp(u) > 0.09
 
 
 def test_generic_branch_points_in_three_parameters():
@@ -87,7 +87,7 @@ def test_extrema_of_a_functional():
     )  # fmt: skip
     line = contin.continuation(boundary_guess(model), "a", (0, 1), extrema=["mass"], settings=COARSE)
     found = contin.continuation(
-        line["EX1"].locus(("a", "b")), ("a", "b"), {"a": (0, 1), "b": (0.4, 1.4)}, extrema=["mass"], settings=COARSE
+        line["EX1"].locus(("a", "b")), ("a", "b"), {"a": (0, 1), "b": (0.7, 1.2)}, extrema=["mass"], settings=COARSE
     )
     assert np.allclose(found.columns["a"], 0.5 * found.columns["b"], atol=1e-8)
     best = found["EX1"]
