@@ -29,6 +29,21 @@ def moved(point: Verified) -> int:
     return _critical(point.type) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
 
 
+def is_sure(point: Verified) -> bool:
+    """True where exactly as many eigenvalues change sides as the table says: all in one sense, and one set of them."""
+    several = int(point.vectors.get("kernel", 1)) != 1 or bool(point.also) or point.touches
+    plain = point.normal_form.get("kind") not in ("nonsmooth", "tangency", "degenerate")
+    return plain and not several and _critical(point.type) < ANY
+
+
+def _is_sum(change: int, parts: Iterable[int], slack: int) -> bool:
+    """True where change is a sum of all `parts` with any signs, up to `slack`."""
+    sums = {0}
+    for part in parts:
+        sums = {total + sign * part for total in sums for sign in (-1, 1)}
+    return any(abs(change - total) <= slack for total in sums)
+
+
 def unexplained(
     unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = (),
     jumps: Iterable[int] = (),
@@ -40,21 +55,28 @@ def unexplained(
     not smooth and any number of values changes.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
+    exactly: dict[int, list[int]] = {}
     corners = list(jumps)
     for row, point in labels:
-        allowed[row] = allowed.get(row, 0) + moved(point)
+        if is_sure(point):
+            exactly.setdefault(row, []).append(moved(point))
+            allowed.setdefault(row, 0)
+        else:
+            allowed[row] = allowed.get(row, 0) + moved(point)
         if point.normal_form.get("kind") == "nonsmooth":
             corners.append(row)
     counted = np.ones(len(unstable), dtype=bool)
     counted[[row for row in allowed if 0 <= row < len(unstable)]] = False
     rows = np.flatnonzero(counted)
-    excused = _of_arms(unstable, rows, corners, allowed)
-    changes = np.abs(np.diff(unstable[rows]))
+    known = {row: value + sum(exactly.get(row, ())) for row, value in allowed.items()}
+    excused = _of_arms(unstable, rows, corners, known)
+    changes = np.diff(unstable[rows])
     found = []
-    for place in np.flatnonzero(changes).tolist():  # from one counted row to the next one
+    for place in np.flatnonzero((changes != 0) | (np.diff(rows) > 1)).tolist():  # from one counted row to the next one
         first, row = int(rows[place]), int(rows[place + 1])
         slack = sum(allowed[between] for between in range(first + 1, row))
-        if changes[place] > slack and not (first in excused and row in excused):
+        parts = [part for between in range(first + 1, row) for part in exactly.get(between, ())]
+        if not _is_sum(int(changes[place]), parts, slack) and not (first in excused and row in excused):
             found.append(row)
     return found
 

@@ -47,6 +47,8 @@ COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
 CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
+SLIGHT = 1e-9  # a test this small so near to its zero may be rounding
+FARTHER = 4.0  # ... and the ratio of distances at which it is looked for where it is not
 DIP_BUDGET = 45
 LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curve cannot be followed may be zero
 ALIKE = 0.05  # arclength over which two branches that touch may be alike, and rows lie on either
@@ -88,20 +90,21 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
-            yield from companions
-            own = verified.point.type == types[0] and not stretch.problem.adaptive  # none that ends the curve, as DP
-            own |= not is_planar(stretch.problem)
-            if len(companions) == 1 and not verified.point.touches and own:
-                yield from _beside(stretch, a, b, verified, depth)
+            if len(companions) == 1 and _is_plain(stretch, verified, types[0]):
+                yield from _with_rest(stretch, a, b, companions[0], depth)
+            else:
+                yield from companions
         elif isinstance(verified, Nothing):  # a change that is no event, such as a neutral saddle
             yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
             yield from isolate(stretch, a, low, DEPTH)
             together = list(_compound(stretch, low, high, verified.reason))
-            yield from together
+            only = together[0] if len(together) == 1 else None
+            if isinstance(only, Found) and (stretch.problem.adaptive or _is_plain(stretch, only, types[0])):
+                yield from _with_rest(stretch, a, b, only, depth if stretch.problem.adaptive else DEPTH)
+            else:
+                yield from together
             yield from isolate(stretch, high, b, DEPTH)
-            if len(together) == 1 and isinstance(together[0], Found) and stretch.problem.adaptive:
-                yield from _beside(stretch, a, b, together[0], depth)
         else:
             yield Note(_where(stretch, low, verified.reason))
         return
@@ -118,6 +121,12 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         return
     yield from isolate(stretch, a, middle, depth + 1)
     yield from isolate(stretch, middle, b, depth + 1)
+
+
+def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
+    """True for a point beside which the curve goes on; one of another type than was looked for may end it, as DP."""
+    own = found.point.type == type_ and not stretch.problem.adaptive
+    return not found.point.touches and (own or not is_planar(stretch.problem))
 
 
 def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
@@ -139,27 +148,82 @@ def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], de
         yield from (item for item in rest if isinstance(item, Found))
 
 
-def _beside(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) -> Iterator[Found | Note]:
-    """The rest of the step, on both sides of a located point: what it hid, or a note where it is not a simple zero."""
+def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) -> Iterator[Found | Note]:
+    """A located point and the rest of the step on both sides of it: what it hid, or a note where it is no simple zero.
+
+    The point knows how far from it (along the curve) its zero may be: zeros in between are itself.
+    """
     point = replace(found.sample, z=found.point.z)
     crossing = a.tests * b.tests < 0.0
-    close = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE
+    sides = _sides(stretch, point, (a, b), crossing)
+    reach = max((look.distance for look in sides if look.lost), default=0.0)
+    if reach > 0.0:
+        found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
+    yield found
     simple, together = True, []
-    for far in (a, b):
-        width = stretch.distance(point, far)
-        if width < 4.0 * close:
-            continue
-        far = solved(stretch, far, point)
-        near, nearer = stretch.several(point, far, (close / width, 0.25 * close / width))
-        if near is None:
-            continue
-        if nearer is not None and not is_linear(stretch, point, near, nearer, crossing):
+    for look in sides:
+        if look.nearer is not None and not is_linear(stretch, point, look.near, look.nearer, crossing):
             simple = False
-            together.append(crossings_together(point, near, nearer, crossing))
-        yield from _rest(stretch, near, far, stretch.length_of(point), crossing, depth)
+            together.append(crossings_together(point, look.near, look.nearer, crossing))
+        yield from _rest(stretch, look.near, look.far, stretch.length_of(point), crossing, depth)
     if not simple:
+        close = max(look.distance for look in sides)
         text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{_seen(together)}"
         yield Note(_where(stretch, point, text), hides=stretch.problem.adaptive)
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """One side of a located point: where its tests are told from zero first, and the end of the step."""
+
+    near: Sample  # at `distance` from the point
+    nearer: Sample | None  # at a quarter of it
+    far: Sample
+    width: float  # from the point to `far`
+    distance: float
+    lost: bool  # nearer to the point, signs of the tests that vanish there are not those of a zero
+
+
+def _sides(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], crossing: NDArray[np.bool_]) -> list[_Side]:
+    """Both sides of a located point, or one where the step ends next to it.
+
+    Where several zeros are one to rounding, Newton's method stops beside them, and tests may be rounding too: the first
+    distance is taken at which they are larger than that, and have opposite signs on the two sides.
+    """
+    distance, lost = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE, False
+    wide = [(far, width) for far in ends if (width := stretch.distance(point, far)) >= 4.0 * distance]
+    solved_ends = [(solved(stretch, far, point), width) for far, width in wide]
+    while True:
+        sides = []
+        for far, width in solved_ends:
+            near, nearer = stretch.several(point, far, (distance / width, 0.25 * distance / width))
+            if near is not None:
+                sides.append(_Side(near, nearer, far, width, distance, lost))
+        farthest = FARTHER * FARTHER * distance >= min((side.width for side in sides), default=0.0)
+        if stretch.problem.adaptive or farthest or _are_told(stretch, sides, crossing):
+            return sides
+        distance, lost = FARTHER * distance, True
+
+
+def _are_told(stretch: Stretch, sides: list[_Side], crossing: NDArray[np.bool_]) -> bool:
+    """True where the tests of points beside a zero are larger than rounding and have its signs.
+
+    Small values are larger than rounding where they change steadily up to twice the distance.
+    """
+    if len(sides) == 2 and np.any((sides[0].near.tests * sides[1].near.tests)[crossing] >= 0.0):
+        return False
+    for side in sides:
+        if not np.any(np.abs(side.near.tests[crossing]) < SLIGHT):
+            continue
+        half = 0.5 * side.distance / (side.width - side.distance)
+        middle, beyond = stretch.several(side.near, side.far, (half, 2.0 * half))
+        if middle is None or beyond is None:
+            return False
+        first, second = ((y.tests - x.tests)[crossing] for x, y in ((side.near, middle), (middle, beyond)))
+        steady = np.abs(second - first) <= 0.6 * np.maximum(np.abs(first), np.abs(second))
+        if not np.all(steady & (first * second > 0.0)):
+            return False
+    return True
 
 
 def _seen(together: list[int | None]) -> str:

@@ -233,11 +233,14 @@ def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> l
 def _changes(rows: list[int], unstable: NDArray[np.int64], z: Array, problem: Problem) -> list[str]:
     """A note for every change of `unstable` that no label explains."""
     name = problem.parameters[0]
-    return [
-        f"unstable changes from {unstable[row - 1]} to {unstable[row]} without a label that explains it near "
-        f"{name} = {z[row, -1]:.10g} (row {row})"
-        for row in rows
-    ]
+    texts = []
+    for row in rows:
+        before, after = unstable[row - 1], unstable[row]
+        text = f"unstable changes from {before} to {after} without a label that explains it"
+        if before == after:
+            text = f"unstable is {after} beyond labelled points that change it to another number: one may be missing"
+        texts.append(f"{text} near {name} = {z[row, -1]:.10g} (row {row})")
+    return texts
 
 
 def unrecorded(columns: Record, z: Array, problem: Problem) -> list[str]:

@@ -92,3 +92,19 @@ def test_a_jump_at_a_corner_needs_no_label():
 
 def test_the_critical_values_of_a_birth_are_not_counted():
     assert unexplained(np.array([1, 0, 1]), [], [1]) == []
+
+
+@pytest.mark.parametrize(
+    ("unstable", "types", "expected"),
+    [
+        ([0, 0, 0, 2], ["HB", "HB"], [3]),  # two pairs change nothing or four
+        ([0, 0, 0, 0], ["HB", "HB"], []),
+        ([2, 0, 0, 2], ["HB", "LP"], [3]),
+        ([0, 0, 0, 0], ["PD", "LP"], []),
+        ([0, 0, 0, 0], ["UZ", "LP"], [3]),
+        ([0, 0, 0, 3], ["NS", "PD"], []),
+    ],
+)
+def test_labels_explain_sums_of_what_each_changes_and_no_other_number(unstable, types, expected):
+    labels = [(row, label(type_)) for row, type_ in enumerate(types, start=1)]
+    assert unexplained(np.array(unstable), labels) == expected

@@ -31,3 +31,15 @@ def test_three_crossings_in_a_step_are_three_labels_within_their_errors(type_, e
     for point, place in zip(branch.points, (-e, 0.0, e), strict=True):
         assert abs(point.z[-1] - place) <= point.error
     assert branch.unexplained == 0
+
+
+@pytest.mark.parametrize("e", [1e-5, 5e-6, 1e-7, 1e-10])
+@pytest.mark.parametrize("type_", list(EQUATIONS))
+def test_crossings_closer_than_rounding_tells_are_at_most_three_labels_and_a_note(type_, e):
+    """The multiplier between them is 1 to 4e-16 e^3 / (1e-5)^3: its crossings are no more than rounding."""
+    states = dict.fromkeys(EQUATIONS[type_], 0.0)
+    model = Model("three", states=states, parameters={"p": -0.53, "e": e}, equations=EQUATIONS[type_], kind="map")
+    branch = contin.continuation(contin.equilibrium(model), "p", (-0.57, 1.0))
+    assert {point.type for point in branch.points} <= {type_}
+    assert len(branch.points) <= 3
+    assert branch.notes

@@ -56,6 +56,21 @@ def test_three_events_at_any_spacing_are_found_or_noted():
     ledger.assert_clean()
 
 
+@pytest.mark.parametrize("count", [12, pytest.param(300, marks=pytest.mark.long)])
+def test_three_events_near_the_spacing_that_rounding_tells_apart_are_found_or_noted(count):
+    """Zeros of a test within each other's rounding are one label with a note; one beside them is not lost for it."""
+    ledger, generator = Ledger(), np.random.default_rng(12)
+    for _ in range(count):
+        size, condition = int(generator.integers(1, 4)), 10.0 ** generator.uniform(0, 3)
+        systems = (
+            folds(generator, 10.0 ** generator.uniform(-10, -4), size, condition),
+            hopf_points(generator, 10.0 ** generator.uniform(-5, -3.5), 3),
+        )
+        for system in systems:
+            ledger.judge(system.name.split(" 1e")[0], system.name, system.follow(), system.expected, "p", 1.14)
+    ledger.assert_clean()
+
+
 @pytest.mark.long
 def test_planted_points_are_found_or_noted_in_many_systems(tmp_path):
     ledger = judged(seed=2026, rounds=12, spacings=SPACINGS, worst=5.0)
