@@ -140,8 +140,8 @@ class OnMesh:
         fu = np.asarray(w.fu if n > LANES else np.moveaxis(w.fu, -1, 0))  # (N, m, n, n)
         fp = np.moveaxis(w.fp, -1, 0)
         slope = np.concatenate([(-self.h[:, None, None] * fp).ravel(), dg[:, 2 * n + problem.active]])
-        matrix = self._matrix(fu, dg)
-        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), DirectLinear(matrix, self.factoriser), slope)
+        linear = DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
+        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), linear, slope)
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""

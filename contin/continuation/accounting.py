@@ -46,19 +46,20 @@ def _is_sum(change: int, parts: Iterable[int], slack: int) -> bool:
 
 def unexplained(
     unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = (),
-    jumps: Iterable[int] = (),
+    jumps: Iterable[int] = (), exact: bool = True,
 ) -> list[int]:  # fmt: skip
-    """Rows before which `unstable` changes by more than the labels since the last unlabelled row explain.
+    """Rows before which `unstable` does not change by what the labels since the last unlabelled row explain.
 
     unstable (rows,) : critical values not counted at labelled rows.  labels : (row, point).  born : rows at special
     points of other branches, whose critical values are not counted either.  jumps : rows before which the equations are
-    not smooth and any number of values changes.
+    not smooth and any number of values changes.  exact : a simple label changes `unstable` by its number, not less; not
+    so where the unknowns are others than the states, as along folds under a condition.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
     exactly: dict[int, list[int]] = {}
     corners = list(jumps)
     for row, point in labels:
-        if is_sure(point):
+        if exact and is_sure(point):
             exactly.setdefault(row, []).append(moved(point))
             allowed.setdefault(row, 0)
         else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from contin.abi import Vector
+from contin.linalg.balanced import Balanced
 from contin.linalg.bordered import Approximate, ApproximateBordered, bordered
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, gmres
@@ -60,14 +61,14 @@ class Linear(Protocol):
 
 
 class DirectLinear:
-    """A sparse matrix, factored when first needed."""
+    """A sparse matrix, factored when first needed; `balanced`: with rows and columns of like sizes."""
 
-    def __init__(self, matrix: csc_matrix, factoriser: Factoriser) -> None:
-        self.matrix, self.factoriser = matrix, factoriser
+    def __init__(self, matrix: csc_matrix, factoriser: Factoriser, balanced: bool = False) -> None:
+        self.matrix, self.factoriser, self.balanced = matrix, factoriser, balanced
 
     @cached_property
     def factor(self) -> Factor:
-        return self.factoriser.factor(self.matrix)
+        return Balanced.of(self.matrix, self.factoriser) if self.balanced else self.factoriser.factor(self.matrix)
 
     @property
     def sign(self) -> float:

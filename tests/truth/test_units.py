@@ -28,12 +28,8 @@ def differences(name: str, units: Units) -> list[str]:
     return compare(_ordinary[name], check(Verbs(model, units)), {}, rel)
 
 
-NOT_YET = pytest.mark.xfail(reason="folds of boundary-value problems are verified in the model's own units")
 
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=NOT_YET) if n == "a boundary-value problem" else n for n in CHECKS if n not in SLOW]
-)
+@pytest.mark.parametrize("name", [n for n in CHECKS if n not in SLOW])
 def test_extreme_units_change_nothing(name):
     assert {str(units): found for units in EXTREME if (found := differences(name, units))} == {}
 
