@@ -21,13 +21,14 @@ SWEEPS: Final = 20  # each halves the logarithms of what is left
 ALIKE: Final = 2.0  # ... until no factor is larger
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Balanced:
     """diag(rows) A diag(columns) is factored; a `Factor` of A."""
 
     inner: Factor
     rows: Array
     columns: Array
+    sign: float
 
     @classmethod
     def of(cls, matrix: csc_matrix, factoriser: Factoriser) -> Balanced:
@@ -47,11 +48,8 @@ class Balanced:
                 break
         scaled = matrix.copy()
         scaled.data = matrix.data * rows[matrix.indices] * columns[place]
-        return cls(factoriser.factor(scaled), rows, columns)
-
-    @property
-    def sign(self) -> float:
-        return self.inner.sign
+        factor = factoriser.factor(scaled)
+        return cls(factor, rows, columns, factor.sign)
 
     def solve(self, right: Vector) -> Vector:
         return np.asarray(self.columns * self.inner.solve(self.rows * right))
