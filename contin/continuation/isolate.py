@@ -125,8 +125,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
 
 def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
     """True for a point beside which the curve goes on; one of another type than was looked for may end it, as DP."""
-    own = found.point.type == type_ and not stretch.problem.adaptive
-    return not found.point.touches and (own or not is_planar(stretch.problem))
+    return not found.point.touches and (found.point.type == type_ or not is_planar(stretch.problem))
 
 
 def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
@@ -247,7 +246,7 @@ def next_to_event(
         return
     near, far = solved(stretch, near, far), solved(stretch, far, near)
     test = problem.watch(event.type)
-    if (test is None or problem.adaptive) and is_planar(problem):
+    if test is None and is_planar(problem):
         return
     crossing = np.arange(len(near.tests)) == (-1 if test is None else test)
     yield from _rest(stretch, near, far, centre, crossing, 0)

@@ -16,7 +16,7 @@ from contin.continuation.halting import Halt, halt, halves, mirror
 from contin.continuation.isolate import Found, Note, anchored, dips, isolate, next_to_event, resolve_dip
 from contin.continuation.march import is_dip
 from contin.continuation.piece import Piece, Row
-from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified, is_planar
+from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.sameness import same_point
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Wanted, hits
@@ -239,7 +239,7 @@ def _low(course: Course, chunk: Chunk, event: Behind, forward: bool) -> set[int]
     event.length : its arclength from the chunk's first row, along the rows.
     """
     test = course.problem.watch(event.point.type)
-    if test is None or (course.problem.adaptive and is_planar(course.problem)):  # as a DP on a curve of folds
+    if test is None:  # as a DP on a curve of folds
         return set()
     s = np.cumsum(np.append(0.0, chunk.lengths[1:]))
     last = len(chunk) - 1 if forward else len(chunk) - 2  # the event lies before the first row, or after this one

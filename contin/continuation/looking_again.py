@@ -60,13 +60,13 @@ def is_clear(
                 return False
             last = value
         for i, j, k in triples:
-            if not _has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])):
+            if not has_no_room(rest[i], rest[j], rest[k], (s[j] - s[i]) / (s[k] - s[i])):
                 return False
     return True
 
 
-def _has_no_room(left: float, middle: float, right: float, fraction: float) -> bool:
-    """`_is_straight` of one test."""
+def has_no_room(left: float, middle: float, right: float, fraction: float) -> bool:
+    """True where a test has no room for two zeros between these values; `fraction`: of the way, the middle one's."""
     if left * middle < 0.0 or middle * right < 0.0:
         return False
     smallest = min(abs(left), abs(middle), abs(right))
@@ -185,4 +185,4 @@ def _fraction(stretch: Stretch, left: Sample, middle: Sample, right: Sample) -> 
 def _is_straight(left: Array, middle: Array, right: Array, fraction: float) -> bool:
     """True where no test has room for two zeros between these values."""
     values = zip(left.tolist(), middle.tolist(), right.tolist(), strict=True)
-    return all(_has_no_room(a, m, b, fraction) for a, m, b in values)
+    return all(has_no_room(a, m, b, fraction) for a, m, b in values)

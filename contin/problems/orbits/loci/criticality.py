@@ -2,8 +2,9 @@
 
 c of PD or Re d of NS (`contin.problems.orbits.normal_form`) costs as much as some twenty steps. So it is computed at
 the first and the last row of a chunk, and before a step in which it has a pole; where its sign changes, bisection
-finds the two rows between which it does, and the chunk ends there. Rows in between have no value (NaN), which is no
-change of sign.
+finds the two rows between which it does, and the chunk ends there. Where the values at the ends of this chunk and of
+the one before have room for two zeros, or an event came before, rows in between are looked at, too. The others have no
+value (NaN), which is no change of sign.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
+from contin.continuation.looking_again import has_no_room
 from contin.continuation.problem import Chunk, Sample, Stop
 from contin.problems.no_derivatives import NoDerivatives
 from contin.records import Fields
@@ -99,6 +101,11 @@ def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
     if end not in values:
         values[end] = coefficient(curve, rows[end].z, scale, True)
     found = values[0] * values[end] < 0.0
+    lengths = np.cumsum(np.append(0.0, chunk.lengths[1:]))
+    before = curve.critical.get("before")
+    if not found and not _is_straight(before, (0.0, values[0]), (float(lengths[end]), values[end])):
+        turned = _between(curve, rows, lengths, scale, values, 0, end)
+        found, end = (turned is not None), (end if turned is None else turned)
     low, high = (0, end) if found else (last, last)
     while found and high - low > 1:
         middle = (low + high) // 2
@@ -112,10 +119,40 @@ def cut_at_change(curve: CriticalCurve, chunk: Chunk, scale: Array) -> Chunk:
         curve.critical["typical"] = max(abs(values[low]), abs(values[high]))
         rows = rows[: high + 1]
     curve.critical["last"] = _place(curve, rows[-1].z), values[high]
+    curve.critical["before"] = None if found else (-float(lengths[-1]), values[0])
     if not found:
         return chunk
     shorter = chunk.cut(len(rows), Stop.EVENT, float(chunk.lengths[len(rows) - 1]))
     return replace(shorter, tests=np.array([row.tests for row in rows]))
+
+
+Place = tuple[float, float]  # arclength from the first row of a chunk, and the coefficient there
+
+
+def _is_straight(a: Place | None, b: Place, c: Place) -> bool:
+    """True where three values in order leave no room for two zeros, or say nothing."""
+    if a is None:
+        return False
+    if not (np.isfinite([*a, *b, *c]).all() and a[0] < b[0] < c[0]):
+        return True
+    return has_no_room(a[1], b[1], c[1], (b[0] - a[0]) / (c[0] - a[0]))
+
+
+def _between(
+    curve: CriticalCurve, rows: list[Sample], lengths: Array, scale: Array, values: dict[int, Any], low: int, high: int
+) -> int | None:
+    """A row between two of one sign that has the other; None where there is no room for it."""
+    if high - low < 2:
+        return None
+    middle = (low + high) // 2
+    values[middle] = coefficient(curve, rows[middle].z, scale)
+    if values[middle] * values[low] < 0.0:
+        return middle
+    a, b, c = ((float(lengths[k]), values[k]) for k in (low, middle, high))
+    if _is_straight(a, b, c):
+        return None
+    first = _between(curve, rows, lengths, scale, values, low, middle)
+    return _between(curve, rows, lengths, scale, values, middle, high) if first is None else first
 
 
 def _passes_pole(curve: CriticalCurve, a: Sample, b: Sample) -> bool:
