@@ -190,7 +190,7 @@ def _assemble(
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
     told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
     labels = [(row, point) for row, point, _ in rows.labelled]
-    exact = problem.kind not in WITHOUT_STABILITY and eigenvalues.shape[1] > 0 and not problem.free_names
+    exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
     changes = [] if told else unexplained(unstable, labels, born, rows.jumps, exact)
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
