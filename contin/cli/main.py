@@ -55,7 +55,7 @@ app = typer.Typer(
     cls=_Commands,
     help="Numerical continuation and bifurcation analysis.",
     no_args_is_help=True,
-    add_completion=False,
+    add_completion=True,  # --install-completion and --show-completion for bash, zsh, fish
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog="Exit codes: 0 done; 1 a branch was cut short or skipped, or an output failed; 2 bad input.",
@@ -115,14 +115,28 @@ def diagram(
     sets: Sets = None,
     json: Json = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,
+    html: Annotated[Path | None, typer.Option("--html", help="Write an interactive page: .html.")] = None,
+    save: Annotated[Path | None, typer.Option("--save", help="Save the results: .contin.")] = None,
+    budget: Annotated[
+        list[str] | None,
+        typer.Option("--budget", metavar="NAME=N", help="Stop after so many branches, steps or seconds. Repeatable."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--settings", metavar="NAME=VALUE", help="As in run files, such as max_step=0.1. Repeatable."),
+    ] = None,
+    no_orbits: Annotated[bool, typer.Option("--no-orbits", help="Do not follow periodic orbits.")] = False,
     orbits: Annotated[
         bool, typer.Option("--orbits", help="Add the orbit itself to every labelled point in the JSON.")
     ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Explore a model's bifurcation diagram in one parameter automatically."""
-    code = work("run_diagram")(model, parameter, low, high, start or [], sets or [], json, plot, orbits, quiet, STARTED)
-    raise typer.Exit(code)
+    entry = {"parameter": parameter, "range": [low, high], "orbits": not no_orbits}
+    entry |= {"start": start} if start else {}
+    given = {"budget": budget or [], "settings": settings or []}
+    files = {"plot": plot, "html": html, "save": save}
+    raise typer.Exit(work("run_diagram")(model, entry, given, sets or [], json, files, orbits, quiet, STARTED))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative

@@ -6,15 +6,17 @@ import math
 import sys
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from contin import lazy
 from contin.cli.interrupt import check, hold
 from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker, duration
+from contin.cli.told import Told
 from contin.errors import InputError
 from contin.kernels.clock import CLOCK
 from contin.machine.progress import telling
@@ -25,7 +27,7 @@ from contin.runs.engine import ContinEngine
 from contin.runs.execute import execute
 from contin.runs.foreign import foreign_run, is_foreign
 from contin.runs.load import load_run_file, read_run
-from contin.runs.outputs import files_read, make_folder
+from contin.runs.outputs import ENDINGS, files_read, make_folder
 from contin.runs.plan import make_plan
 from contin.runs.results import OrbitSamples
 from contin.runs.simulations import carry_out as carry_out_simulations
@@ -38,6 +40,7 @@ from contin.store.partial import PartialJson
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from contin.continuation.branch import Branch
     from contin.machine.progress import Progress
     from contin.runs.plan import Plan
     from contin.store.journal import SqliteJournal
@@ -63,27 +66,28 @@ def run_file(
 
 def run_diagram(
     model: str,
-    parameter: str,
-    low: float,
-    high: float,
-    starts: Sequence[str],
+    diagram: Record,
+    given: Mapping[str, Sequence[str]],
     sets: Sequence[str],
     json: str | None,
-    plot: Path | None,
+    files: Mapping[str, Path | None],
     orbits: bool,
     quiet: bool,
     began: float,
 ) -> int:
-    """Explore a diagram from the command line: the same as a run file with `diagram:`."""
-    from dataclasses import replace
+    """Explore a diagram from the command line: the same as a run file with `diagram:`.
 
-    diagram = {"parameter": parameter, "range": [low, high], **({"start": list(starts)} if starts else {})}
+    given : NAME=VALUE texts of `budget` and `settings`.  files : outputs by kind.
+    """
+    written = {key: parse_pairs(f"--{key}", texts) for key, texts in given.items() if texts}
+    outputs = {kind: path for kind, path in files.items() if path is not None}
+    for kind, path in outputs.items():
+        if path.suffix.lower() not in ENDINGS[kind]:
+            raise InputError(f"--{kind} {path}: must end in {' or '.join(ENDINGS[kind])}")
     source = CallSource("contin diagram")
-    entry = read_run({"model": model, "diagram": diagram}, source, version_required=False)
+    entry = read_run({"model": model, "diagram": {**diagram, **written}}, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
-    if plot is not None:
-        plan = replace(plan, outputs={"plot": plot})
-    return carry_out(plan, json, orbits, quiet, began)
+    return carry_out(replace(plan, outputs=outputs), json, orbits, quiet, began, told=True)
 
 
 def run_phase(
@@ -99,8 +103,6 @@ def run_phase(
     began: float,
 ) -> int:
     """A phase diagram from the command line: the same as a run file with `phase:`."""
-    from dataclasses import replace
-
     bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
     chosen = {"start": list(starts)} if starts else {}
     phase = {"parameter": list(parameters), "range": bounds, "orbits": orbits, **chosen}
@@ -112,25 +114,43 @@ def run_phase(
     return carry_out(plan, json, False, quiet, began)
 
 
+EXAMPLES: Final = {"--set": "beta=0.8", "--budget": "branches=20", "--settings": "max_step=0.1"}
+
+
 def parse_sets(sets: Sequence[str]) -> Fields:
     """--set NAME=VALUE, as overrides; a value may be a formula in the parameters."""
-    overrides: Fields = {}
-    for text in sets:
+    pairs = parse_pairs("--set", sets)
+    return {name: value if isinstance(value, str) else float(value) for name, value in pairs.items()}
+
+
+def parse_pairs(option: str, texts: Sequence[str]) -> Fields:
+    """NAME=VALUE texts of an option: numbers where they are some, else texts."""
+    found: Fields = {}
+    for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
-            raise InputError(f"--set {text}: write --set NAME=VALUE, such as --set beta=0.8")
+            raise InputError(f"{option} {text}: write {option} NAME=VALUE, such as {option} {EXAMPLES[option]}")
+        found[name] = _number_or_text(value)
+    return found
+
+
+def _number_or_text(value: str) -> float | str:
+    for kind in (int, float):
         try:
-            overrides[name] = float(value)
+            return kind(value)
         except ValueError:
-            overrides[name] = value
-    return overrides
+            continue
+    return value
 
 
 def carry_out(
     plan: Plan, json: str | None, orbits: bool, quiet: bool, began: float, resume: bool = False,
-    read: Sequence[Path] = (),
+    read: Sequence[Path] = (), told: bool = False,
 ) -> int:  # fmt: skip
-    """Compute the plan, write its outputs and report it; the exit code. `read`: files that no output may overwrite."""
+    """Compute the plan, write its outputs and report it; the exit code.
+
+    `read`: files that no output may overwrite.  `told`: each branch gets a line on standard error when it is done.
+    """
     errors = console(sys.stderr, quiet)
     report = errors if json == "-" else console(sys.stdout, quiet)
     writable(json, plan.outputs, read)
@@ -139,7 +159,7 @@ def carry_out(
     keeper = open_keeper(plan, json, resume)
     saved = False
     try:
-        document, complete = compute(plan, orbits, errors, began, keeper)
+        document, complete = compute(plan, orbits, errors, began, keeper, told)
         tell = None if quiet else lambda: report_on(document, report)
         written = write_all(outputs_of(plan, document, json), report, tell)
         saved = ("save" if "save" in plan.outputs else "json") in written.kinds
@@ -176,11 +196,16 @@ def open_keeper(plan: Plan, json: str | None, resume: bool) -> SqliteJournal | P
 
 
 def compute(
-    plan: Plan, orbits: bool, errors: Console, began: float, keeper: SqliteJournal | PartialJson | None = None
+    plan: Plan,
+    orbits: bool,
+    errors: Console,
+    began: float,
+    keeper: SqliteJournal | PartialJson | None = None,
+    told: bool = False,
 ) -> tuple[Fields, bool]:
     """The result document, and whether every requested branch is whole."""
     status, stood = Status(errors), CLOCK.stood
-    engine = ContinEngine(status.watch, keeper)
+    engine = ContinEngine(status.watch, Told(keeper, status.done) if told else keeper)
     engine.load()
     imported = time.perf_counter()
     engine.prepare(plan.model)
@@ -247,6 +272,11 @@ class Status:
             of_range = f" ({part:.0%} of its range)" if math.isfinite(part) else ""
             told.insert(0, f"{progress['parameter']} = {value:.6g}{of_range}")
         self._update(f"{self.run}: {', '.join(told)}")
+
+    def done(self, branch: Branch) -> None:
+        """The line of a branch that is finished."""
+        labels = ", ".join(point.label for point in branch.points) or "no special points"
+        self.console.print(f"{branch.name}: {len(branch)} points; {labels}", style="dim")
 
     def _update(self, text: str) -> None:
         from rich.text import Text
