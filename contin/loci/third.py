@@ -75,7 +75,7 @@ def _value(problem: LocusProblem, curve: str, name: str, z: Array) -> float:
     """A test along the curve, NaN where it has no value."""
     try:
         return _own(problem, curve, name)(z)
-    except NO_FORM:
+    except NO_FORM:  # a test without a value has no sign: nothing is labelled by it there, and the curve goes on
         return float("nan")
 
 
@@ -172,7 +172,7 @@ def function_of(problem: LocusProblem, curve: str, name: str, z0: Array) -> Scal
         def value(z: Array) -> Array:
             try:
                 return np.array([own(z)])
-            except NO_FORM:
+            except NO_FORM:  # no value: Newton ends, and the point is not verified, in words
                 return np.full(1, np.nan)
 
         return value

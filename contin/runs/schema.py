@@ -119,7 +119,8 @@ class ContinuationEntry(Section):
         if self.to is not None and self.as_ != "connection":
             raise wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
         if len(self.parameter) > 1 and self.from_ is None and self.as_ != "connection":
-            raise wrong("two or three parameters need a point to start from; write `from: NAME.LABEL`")
+            many = {2: "two", 3: "three"}.get(len(self.parameter), str(len(self.parameter)))
+            raise wrong(f"{many} parameters need a point to start from; write `from: NAME.LABEL`")
         return self
 
 
