@@ -28,6 +28,7 @@ _EXPORTS = {
     "periodic_orbit": "contin.api",
     "connecting_orbit": "contin.api",
     "phase": "contin.api",
+    "read": "contin.api.reading",
     "scan": "contin.simulate.scan",
     "simulate": "contin.simulate.run",
     "survey": "contin.api",

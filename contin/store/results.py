@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from contin.continuation.defects import noted
 from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.store import json_format, sqlite
@@ -13,7 +14,7 @@ from contin.store.places import ending_of
 from contin.store.tables import write_csv, write_netcdf
 
 if TYPE_CHECKING:
-    from contin.continuation.branch import Branch
+    from contin.continuation.branch import Branch, SpecialPoint
 
 
 def read_results(path: Path) -> Fields:
@@ -33,13 +34,28 @@ def read_results(path: Path) -> Fields:
 
 
 def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[str] = ()) -> None:
-    """Write branches in memory to a `.contin` (or `.json`) file."""
+    """Write branches in memory to a `.contin` (or `.json`) file, with the orbits at labelled points."""
     branches = list(branches)
     total = sum(branch.seconds for branch in branches)
+    told = [*notes]  # and orbits that cannot be sampled
+
+    def orbit(branch: Branch, point: SpecialPoint) -> Record | None:
+        found: list[Record | None] = [None]
+        with noted(lambda text: told.append(f"{branch.name}.{point.label}: its orbit is not written: {text}")):
+            found = [_orbit(branch, point)]
+        return found[0]
+
     document = json_format.result_document(
-        json_format.model_of(branches), branches, timing={"total": total}, notes=[*notes]
+        json_format.model_of(branches), branches, timing={"total": total}, notes=told, orbit=orbit
     )
     export_results(document, Path(path))
+
+
+def _orbit(branch: Branch, point: SpecialPoint) -> Record | None:
+    """The orbit at a labelled point of a family."""
+    if branch.kind != "orbit" or not callable(getattr(point.problem, "profile", None)):
+        return None
+    return {"orbit": dict(point.orbit.columns)}
 
 
 def export_results(document: Record, path: Path) -> None:

@@ -1,0 +1,107 @@
+"""Results read back from the files that contin writes: branches with columns, points and orbits, without equations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Vector
+from contin.continuation.branch import Branch, End, ImageOf, Parent, SpecialPoint
+from contin.continuation.stored import StoredProblem
+from contin.plot.figure import draw
+from contin.plot.look import Look
+from contin.records import Record
+from contin.store.results import read_results
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """The branches of a result file in their order, by name; `notes` in words; `document`, all that the file says."""
+
+    branches: tuple[Branch, ...]
+    notes: tuple[str, ...]
+    document: Record
+
+    def __iter__(self) -> Iterator[Branch]:
+        return iter(self.branches)
+
+    def __len__(self) -> int:
+        return len(self.branches)
+
+    def __getitem__(self, name: str) -> Branch:
+        for branch in self.branches:
+            if branch.name == name:
+                return branch
+        known = ", ".join(branch.name for branch in self.branches) or "none"
+        raise KeyError(f"no branch {name!r}; branches: {known}")
+
+    def plot(self, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure, as that of the diagram or branches that were saved; options: `contin.plot.look.Look`."""
+        return draw(self.branches, ax=ax, look=Look.of(options))
+
+
+def read(file: str | Path) -> Results:
+    """The results in a `.contin` or `.json` file: `contin.read(file)[branch][label]`.
+
+    Columns, points, values, eigenvalues, normal forms and ends are those that were saved; `point.orbit` where the file
+    keeps it. Files hold no equations: nothing is followed from what was read. InputError for any other file.
+    """
+    document = read_results(Path(file))
+    branches = tuple(_branch(branch) for branch in document["branches"])
+    return Results(branches, tuple(document.get("notes", ())), document)
+
+
+def _branch(stored: Record) -> Branch:
+    columns = {str(name): _column(name, column) for name, column in stored["columns"].items()}
+    rows = len(next(iter(columns.values()), ()))
+    parent, image = stored["parent"], stored["image_of"]
+    nothing = np.empty((rows, 0))
+    return Branch(
+        name=stored["name"], kind=stored["kind"], parameters=tuple(stored["parameters"]), columns=columns,
+        points=tuple(_point(stored, point) for point in stored["points"]),
+        ends=(_end(stored["ends"][0]), _end(stored["ends"][1])), z=nothing, tangents=nothing,
+        eigenvalues=nothing.astype(complex), start_row=0, steps=stored["steps"], seconds=stored["seconds"],
+        effort=stored.get("effort", {}), problem=None, locus=stored["locus"],
+        parent=None if parent is None else Parent(parent["branch"], parent["label"]),
+        image_of=None if image is None else ImageOf(image["branch"], image["symmetry"]),
+        free=tuple(stored.get("free", ())),
+    )  # fmt: skip
+
+
+def _column(name: str, column: list[float | None]) -> Vector:
+    kind = bool if name in ("stable", "neutral") else int if name == "unstable" else float  # null becomes NaN
+    return np.array(column, dtype=float if None in column else kind)
+
+
+def _point(branch: Record, stored: Record) -> SpecialPoint:
+    where = f"{branch['name']}.{stored['label']}"
+    problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"))
+    return SpecialPoint(
+        type=stored["type"], label=stored["label"], index=stored["index"], z=np.empty(0), tangent=np.empty(0),
+        values={name: _number(value) for name, value in stored["values"].items()},
+        residual=_number(stored["residual"]), error=_number(stored["error"]),
+        eigenvalues=_complex(stored.get("multipliers", stored.get("eigenvalues", []))),
+        normal_form=stored["normal_form"], also=tuple(filter(None, stored.get("also", "").split(", "))),
+        branch=branch["name"], problem=problem,
+    )  # fmt: skip
+
+
+def _end(stored: Record) -> End:
+    return End(stored["reason"], stored["text"], {k: v for k, v in stored.items() if k not in ("reason", "text")})
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def _complex(pairs: list[list[float | None]]) -> NDArray[np.complex128]:
+    return np.array([complex(_number(re), _number(im)) for re, im in pairs], dtype=complex)
