@@ -47,6 +47,7 @@ COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
 CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
 CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
+UNPLACED = 0.05  # error of a point, as a part of the range, from which a fold may be taken for a branch point
 SLIGHT = 1e-9  # a test this small so near to its zero may be rounding
 FARTHER = 4.0  # ... and the ratio of distances at which it is looked for where it is not
 DIP_BUDGET = 45
@@ -282,6 +283,8 @@ def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
     outcome: Outcome = NOTHING
     with contained(errors.append):
         outcome = stretch.problem.verify(type_, near, stretch.frame)
+    if isinstance(outcome, Verified) and not outcome.error < UNPLACED * float(stretch.frame.scale[-1]):
+        return unverified(type_, f"its place is known to {outcome.error:.1e} only, in a range of this width")
     return unverified(type_, errors[0]) if errors else outcome
 
 

@@ -131,3 +131,16 @@ def test_a_fold_on_the_edge_of_the_range_has_rows_on_the_curve_only(equation, in
         np.testing.assert_allclose(rest, 0.0, atol=1e-9)
         assert (len(branch) == 1) == (side != inside)
         assert [end.reason for end in branch.ends] == ["bound", "bound"]
+
+
+def test_a_range_next_to_rounding_about_a_fold_has_no_branch_point():
+    """x' = p + x - x^3 with a state that follows: in a width of 1e-9 the derivative by p is next to nothing."""
+    place, x = -2.0 / 3.0**1.5, 3.0**-0.5
+    for width in (1e-8, 1e-9, 2e-10):
+        model = contin.Model(
+            "narrow", states={"x": x, "y": x}, parameters={"p": place + width / 2},
+            equations={"x": "p + x - x^3 + 0.1*(y - x)", "y": "x - y"},
+        )  # fmt: skip
+        start = contin.equilibrium(model, dict.fromkeys("xy", x + (width / 2 / 3**0.5) ** 0.5))
+        branch = contin.continuation(start, "p", (place - width / 2, place + width / 2), settings={"steps": 200})
+        assert "BP" not in {point.type for point in branch.points}
