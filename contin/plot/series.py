@@ -203,7 +203,7 @@ def ordinates(source: Source) -> list[str]:
 
 
 def _default_ordinate(sources: Sequence[Source]) -> str:
-    """The first state that varies on some branch."""
+    """The first state that varies on some branch; the period, which follows a forcing, only where no state does."""
     names = [
         name
         for source in sources
@@ -212,7 +212,7 @@ def _default_ordinate(sources: Sequence[Source]) -> str:
     ]
     if not names:
         raise InputError("there is nothing to plot: no branch has a state column")
-    for name in dict.fromkeys(names):
+    for name in sorted(dict.fromkeys(names), key=lambda name: name == "period"):
         strands = [strand for source in sources for strand in _columns(source, name)]
         if strands and not is_constant(np.concatenate(strands)):
             return name

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from contin.errors import InputError
 from contin.plot.labels import densify, place
-from contin.plot.series import from_branches, from_document, panels
+from contin.plot.series import Source, from_branches, from_document, panels
 from contin.store.json_format import dumps, result_document
 from tests.plot.sample import bautin, branch, hysteresis, pitchfork, special
 
@@ -127,3 +127,13 @@ def test_a_label_avoids_the_curve_beside_its_point():
     curve = densify([np.array([[0.0, 300.0], [900.0, 300.0]])], 2.0)
     [centre] = place(np.array([[450.0, 300.0]]), np.array([[40.0, 12.0]]), curve, (0.0, 0.0, 900.0, 600.0))
     assert abs(centre[1] - 300.0) > 6.0
+
+
+def test_responses_to_a_forcing_are_drawn_by_their_states_not_by_the_period_that_is_given():
+    omega = np.linspace(1.0, 2.0, 5)
+    columns = {"omega": omega, "period": 2 * np.pi / omega, "x.min": -omega, "x.max": omega, "stable": omega > 0}
+    (panel,) = panels([Source("response", "orbit", None, ("omega",), columns, ())])
+    assert panel.y == "x"
+    flat = columns | {"x.min": 0 * omega, "x.max": 0 * omega}
+    (panel,) = panels([Source("rest", "orbit", None, ("omega",), flat, ())])
+    assert panel.y == "period"
