@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from contin import lazy
+from contin.continuation.settings import Settings
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
 from contin.limits import as_double
 from contin.model.advice import closest
@@ -16,7 +18,7 @@ from contin.model.evaluate import evaluate
 from contin.model.functionals import condition_count
 from contin.model.parser import parse
 from contin.model.registry import find
-from contin.model.relations import relations_on_orbits
+from contin.model.relations import relations, relations_on_orbits
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
 from contin.records import Fields, Json, Record
@@ -102,6 +104,15 @@ class Plan:
     def simulated_files(self) -> list[Mapping[str, FilePath]]:
         """What the simulations and the sweep write."""
         return [*(s.outputs for s in self.simulations), *([self.sweep.outputs] if self.sweep else [])]
+
+
+def _mistake(attempt: Callable[[], object]) -> str:
+    """What is wrong in words, or ''."""
+    try:
+        attempt()
+    except InputError as error:
+        return str(error).splitlines()[0]
+    return ""
 
 
 def make_plan(entry: RunEntry, source: Source, file: FilePath, overrides: Mapping[str, Number] | None = None) -> Plan:
@@ -237,7 +248,8 @@ class _Planner:
             if start != EVERYWHERE or self.has_start(EVERYWHERE):
                 self.inside(start, entry.parameter, bounds, (*path, "range"))
         budget = entry.budget.model_dump(exclude_none=True)
-        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, entry.settings.chosen(), budget, box)
+        settings = self.settings(entry, ("diagram",))
+        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, settings, budget, box)
 
     def phase(self, entry: PhaseEntry) -> PhasePlan | None:
         path: Path = ("phase",)
@@ -247,7 +259,7 @@ class _Planner:
         bounds = self.bounds(entry.range, (first, second), path) if all(known) else {}
         if len(bounds) < 2:
             return None
-        return PhasePlan((first, second), bounds, starts or [None], entry.settings.chosen(), entry.orbits)
+        return PhasePlan((first, second), bounds, starts or [None], self.settings(entry, ("phase",)), entry.orbits)
 
     def runs(self, entries: Sequence[ContinuationEntry], file: FilePath) -> list[RunPlan]:
         names: list[str] = []
@@ -282,7 +294,7 @@ class _Planner:
             reference = (branch, label)
         free = self.free(entry, parameters, path)
         self.extrema(entry.extrema, path)
-        settings, as_, samples = entry.settings.chosen(), entry.as_, None
+        settings, as_, samples = self.settings(entry, path), entry.as_, None
         if entry.samples is not None:
             as_ = "orbit" if self.model.interval is None else None
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
@@ -319,6 +331,19 @@ class _Planner:
             self.problems.add((*path, "conditions"), "of kind: algebraic: write them as further equations", key=True)
         if entry.as_ == "orbit" or entry.samples is not None:
             relations_on_orbits(self.model, entry.conditions, self.problems, (*path, "conditions"))
+            return
+        for k, text in enumerate(entry.conditions):  # on states or on orbits, as the start turns out to be
+            mistakes = [_mistake(partial(relations, self.model, [text], orbits)) for orbits in (False, True)]
+            if all(mistakes):
+                self.problems.add((*path, "conditions", k), mistakes[0])
+
+    def settings(self, entry: ContinuationEntry | DiagramEntry | PhaseEntry, path: Path) -> Fields:
+        """The settings that were written, which must fit together."""
+        chosen = entry.settings.chosen()
+        mistake = _mistake(partial(Settings.of, chosen))
+        if mistake:
+            self.problems.add((*path, "settings"), mistake, key=True)
+        return chosen
 
     def extrema(self, columns: Sequence[str], path: Path) -> None:
         """Columns that are to be labelled where they turn."""
