@@ -69,16 +69,17 @@ class FunctionInKernels(FunctionSystem):
     def _gradient_callback(self) -> tuple[object, Address]:
         n, width = self.n, self.n + self.m
 
-        def call(u: object, p: object, v: object, out: object) -> None:
-            matrix = _view(out, n * width)
-            matrix[:] = np.nan
+        def call(u: object, p: object, v: object, along: object, out: object) -> None:
+            product, matrix = _view(along, n), _view(out, n * width)
+            product[:], matrix[:] = np.nan, np.nan
             try:
-                found = self.gradient(_view(u, n), _view(p, self.m), _view(v, width))
-                matrix[:] = np.asarray(found, dtype=float).ravel()
+                states, others, direction = _view(u, n), _view(p, self.m), _view(v, width)
+                product[:] = super(FunctionInKernels, self).jacobian(states, others)[1] @ direction
+                matrix[:] = np.asarray(self.gradient(states, others, direction), dtype=float).ravel()
             except BaseException as error:  # noqa: BLE001  (raised again by `_raise`)
                 self._raised = error
 
-        return _address_of(call, 4)
+        return _address_of(call, 5)
 
     def _callback(self, inputs: int, size: int, of: Callable[[Array, Array], Array]) -> tuple[object, Address]:
         def call(u: object, p: object, out: object) -> None:
@@ -110,7 +111,7 @@ class FunctionInKernels(FunctionSystem):
 
     @property
     def gradient_address(self) -> Address:
-        """(u, p, v, out): D^2 f[v, .]"""
+        """(u, p, v, Df[v], D^2 f[v, .])"""
         return self._gradient_callback[1]
 
     @cached_property
