@@ -99,5 +99,7 @@ def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tu
 @born(LargeProblem, "HB", "the periodic orbits", explored=SMALL)
 def hopf_seeds_of_large(problem: LargeProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """As `hopf_seeds`; where the system is too large to be followed as a dense one, by collocation of sparse ones."""
-    dense = dense_problem(problem)
+    function = problem.system.model
+    by_columns = function.written is None and function.method == "sparse"
+    dense = None if by_columns else dense_problem(problem)
     return hopf_seeds(dense, point, parameter) if dense is not None else [large_cycles(problem, point, parameter)]

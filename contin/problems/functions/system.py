@@ -327,6 +327,10 @@ class FunctionSystem:
         unit = np.eye(self.n + self.m)
         return np.column_stack([self.derivative(u, p, direction, row) for row in unit])
 
+    def gradients(self, u: Array, p: Array, v: Vector) -> Vector:
+        """`gradient` at N points: u (N, n), p (N, m), v (N, n + m) real or complex; (N, n, n + m)."""
+        return np.stack([self.gradient(*at) for at in zip(u, p, v, strict=True)])
+
 
 def _dense(matrix: Any) -> Any:
     """A Jacobian as an array, also where the function gives it sparse or as products."""
