@@ -88,7 +88,7 @@ class _Search:
             self.guesses.append(np.asarray(u, dtype=float))
             try:
                 seeds.append(as_seed(equilibrium(self.model, one, self.parameters), self.parameter))
-            except (NoSolutionError, NotFiniteError):
+            except (NoSolutionError, NotFiniteError):  # another start, or deflation, may lead to what this one missed
                 continue
         if not seeds:
             raise NoSolutionError(
@@ -194,7 +194,7 @@ class _Search:
         f, matrix = problem.system.jacobian(u, problem.full_parameters(z))
         try:
             return np.asarray(np.linalg.solve(matrix[:, : len(u)], -f))
-        except np.linalg.LinAlgError:
+        except np.linalg.LinAlgError:  # the search from this guess ends, and is counted among those without success
             return None
 
     def result(self, values: Sequence[float]) -> Diagram:

@@ -158,7 +158,7 @@ class LargeOrbitProblem(Problem):
         parts = [None if d is None else moved(d * seed.scale) / scale for d in (seed.direction, seed.curvature)]
         length = 1.0 if parts[0] is None else norm(parts[0])
         direction = None if parts[0] is None else parts[0] / length
-        curvature = None if parts[1] is None else parts[1] / length**2
+        curvature = None if parts[1] is None else parts[1] / elementary.square(length)
         return replace(
             seed, problem=problem, z=moved(seed.z), direction=direction, curvature=curvature, scale=scale
         )

@@ -8,6 +8,7 @@ multipliers of stiff modes are 0, as those of the flow. Gauss points would give 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from contin.abi import Array
 
 STAGES: Final = 3
-_ROOT: Final = 6.0**0.5
+_ROOT: Final = sqrt(6.0)
 C: Final = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
 A: Final = np.array(
     [
