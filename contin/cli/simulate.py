@@ -54,7 +54,7 @@ def simulate_model(
         report.print(str(found), style="" if found.complete else "yellow")
 
     def draw() -> str:
-        drawing = figure(columns, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
+        drawing = figure(found.drawn, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
         write_figure(drawing, picture)
         return str(picture)
 
@@ -62,6 +62,8 @@ def simulate_model(
         "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
         "end_time": found.end_time, "columns": columns,
     }  # fmt: skip
+    if found.jumps:
+        document["events"] = found.events
     outputs = table_outputs(found.table, table, draw if picture is not None else None, document, out["json"])
     return write_all(outputs, report, tell).code(DONE if found.complete else CUT_SHORT)
 

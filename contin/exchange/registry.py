@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from contin.errors import InputError, InputWarning, ModelNotFoundError
 from contin.exchange.imported import Exported, Imported, UnsupportedError
+from contin.model.kinds import need_no_events
 from contin.model.yaml_loader import model_from_mapping
 
 if TYPE_CHECKING:
@@ -141,6 +142,8 @@ def write(model: Model, path: str | Path) -> Exported:
     if not is_written(path):
         raise InputError(f"{path}: models cannot be written to files that end in {path.suffix or 'nothing'}")
     with _needed(path, "writing"):
+        if path.suffix.lower() not in (".yaml", ".yml"):
+            need_no_events(model, f"files that end in {path.suffix}")
         writer = cast(Writer, _function(path, WRITERS, EXPORTERS))
         return writer(model)
 

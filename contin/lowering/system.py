@@ -20,7 +20,7 @@ from contin.lowering.routines import Layout, form_routine, gradient_routine, jac
 from contin.lowering.switching import switching_functions
 from contin.model.explain import explain_not_finite
 from contin.model.expression import Expression, postorder, symbol
-from contin.model.kinds import need_autonomous, need_states
+from contin.model.kinds import need_autonomous, need_no_events, need_states
 from contin.model.model import Model
 from contin.model.parts import Constraints
 from contin.model.printing import to_text
@@ -48,6 +48,7 @@ def compile_system(model: Model, regular: bool = False) -> CompiledSystem:
 def compile_in_time(model: Model) -> CompiledSystem:
     """The same for simulations, of a flow that may use the time `t` without `forcing`, or have no states."""
     need_states(model, "states")
+    need_no_events(model, "sweeps, scans and searches")
     return CompiledSystem(model, timed=model.uses_time)
 
 

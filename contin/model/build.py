@@ -11,14 +11,16 @@ from contin.errors import InputError
 from contin.model import schema
 from contin.model.advice import closest
 from contin.model.evaluate import evaluate, evaluate_all
-from contin.model.expression import Expression, is_condition
+from contin.model.expression import Expression, depends_on, is_condition, postorder
 from contin.model.functionals import FunctionalReader
 from contin.model.inline import MANY, Formulas
+from contin.model.kinds import JUMPING
 from contin.model.lexer import canonical_name
 from contin.model.naming import check_label, check_names
 from contin.model.parts import (
     TIME,
     Averaging,
+    Event,
     Expectation,
     Forcing,
     Interval,
@@ -184,6 +186,7 @@ class _Builder:
             "averaging": self.averaging(),
             "forcing": self.forcing(),
             "limits": self.limits(),
+            "events": self.events(),
             "expect": tuple(self.expectation(i) for i in range(len(entry.expect))),
             "mass": self.mass(),
             **self.boundary(numbers),
@@ -304,6 +307,30 @@ class _Builder:
         return tuple(
             Limit(margin(k, item.margin), item.beyond, item.accuracy) for k, item in enumerate(self.entry.limits)
         )
+
+    def events(self) -> tuple[Event, ...]:
+        entry, found = self.entry, []
+        if entry.events and (entry.kind != "flow" or entry.mass):
+            what = "a flow with a mass matrix" if entry.mass else f"this is kind: {entry.kind}"
+            self.problems.add(("events",), f"`events` belongs to kind: flow without `mass`; {what}", key=True)
+        moving = [*self.states, TIME]
+        for k, item in enumerate(entry.events):
+            path: Path = ("events", k)
+            when = self.formulas.read(item.when, (*path, "when"), self.formulas.scope)
+            if not depends_on(when, moving):
+                self.problems.add((*path, "when"), "no state and no t occurs: it never crosses zero; write e.g. v - 30")
+            elif any(n.op in JUMPING and depends_on(n, moving) for n in postorder([when])):
+                advice = "for events at times n*T write sin(pi*t/T), direction: both"
+                self.problems.add((*path, "when"), f"floor, ceil and mod jump over zero; {advice}")
+            if not item.set:
+                self.problems.add((*path, "set"), "nothing jumps; write e.g. set: {v: c, u: u + d}")
+            jumps = {
+                canonical_name(name): self.formulas.read(value, (*path, "set", name), self.formulas.scope)
+                for name, value in item.set.items()
+                if self.is_state(canonical_name(name), (*path, "set", name))
+            }
+            found.append(Event(when, item.direction, jumps))
+        return tuple(found)
 
     def averaging(self) -> Averaging | None:
         item = self.entry.averaging

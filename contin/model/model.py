@@ -22,6 +22,7 @@ from contin.model.parts import (
     Averaging,
     Condition,
     Constraints,
+    Event,
     Expectation,
     Forcing,
     Functional,
@@ -80,6 +81,7 @@ class Model:
     averaging: Averaging | None = None
     forcing: Forcing | None = None
     limits: tuple[Limit, ...] = ()
+    events: tuple[Event, ...] = ()  # jumps of the states, for simulations
     interval: Interval | None = None
     conditions: tuple[Condition, ...] = ()
     functionals: Mapping[str, Functional] = field(default_factory=dict)
@@ -178,7 +180,8 @@ class Model:
         """True for a flow whose equations or observables contain `t` without `forcing`: for simulations alone."""
         if self.kind != "flow" or self.forcing is not None:
             return False
-        return any(depends_on(e, [TIME]) for e in (*self.equations, *self.observables.values()))
+        jumping = [e for event in self.events for e in (event.when, *event.jumps.values())]
+        return any(depends_on(e, [TIME]) for e in (*self.equations, *self.observables.values(), *jumping))
 
     # Numbers ----------------------------------------------------------------------------------------------------------
 

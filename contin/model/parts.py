@@ -128,6 +128,21 @@ class Forcing:
 
 
 @dataclass(frozen=True)
+class Event:
+    """Where `when` crosses zero along a solution, upwards (direction "up"), downwards or both, states jump.
+
+    `jumps` : state -> its value after the jump, a formula in the values before it.
+    """
+
+    when: Expression
+    direction: str
+    jumps: Mapping[str, Expression]
+
+    def __hash__(self) -> int:
+        return hash((self.when, self.direction, *self.jumps.items()))
+
+
+@dataclass(frozen=True)
 class Interval:
     """The independent variable of a boundary-value problem and its two ends, expressions in the parameters."""
 

@@ -176,6 +176,14 @@ class LimitEntry(_Entry):
     accuracy: float = Field(default=0.0, ge=0.0, lt=1.0)
 
 
+class EventEntry(_Entry):
+    """Where `when` crosses zero in this direction, states jump to the values of `set`."""
+
+    when: Formula
+    direction: Literal["up", "down", "both"] = "both"
+    set: dict[str, Formula]
+
+
 class TotalEntry(_Entry):
     """A conserved total of a model that was reduced by it: the eliminated state with its default value, and the law."""
 
@@ -238,5 +246,6 @@ class ModelEntry(_Entry):
     averaging: AveragingEntry | None = None
     forcing: ForcingEntry | None = None
     limits: list[LimitEntry] = []
+    events: list[EventEntry] = []
     expect: list[ExpectEntry] = []
     conserved: bool | dict[str, TotalEntry] = True

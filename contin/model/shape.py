@@ -108,7 +108,8 @@ def _note(item: Json, data: Json, problems: Problems) -> None:
     elif kind == "list_type":
         problems.add(path, f"expected a list [ ... ], got {shown(value)}")
     elif kind == "literal_error":
-        problems.add(path, f"expected flow or map, got {shown(value)}")
+        expected = str(item["msg"]).removeprefix("Input should be ").replace("'", "")
+        problems.add(path, f"expected {expected}, got {shown(value)}")
     elif kind == "too_short":
         problems.add(path, "is empty; at least one entry is needed")
     else:

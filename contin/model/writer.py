@@ -129,6 +129,11 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
             if limit.accuracy:
                 parts["accuracy"] = repr(limit.accuracy)
             yield f"  - {_mapping(parts)}"
+    if model.events:
+        yield "events:"
+        for event in model.events:
+            jumps = _mapping({k: formula(v) for k, v in event.jumps.items()})
+            yield f"  - {{when: {_flow(formula(event.when))}, direction: {event.direction}, set: {jumps}}}"
     yield from _totals(model, formula)
     if model.expect:
         yield "expect:"
@@ -235,6 +240,10 @@ def summary(model: Model) -> str:
         lines.append(f"  angles: {', '.join(angles)}")
     if model.forcing is not None:
         lines.append(f"  forced with period {to_text(model.forcing.period)} in t")
+    for event in model.events:
+        way = {"up": "upwards", "down": "downwards"}.get(event.direction, "either way")
+        jumps = ", ".join(f"{k} -> {to_text(v, names)}" for k, v in event.jumps.items())
+        lines.append(f"  event: where {to_text(event.when, names)} crosses zero {way}, {jumps}")
     lines += [f"  conserved: {line}" for line in total_lines(model.totals)]
     for title, found in (
         ("observables", list(model.observables)),

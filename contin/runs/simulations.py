@@ -70,7 +70,8 @@ def carry_out(
 
 def _simulated(plan: SimulationPlan) -> Fields:
     found = simulate(plan.model, plan.start, plan.parameters, time=plan.time, transient=plan.transient, **plan.options)
-    return {
+    jumps: Fields = {"events": found.events} if found.jumps else {}
+    return jumps | {
         "name": plan.name,
         "model": plan.model.name,
         "parameters": plan.model.default_parameters(dict(plan.parameters)),

@@ -45,6 +45,9 @@ def apply_passes(
     if written and not _made_of_formulas(model):
         problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
         return model
+    if written and isinstance(model, Model) and model.events:
+        problems.add(("transform",), f"{model.name} has `events`; passes do not know of jumps: leave one out")
+        return model
     if written and values:
         model = _with_values(model, values)
     own = {p.name: p.range for p in model.parameters} if written else {}

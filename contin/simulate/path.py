@@ -17,6 +17,7 @@ from contin.simulate.between_jumps import fly_between_jumps
 from contin.simulate.flight import DONE, fly
 from contin.simulate.held import finite_at_start, held_states
 from contin.simulate.natural import absolute_tolerances
+from contin.simulate.resets import Jump, fly_with_events
 from contin.simulate.stepped import stepped
 from contin.simulate.stiff import NONSMOOTH, integrate_stiff
 from contin.simulate.until import fly_until, with_clock
@@ -40,6 +41,7 @@ class Path:
     crossings: int = 0
     outcome: str = DONE
     why: str = ""
+    jumps: tuple[Jump, ...] = ()
 
 
 def path_of(
@@ -50,6 +52,8 @@ def path_of(
     duration = float(times[-1])
     if not u.size or duration == 0.0:
         return Path(times, np.tile(u, (times.size, 1)), duration)
+    if isinstance(model, Model) and model.events:
+        return _with_events(model, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
     if not model.mass and not finite_at_start(system, u, p):
         held = held_states(system, u, p, duration)
         if not held.moving.all():
@@ -74,6 +78,25 @@ def path_of(
     if outcome == EVENT:
         t, states = np.append(t, flight.end_time), np.vstack([states, flight.end[None, : system.n]])
     return Path(t, states, flight.end_time, flight.steps, flight.crossed, outcome, why)
+
+
+def _with_events(
+    model: Model, system: CompiledSystem, u: Array, p: Array, times: Array, method: str, until: str | None, *,
+    rtol: float, atol: float | None, box: float, budget: int,
+) -> Path:  # fmt: skip
+    if method in STIFF:
+        raise InputError(f"method {method}: `events` of the model are located by the method DOP853 only")
+    if until is not None:
+        raise InputError("until: is not looked for beside `events` of the model; leave one of the two out")
+    if has_steps(model):
+        raise InputError("events are not located beside step functions (floor, ceil, mod) of states or the time")
+    if not finite_at_start(system, u, p):
+        raise InputError("events need states and rates that are finite at the start")
+    errors = absolute_tolerances(system, u, p, 1e-3 * rtol, atol)
+    flight, jumps = fly_with_events(model, u, p, times, rtol=rtol, atol=errors, box=box, budget=budget)
+    return Path(
+        flight.t, flight.u, flight.end_time, flight.steps, flight.crossed, flight.outcome, flight.why, jumps
+    )  # fmt: skip
 
 
 def _flown(

@@ -12,12 +12,14 @@ from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import LARGEST_TABLE, check_count
 from contin.model.kinds import need_time
+from contin.model.model import Model
 from contin.model.parts import TIME
 from contin.records import Record
 from contin.simulate.consistent import consistent_start, moved_onto, onto_constraints
 from contin.simulate.flight import DONE, ESCAPED, STOPPED
 from contin.simulate.path import EVENT, NO_EVENT, STIFF, path_of
 from contin.simulate.reach import left_reach
+from contin.simulate.resets import Jump
 from contin.simulate.systems import in_time, need_formulas
 from contin.symbolic.passes.conserved import with_named_totals
 
@@ -52,6 +54,7 @@ class Simulation:
     outcome: str
     why: str
     note: str = ""  # which states were changed to have consistent initial values
+    jumps: tuple[Jump, ...] = ()  # at the model's `events`, in order
 
     @property
     def complete(self) -> bool:
@@ -70,6 +73,36 @@ class Simulation:
         return columns
 
     @property
+    def drawn(self) -> dict[str, Array]:
+        """The columns with the two states of each jump, and a gap between them."""
+        if not self.jumps:
+            return self.columns
+        jumps = [j for j in self.jumps if len(self.t) and j.time >= self.t[0]]
+        both = np.array([y for j in jumps for y in (j.before, j.after)]).reshape(2 * len(jumps), self.states.shape[1])
+        times = np.repeat([j.time for j in jumps], 2)
+        bare = in_time(self.model.replace(events=()))
+        beside = [times, *both.T, *observed(bare, both, self.p, times).T]
+        drawn = {}
+        for (name, column), extra in zip(self.columns.items(), beside, strict=True):
+            pairs = extra.reshape(-1, 2)
+            gaps = np.full(len(jumps), np.nan) if name != TIME else pairs[:, 0]
+            rows = np.column_stack([pairs[:, :1], gaps, pairs[:, 1:]]).ravel()
+            drawn[name] = np.insert(column, np.repeat(np.searchsorted(self.t, times[::2], "right"), 3), rows)
+        return drawn
+
+    @property
+    def events(self) -> dict[str, Array]:
+        """One row for each event: its time `t`, its number `event` in the model (from 1), states before and after."""
+        rows = [(j, k) for j in self.jumps for k in j.events]
+        n = self.states.shape[1]
+        before = np.array([j.before for j, _ in rows]).reshape(len(rows), n)
+        after = np.array([j.after for j, _ in rows]).reshape(len(rows), n)
+        found = {"t": np.array([j.time for j, _ in rows]), "event": np.array([k + 1.0 for _, k in rows])}
+        for i, name in enumerate(self.model.state_names):
+            found |= {f"{name}.before": before[:, i], f"{name}.after": after[:, i]}
+        return found
+
+    @property
     def table(self) -> dict[str, Array]:
         """The columns under the model's labels: what a foreign model calls them; the time gives way to a label `t`."""
         labels = {name: self.model.labels.get(name, name) for name in self.columns if name != TIME}
@@ -79,7 +112,7 @@ class Simulation:
     def plot(self, x: str | None = None, y: str | None = None) -> Figure:
         """A matplotlib figure: time series beside column y over column x (default: the first two states)."""
         names = [*self.model.state_names, *self.model.observables]
-        drawn: Figure = lazy.module("drawn trajectories").figure(self.columns, names, x=x, y=y)
+        drawn: Figure = lazy.module("drawn trajectories").figure(self.drawn, names, x=x, y=y)
         return drawn
 
     def _repr_html_(self) -> str:
@@ -90,11 +123,12 @@ class Simulation:
             return self.why
         if not self.complete:
             return f"stopped at t = {self.end_time:.6g}: {self.why}"
+        jumped = f", {len(self.jumps)} jumps" if self.jumps else ""
         crossed = f", {self.crossings} switching surfaces crossed" if self.crossings else ""
         reached = f"{self.why} at t = {self.end_time:.12g}" if self.outcome == EVENT else f"t = {self.end_time:.6g}"
         note = f" ({self.why})" if self.outcome == DONE and self.why else ""
         begun = f"; {self.note}" if self.note else ""
-        return f"{self.method}: {self.steps} steps to {reached}{crossed}{note}{begun}"
+        return f"{self.method}: {self.steps} steps to {reached}{crossed}{jumped}{note}{begun}"
 
 
 def simulate(
@@ -116,7 +150,8 @@ def simulate(
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
     """
     need_time(model, "trajectories")
-    model = with_named_totals(model, parameters or ())
+    jumping = isinstance(model, Model) and bool(model.events)
+    model = model if jumping else with_named_totals(model, parameters or ())
     if method not in METHODS:
         raise InputError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
     for name, value in (("rtol", rtol), ("box", box)):
@@ -130,7 +165,7 @@ def simulate(
     if until is not None:
         need_formulas(model, "until", "look for the event in the states of the result")
     u, p = model.start_point(start, dict(parameters or {}), finite=False)
-    system = in_time(model, method not in STIFF)
+    system = in_time(model.replace(events=()) if jumping else model, method not in STIFF)
     given, u = u, consistent_start(system, u, p)
     if model.kind == "map":
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
@@ -145,7 +180,8 @@ def simulate(
         end = float(t[-1]) if count else 0.0
     states, note = onto_constraints(system, states, over_time(system, p, t)), moved_onto(system, given, u)
     seen = observed(system, states, p, t)
-    return Simulation(model, method, p, t, states, seen, end, path.steps, path.crossings, outcome, why, note)
+    counts = path.steps, path.crossings
+    return Simulation(model, method, p, t, states, seen, end, *counts, outcome, why, note, path.jumps)
 
 
 def observed(system: CompiledSystem, states: Array, p: Array, t: Array) -> Array:

@@ -1,0 +1,294 @@
+"""Trajectories whose states jump at events: from event to event.
+
+The functions `when` are given to the integrator as switching surfaces (a further state whose rate changes sign with
+them), so that their zeros are landed on exactly. Only a solution that flows through zero, or a jump of another event
+that carries `when` through it, makes an event; touching zero makes none. An event's own jump never fires it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.lowering.system import CompiledSystem, compile_in_time
+from contin.model.evaluate import evaluate
+from contin.model.expression import add, compare, if_, mul, number
+from contin.model.parts import TIME, Event, State
+from contin.model.printing import to_text
+from contin.simulate.flight import CROSSINGS, DONE, STOPPED, Flight, fly
+from contin.symbolic.calculus.derivatives import derivative
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+CLOCK: Final = "event clock"  # no name in a model contains a blank
+PIECES: Final = 64  # of the time, where no event says how long it takes to the next
+AT_ONCE: Final = 1e-12  # relative: events at the same time
+CHAIN: Final = 100  # events that fire each other without time between
+RUN: Final = 8  # intervals that shrink in succession:
+NEAR: Final = 1e-6  # events accumulate where the rest is this part of the first
+SENSES: Final = {"up": (1.0,), "down": (-1.0,), "both": (1.0, -1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """At `time` the events of these numbers (from 0) took the states from `before` (n,) to `after` (n,)."""
+
+    time: float
+    events: tuple[int, ...]
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Watched:
+    """The flow with its clock; observables are `when` of each event and its rate along the flow."""
+
+    model: Model
+    system: CompiledSystem
+    p: Array
+    rtol: float
+    atol: Array
+    box: Array
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        return self.model.events
+
+    def seen(self, y: Array, t: Array) -> tuple[Array, Array]:
+        """(when, rate), each (T, events), at the states y (T, n + 1)."""
+        rows = np.tile(self.p, (len(t), 1))
+        rows = np.column_stack([rows, t]) if self.system.is_forced else rows
+        both = np.asarray(self.system.observables(np.ascontiguousarray(y), rows)).reshape(len(t), -1)
+        count = len(self.events)
+        return both[:, :count], both[:, count:]
+
+    def fly(self, y: Array, t: float, end: float, times: Array, budget: int) -> Flight:
+        return fly(
+            self.system, y, self.p, end - t, start=t, times=times, rtol=self.rtol, atol=self.atol, box=self.box,
+            budget=budget,
+        )  # fmt: skip
+
+    def values(self, y: Array, t: float) -> dict[str, float]:
+        found = dict(zip(self.model.parameter_names, self.p.tolist(), strict=False))
+        return {**found, TIME: t, **dict(zip(self.model.state_names, y.tolist(), strict=False))}
+
+
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """On which side of zero each `when` is; `allowed`: how long an event just landed on may take to leave its surface,
+    -1 of all others."""
+
+    signs: Array
+    allowed: Array
+
+
+def fly_with_events(
+    model: Model, u: Array, p: Array, times: Array, *, rtol: float, atol: Array, box: float, budget: int
+) -> tuple[Flight, tuple[Jump, ...]]:
+    """The flight from 0 to the last of `times`, and its jumps. At the time of a jump the state is the one before it."""
+    duration = float(times[-1])
+    system = compile_in_time(_clocked(model))
+    errors, boxes = np.append(atol, 1e-3 * rtol * duration), np.append(np.full(u.size, box), np.inf)
+    watched = _Watched(model, system, p, rtol, errors, boxes)
+    y, t, length = np.append(u, 0.0), 0.0, duration / PIECES
+    sides = _first_sides(watched, y)
+    kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
+    jumps: list[Jump] = []
+    why = ""
+    while True:
+        end = duration if t + length >= duration * (1.0 - AT_ONCE) else t + length
+        y[-1] = 0.0
+        wanted = times[(times > t if t > 0.0 else times >= 0.0) & (times <= end)]
+        flight = watched.fly(y, t, end, wanted, max(budget - steps, 1))
+        if flight.crossed > CROSSINGS:
+            length *= 0.5  # not all crossings are known
+            continue
+        when, fired, sides, why = _next_event(watched, flight, y, t, sides)
+        if fired:
+            flight = _cut(watched, flight, y, t, when, wanted)
+        kept_t.append(flight.t)
+        kept_u.append(flight.u)
+        steps, crossed = steps + flight.steps, crossed + flight.crossed
+        if why or (not fired and (flight.outcome != DONE or end >= duration)):
+            break
+        y, t = flight.end.copy(), flight.end_time
+        if not fired:
+            length = min(2.0 * length, duration / PIECES)
+            continue
+        begun = jumps[-1].time if jumps else 0.0
+        happened, y, sides, why = _jumped(watched, y, t, fired, t - begun)
+        jumps += happened
+        why = why or _accumulation(jumps)
+        if why or steps >= budget or t >= duration:
+            why = why or ("" if t >= duration else f"{budget} steps were not enough")
+            flight = replace(flight, end=y, end_time=t)
+            break
+        length = min(max(1.01 * (t - begun), 1e-9 * duration), duration / PIECES)
+    n = u.size
+    outcome, why = (STOPPED, why) if why else (flight.outcome, flight.why)
+    whole = replace(
+        flight, n=n, t=np.concatenate(kept_t), samples=np.vstack(kept_u)[:, :n], end=flight.end[:n], steps=steps,
+        crossed=max(crossed - len(jumps), 0), outcome=outcome, why=why,
+    )  # fmt: skip
+    return whole, tuple(jumps)
+
+
+def _clocked(model: Model) -> Model:
+    """The flow with a state whose rate changes where a `when` changes its sign, and what is watched."""
+    rates = dict(zip(model.state_names, model.equations, strict=True))
+    watched = {}
+    for k, event in enumerate(model.events):
+        watched[f"when {k}"] = event.when
+    for k, event in enumerate(model.events):
+        along = [mul(derivative(event.when, name), rate) for name, rate in rates.items()]
+        watched[f"rate {k}"] = add(derivative(event.when, TIME), *along)
+    zero = number(0)
+    clock = add(*(if_(compare(">", e.when, zero), number(k + 1), zero) for k, e in enumerate(model.events)))
+    return model.replace(
+        states=(*model.states, State(CLOCK, zero)), equations=(*model.equations, clock), observables=watched, events=(),
+        symmetries=(), starts=(), averaging=None, rotation={}, expect=(), labels={}, limits=(), totals=(),
+    )  # fmt: skip
+
+
+def _first_sides(watched: _Watched, y: Array) -> _Sides:
+    when, rate = watched.seen(y[None, :], np.zeros(1))
+    signs = np.where(when[0] != 0.0, np.sign(when[0]), np.sign(rate[0]))
+    return _Sides(signs, np.full(signs.size, -1.0))
+
+
+def _next_event(
+    watched: _Watched, flight: Flight, y: Array, t: float, sides: _Sides
+) -> tuple[float, tuple[int, ...], _Sides, str]:
+    """(time, events that fire first in this flight, sides at its end or at the event, why it cannot go on)."""
+    end, fresh = flight.end_time, bool((sides.allowed >= 0.0).any())
+    if end <= t:
+        return end, (), sides, ""
+    if not flight.crossed and not fresh:  # it may begin where the last one ended on a surface, so the sides decide
+        when, _ = watched.seen(flight.end[None, :], np.array([end]))
+        if (sides.signs != 0.0).all() and np.array_equal(np.sign(when[0]), sides.signs):
+            return end, (), sides, ""
+    inner = np.unique(flight.crossings[:, 0])
+    places = np.concatenate([[t], inner[(inner > t) & (inner < end)], [end]])
+    middles = 0.5 * (places[1:] + places[:-1])
+    flown = watched.fly(y, t, end, middles, 1_000_000_000)
+    when, _ = watched.seen(flown.samples, flown.t)
+    signs = np.sign(when)
+    if not len(signs):
+        return end, (), sides, ""
+    last = np.where(sides.signs == 0.0, signs[0], sides.signs)
+    for k in np.flatnonzero((sides.allowed >= 0.0) & (signs[0] != last)):
+        if places[1] - t > sides.allowed[k]:
+            return t, (), sides, f"after its jump {_named(watched, int(k))} comes again at once, without end"
+        signs[0, k] = last[k]
+    when_first = end
+    fired: list[int] = []
+    for place, found in zip(places, signs, strict=False):
+        now = np.where(found == 0.0, last, found)  # a piece as short as rounding, or a solution along the surface
+        if fired and place - when_first > AT_ONCE * max(abs(place), end - t):
+            break
+        new = [k for k, e in enumerate(watched.events) if now[k] != last[k] and now[k] in SENSES[e.direction]]
+        if new and not fired:
+            when_first = float(place)
+        fired += [k for k in new if k not in fired]
+        last = now
+    return when_first, tuple(sorted(fired)), _Sides(last, np.full(last.size, -1.0)), ""
+
+
+def _cut(watched: _Watched, flight: Flight, y: Array, t: float, when: float, wanted: Array) -> Flight:
+    """The flight up to the event."""
+    if when > t:
+        return watched.fly(y, t, when, wanted[wanted <= when], 1_000_000_000)
+    return replace(
+        flight, t=flight.t[:0], samples=flight.samples[:0], end_time=t, end=y.copy(), crossed=0, steps=0, outcome=DONE,
+        why="",
+    )  # fmt: skip
+
+
+def _jumped(
+    watched: _Watched, y: Array, t: float, fired: tuple[int, ...], interval: float
+) -> tuple[list[Jump], Array, _Sides, str]:
+    """The jumps at t, the state after them, the sides there, and why it cannot go on."""
+    n, at = y.size - 1, np.array([t])
+    landed, slope = (a[0] for a in watched.seen(y[None, :], at))
+    jumps: list[Jump] = []
+    before, ever, last = landed, set(fired), slope
+    while fired:
+        after = _after(watched, y, t, fired)
+        if isinstance(after, str):
+            return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), after
+        jumps.append(Jump(t, fired, y[:n].copy(), after[:n].copy()))
+        y = after
+        if not np.isfinite(y).all():
+            return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), "a jump leads to no finite state"
+        when, last = (a[0] for a in watched.seen(y[None, :], at))
+        small = _rounding(landed, slope, interval)
+        carried = [
+            k for k, e in enumerate(watched.events)
+            if k not in fired and abs(when[k]) > small[k] and abs(before[k]) > small[k]
+            and np.sign(when[k]) != np.sign(before[k]) and np.sign(when[k]) in SENSES[e.direction]
+        ]  # fmt: skip
+        fired, before = tuple(carried), when
+        ever |= set(fired)
+        if len(jumps) > CHAIN:
+            return jumps, y, _Sides(np.sign(when), np.full(when.size, -1.0)), "events fire each other without end"
+    small = _rounding(landed, slope, interval)
+    on = np.array([k in ever and abs(before[k]) <= small[k] for k in range(before.size)])
+    if bool((on & (np.abs(last) <= AT_ONCE * np.abs(slope))).any()):
+        k = int(np.flatnonzero(on & (np.abs(last) <= AT_ONCE * np.abs(slope)))[0])
+        why = f"the jump leaves the solution on its own surface: {_named(watched, k)} stays zero, or touches it"
+        return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), why
+    with np.errstate(divide="ignore", invalid="ignore"):
+        leave = 8.0 * small / np.abs(last) + 8.0 * np.spacing(t)
+    return jumps, y, _Sides(np.where(on, np.sign(last), np.sign(before)), np.where(on, leave, -1.0)), ""
+
+
+def _rounding(landed: Array, slope: Array, interval: float) -> Array:
+    """How near zero `when` is on its surface after landing there."""
+    return np.asarray(10.0 * np.abs(np.where(np.abs(landed) < 1e-9 * np.abs(slope) * interval, landed, 0.0))
+                      + AT_ONCE * np.abs(slope) * interval)  # fmt: skip
+
+
+def _after(watched: _Watched, y: Array, t: float, fired: tuple[int, ...]) -> Array | str:
+    """The state after these events at once, from the values before; in words where they disagree."""
+    values: Mapping[str, float] = watched.values(y, t)
+    set_by: dict[str, float] = {}
+    for k in fired:
+        for name, formula in watched.events[k].jumps.items():
+            value = float(evaluate(formula, values))
+            if name in set_by and set_by[name] != value:
+                return f"two events at the same time set {name} to {set_by[name]:.6g} and to {value:.6g}"
+            set_by[name] = value
+    after = y.copy()
+    for name, value in set_by.items():
+        after[watched.model.state_names.index(name)] = value
+    return after
+
+
+def _accumulation(jumps: list[Jump]) -> str:
+    """In words, where the events come faster and faster with a limit (Zeno); else empty."""
+    times = np.array([j.time for j in jumps[-1000:]])
+    gaps = np.diff(times)
+    if len(gaps) < RUN or not (gaps[-RUN:] > 0.0).all():
+        stuck = len(gaps) >= CHAIN and float(gaps[-CHAIN:].max()) <= 4.0 * np.spacing(times[-1])
+        return f"{CHAIN} events without time between them" if stuck else ""
+    ratios = gaps[1:] / gaps[:-1]
+    growing = np.flatnonzero(~(ratios < 1.0))
+    begin = int(growing[-1]) + 1 if len(growing) else 0
+    if len(gaps) - begin < RUN:
+        return ""
+    rest = gaps[-1] * ratios[-1] / (1.0 - ratios[-1])
+    if not rest <= NEAR * gaps[begin]:
+        return ""
+    return (
+        f"infinitely many events before t = {times[-1] + rest:.9g}: each interval is {ratios[-1]:.4g} times the one "
+        "before; what comes then the equations do not say"
+    )
+
+
+def _named(watched: _Watched, k: int) -> str:
+    return f"event {k + 1} ({to_text(watched.events[k].when)[:60]})"
