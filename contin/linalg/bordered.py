@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
 from contin.abi import Vector
+
+
+ROUNDING: Final = float(np.finfo(float).eps)
 
 
 class Solver(Protocol):
@@ -31,8 +34,8 @@ class Bordered:
         self.inner, self.b, self.c, self.d = inner, b, c, d
         self.v = inner.solve(b)
         self.w = inner.solve_transposed(c)
-        self.pivot = _regular(d - dot(c, self.v))
-        self.pivot_transposed = _regular(d - dot(self.w, b))
+        self.pivot = _pivot(d, c, self.v)
+        self.pivot_transposed = _pivot(d, self.w, b)
 
     def solve(self, right: Vector) -> Vector:
         """Cost: one solve with A."""
@@ -58,9 +61,14 @@ def dot(a: Vector, b: Vector) -> Any:
     return np.einsum("i,i->", a, b)
 
 
-def _regular(pivot: complex) -> complex:
-    """A pivot that one can divide by."""
-    return pivot if abs(pivot) > 1e-300 else 1e-300
+def _pivot(d: complex, c: Vector, v: Vector) -> complex:
+    """d - c^T v; where nothing of it is left but rounding, as large as that, so that one can divide by it.
+
+    Next to a singular A, v is as large as the inverse of rounding, and c^T v may vanish by chance.
+    """
+    pivot = d - dot(c, v)
+    rounding = ROUNDING * (abs(d) + float(np.sum(np.abs(c) * np.abs(v))))
+    return pivot if abs(pivot) > rounding else max(rounding, float(np.finfo(float).tiny))
 
 
 def bordered(inner: Solver, columns: Vector, rows: Vector, corner: Vector) -> Solver:

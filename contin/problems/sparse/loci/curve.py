@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 SHIFT = 0.3  # of the gap between zero and the next eigenvalue: where eigenvalues are sought from
 INVERSE_STEPS = 4
 FLAT = 1e-3  # of a tangent's length: parameters that change less do not tell a direction across the curve
+OPPOSITE = 1e-3  # length of a sum of two unit vectors below which it is their rounding
 
 
 NO_VALUE: Final = "the equations have no value at a point of the curve"
@@ -228,7 +229,9 @@ class LargeCurve:
         columns = [self.slope(z, index) for index in (self.first, self.second)]
         sizes = [norm(column) for column in columns]
         units = [column / size for column, size in zip(columns, sizes, strict=True) if size > 0.0]
-        candidates = [*units, c] if len(units) < 2 else [*units, units[0] + units[1], c]
+        if len(units) == 2 and norm(both := units[0] + units[1]) > OPPOSITE:
+            units.append(both / norm(both))
+        candidates = [*units, c]
         linear = self.precisely(z)
         best, smallest = c, np.inf
         for b in candidates:
@@ -236,7 +239,7 @@ class LargeCurve:
                 break
             length = norm(np.real(Singularity.of(linear, 0.0, b, c).residue(b - (b @ c) * c)[0]))
             length = max(length, norm(np.real(Singularity.of(linear, 0.0, b, c).v)))
-            if length < 0.5 * smallest:
+            if length < 0.5 * smallest:  # not so for nan
                 best, smallest = b, length
         return Borders(best, c, c)
 
