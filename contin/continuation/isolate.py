@@ -125,8 +125,12 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
 
 
 def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
-    """True for a point beside which the curve goes on; one of another type than was looked for may end it, as DP."""
-    return not found.point.touches and (found.point.type == type_ or not is_planar(stretch.problem))
+    """True for a point beside which the curve goes on; one of another type than was looked for may end it, as DP.
+
+    Not so where several eigenvalues vanish: tests do not vanish with the distance there, and some only jump.
+    """
+    several = int(found.point.vectors.get("kernel", 1)) != 1
+    return not (several or found.point.touches) and (found.point.type == type_ or not is_planar(stretch.problem))
 
 
 def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], depth: int) -> Iterator[Found]:
