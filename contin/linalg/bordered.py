@@ -15,7 +15,6 @@ import numpy as np
 
 from contin.abi import Vector
 
-
 ROUNDING: Final = float(np.finfo(float).eps)
 
 
