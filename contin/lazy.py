@@ -17,6 +17,8 @@ MODULES: Final = {
     "pde": "contin.pde.read",  # a file of kind: pde becomes a large sparse system, which is made with numbers
     "simulation plan": "contin.runs.simulation_plan",  # the plan of a run has parts that are planned as runs are
     "iterates": "contin.simulate.iterate",  # a map is simulated by other means, with the same result
+    "stored points": "contin.store.points",  # files are read more often than followed from: machine code, problems
+    "stored starts": "contin.runs.stored_starts",  # a run that starts from a file of results needs all that made them
     "scan": "contin.cli.scan",  # a run file may be one of a scan, which is carried out by other means
     "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "auto start": "contin.api.auto_start",  # simulates to rest, to a cycle, searches: few starts need that

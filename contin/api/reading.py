@@ -1,9 +1,14 @@
-"""Results read back from the files that contin writes: branches with columns, points and orbits, without equations."""
+"""Results read back from the files that contin writes: branches with columns, points and orbits.
+
+A `.contin` file holds the equations too, and the points as they were computed: runs start from them as in the session
+that wrote them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +21,10 @@ from contin.continuation.stored import StoredProblem
 from contin.plot.figure import draw
 from contin.plot.look import Look
 from contin.records import Record
+from contin.store.places import ending_of
 from contin.store.results import read_results
+from contin.store.solution_tables import load_solutions
+from contin.store.solutions import Solutions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,21 +61,24 @@ def read(file: str | Path) -> Results:
     """The results in a `.contin` or `.json` file: `contin.read(file)[branch][label]`.
 
     Columns, points, values, eigenvalues, normal forms and ends are those that were saved; `point.orbit` where the file
-    keeps it. Files hold no equations: nothing is followed from what was read. InputError for any other file.
+    keeps it. From the points of a `.contin` file branches are followed: `point.switch()`, `point.locus()`. InputError
+    for any other file.
     """
-    document = read_results(Path(file))
-    branches = tuple(_branch(branch) for branch in document["branches"])
+    path = Path(file)
+    document = read_results(path)
+    solutions = load_solutions(path) if ending_of(path) == ".contin" else None
+    branches = tuple(_branch(branch, solutions) for branch in document["branches"])
     return Results(branches, tuple(document.get("notes", ())), document)
 
 
-def _branch(stored: Record) -> Branch:
+def _branch(stored: Record, solutions: Solutions | None) -> Branch:
     columns = {str(name): _column(name, column) for name, column in stored["columns"].items()}
     rows = len(next(iter(columns.values()), ()))
     parent, image = stored["parent"], stored["image_of"]
     nothing = np.empty((rows, 0))
     return Branch(
         name=stored["name"], kind=stored["kind"], parameters=tuple(stored["parameters"]), columns=columns,
-        points=tuple(_point(stored, point) for point in stored["points"]),
+        points=tuple(_point(stored, point, solutions) for point in stored["points"]),
         ends=(_end(stored["ends"][0]), _end(stored["ends"][1])), z=nothing, tangents=nothing,
         eigenvalues=nothing.astype(complex), start_row=0, steps=stored["steps"], seconds=stored["seconds"],
         effort=stored.get("effort", {}), problem=None, locus=stored["locus"],
@@ -82,9 +93,12 @@ def _column(name: str, column: list[float | None]) -> Vector:
     return np.array(column, dtype=float if None in column else kind)
 
 
-def _point(branch: Record, stored: Record) -> SpecialPoint:
+def _point(branch: Record, stored: Record, solutions: Solutions | None) -> SpecialPoint:
     where = f"{branch['name']}.{stored['label']}"
-    problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"))
+    solution = None
+    if solutions is not None:
+        solution = partial(solutions.point, branch["name"], stored["label"], where)
+    problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"), solution)
     return SpecialPoint(
         type=stored["type"], label=stored["label"], index=stored["index"], z=np.empty(0), tangent=np.empty(0),
         values={name: _number(value) for name, value in stored["values"].items()},

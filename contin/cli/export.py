@@ -12,6 +12,7 @@ from contin.model.registry import find
 from contin.store.atomic import write_text
 from contin.store.places import ending_of
 from contin.store.results import export_results, read_results
+from contin.store.solution_tables import load_solutions
 
 
 def export_file(file: Path, out: Path) -> int:
@@ -20,7 +21,10 @@ def export_file(file: Path, out: Path) -> int:
         return export_model(file, out)
     if ending_of(file) == ".scan":
         return export_scan(file, out)
-    export_results(read_results(file), out)
+    document = read_results(file)
+    names = {branch["name"] for branch in document["branches"]}
+    both = ending_of(file) == ending_of(out) == ".contin"
+    export_results(document, out, load_solutions(file).of(names) if both else None)
     print(out)
     return 0
 

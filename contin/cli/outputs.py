@@ -24,6 +24,7 @@ from contin.runs.outputs import make_folder
 from contin.store import digest, json_format, sqlite
 from contin.store.json_format import escaped
 from contin.store.places import refuse_foreign, same_file
+from contin.store.solutions import Solutions
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -127,9 +128,11 @@ def _told(tell: Callable[[], object]) -> None:
     tell()
 
 
-def outputs_of(plan: Plan, document: Record, json: str | None) -> list[Output]:
+def outputs_of(
+    plan: Plan, document: Record, json: str | None, solutions: Solutions | None = None
+) -> list[Output]:
     """Every file that the run file and the command line ask for."""
-    outputs = [Output(kind, partial(_write, plan, kind, document)) for kind in plan.outputs]
+    outputs = [Output(kind, partial(_write, plan, kind, document, solutions)) for kind in plan.outputs]
     if json is not None:
         outputs.append(Output("json", partial(_write_json, document, json)))
     if plan.simulations or plan.sweep:
@@ -159,7 +162,7 @@ def _write_json(document: Record, json: str) -> None:
         json_format.write(document, Path(json))
 
 
-def _write(plan: Plan, kind: str, document: Record) -> str:
+def _write(plan: Plan, kind: str, document: Record, solutions: Solutions | None) -> str:
     """One of the run file's `outputs`."""
     path = plan.outputs[kind]
     make_folder(path)
@@ -173,7 +176,7 @@ def _write(plan: Plan, kind: str, document: Record) -> str:
                 load_matplotlib()
             write_picture(document, path, Look.of(plan.look))
     elif kind == "save":
-        sqlite.save(document, path, provenance(plan))
+        sqlite.save(document, path, provenance(plan), solutions)
     else:
         json_format.write(document, path)
     return f"wrote {os.path.relpath(path)}"

@@ -36,6 +36,7 @@ from contin.store.digest import DamageWarning
 from contin.store.journal import SqliteJournal, fingerprint
 from contin.store.json_format import describe_model, plain, result_document
 from contin.store.partial import PartialJson
+from contin.store.solutions import Solutions, solutions_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -159,9 +160,9 @@ def carry_out(
     keeper = open_keeper(plan, json, resume)
     saved = False
     try:
-        document, complete = compute(plan, orbits, errors, began, keeper, told)
+        document, complete, solutions = compute(plan, orbits, errors, began, keeper, told)
         tell = None if quiet else lambda: report_on(document, report)
-        written = write_all(outputs_of(plan, document, json), report, tell)
+        written = write_all(outputs_of(plan, document, json, solutions), report, tell)
         saved = ("save" if "save" in plan.outputs else "json") in written.kinds
     except KeyboardInterrupt:
         if keeper is not None:
@@ -202,8 +203,8 @@ def compute(
     began: float,
     keeper: SqliteJournal | PartialJson | None = None,
     told: bool = False,
-) -> tuple[Fields, bool]:
-    """The result document, and whether every requested branch is whole."""
+) -> tuple[Fields, bool, Solutions | None]:
+    """The result document, whether every requested branch is whole, and what a store keeps of labelled points."""
     status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, Told(keeper, status.done) if told else keeper)
     engine.load()
@@ -235,7 +236,8 @@ def compute(
         phase=result.phase,
         simulated=simulated.found,
     )
-    return document, result.complete and simulated.complete
+    solutions = solutions_of(result.branches.values()) if "save" in plan.outputs else None
+    return document, result.complete and simulated.complete, solutions
 
 
 class Status:

@@ -1,14 +1,18 @@
-"""What stands for the problem of a point that was read from a file: names, and its orbit where it was kept."""
+"""What stands for the problem of a point that was read from a file: names, its orbit, and the way to its solution."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+
+if TYPE_CHECKING:
+    from contin.continuation.branch import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +39,7 @@ class StoredProblem:
     parameters: tuple[str, ...]
     where: str
     orbit: Mapping[str, Sequence[float | None]] | None
+    solution: Callable[[], SpecialPoint] | None = None  # reads the point as it was computed, with its equations
 
     @property
     def system(self) -> StoredSystem:
@@ -50,10 +55,14 @@ class StoredProblem:
         return StoredProfile((t - t[0]) / (t[-1] - t[0]), u, float(t[-1] - t[0]))
 
 
-def refuse_stored(problem: object, where: str) -> None:
-    """InputError where a point comes from a file: nothing can be followed from it."""
-    if isinstance(problem, StoredProblem):
+def as_computed(point: SpecialPoint) -> SpecialPoint:
+    """A point with its equations; one from a file as it was computed. InputError where the file does not have it."""
+    problem = point.problem
+    if not isinstance(problem, StoredProblem):
+        return point
+    if problem.solution is None:
         raise InputError(
-            f"{where} was read from a file, which holds numbers and no equations: compute its branch again "
-            "(contin.continuation), and follow the point of that"
+            f"{problem.where} was read from a file that holds numbers and no equations: save to a .contin file, or "
+            "compute its branch again (contin.continuation)"
         )
+    return problem.solution()

@@ -26,14 +26,32 @@ from contin.model.expression import (
     postorder,
 )
 from contin.model.model import Model
-from contin.model.parts import Averaging, Expectation, Forcing, Limit, Oscillator, Parameter, Start, State, Symmetry
+from contin.model.parts import (
+    Averaging,
+    Condition,
+    Constraints,
+    Event,
+    Expectation,
+    Forcing,
+    Functional,
+    Interval,
+    Limit,
+    Oscillator,
+    Parameter,
+    Start,
+    State,
+    Symmetry,
+    Total,
+)
+from contin.model.relations import Relation
 from contin.model.scope import Function
-from contin.records import Json
+from contin.records import Fields, Json, Record
 
 PARTS: Final = {
     kind.__name__: kind
     for kind in (
-        Averaging, Expectation, Forcing, Function, Limit, Oscillator, Parameter, Start, State, Symmetry,
+        Averaging, Condition, Constraints, Event, Expectation, Forcing, Function, Functional, Interval, Limit,
+        Oscillator, Parameter, Relation, Start, State, Symmetry, Total,
     )
 }  # fmt: skip
 OPERATIONS: Final = frozenset({"number", "symbol", "pi", "add", "mul", "pow", "if"}) | COMPARISONS | LOGICAL | FUNCTIONS
@@ -42,27 +60,55 @@ _PLAIN: Final = (str, bool, int, float, type(None))
 
 def to_graph_text(model: Model) -> str:
     """The text; TypeError for a model that holds anything but formulas and plain data."""
-    roots: list[Expression] = []
-    _collect([getattr(model, f.name) for f in fields(model)], roots)
-    places: dict[Expression, int] = {}
-    rows: list[list[object]] = []
-    for node in postorder(roots):
-        places[node] = len(rows)
-        rows.append(_row(node, places))
-    parts = {f.name: _plain(getattr(model, f.name), places) for f in fields(model)}
-    return json.dumps({"nodes": rows, "parts": parts}, separators=(",", ":"))
+    return json.dumps(to_graph(_parts_of(model)), separators=(",", ":"))
 
 
 def from_graph_text(text: str) -> Model:
     """The model of such a text; ValueError where it is no such text."""
     try:
-        data = json.loads(text)
+        return model_of_graph(json.loads(text))
+    except RecursionError:
+        raise ValueError("this is no model: nested too deeply") from None
+
+
+def model_of_graph(data: Json) -> Model:
+    """The model of such data; ValueError where it is none."""
+    try:
+        return Model.from_parts(**from_graph(data))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"this is no model: {error}") from None
+
+
+def model_graph(model: Model) -> Fields:
+    """A model as such data."""
+    return to_graph(_parts_of(model))
+
+
+def to_graph(value: Record) -> Fields:
+    """Formulas, parts of models and plain data by name; TypeError for anything else."""
+    roots: list[Expression] = []
+    _collect(value, roots)
+    places: dict[Expression, int] = {}
+    rows: list[list[object]] = []
+    for node in postorder(roots):
+        places[node] = len(rows)
+        rows.append(_row(node, places))
+    return {"nodes": rows, "parts": {str(name): _plain(item, places) for name, item in value.items()}}
+
+
+def from_graph(data: Json) -> Fields:
+    """What `to_graph` was given; ValueError where this is no such data."""
+    try:
         nodes: list[Expression] = []
         for row in data["nodes"]:
             nodes.append(_node(row, nodes))
-        return Model.from_parts(**{name: _value(value, nodes) for name, value in data["parts"].items()})
+        return {name: _value(value, nodes) for name, value in data["parts"].items()}
     except (KeyError, TypeError, IndexError, AttributeError) as error:
-        raise ValueError(f"this is no model: {error}") from None
+        raise ValueError(f"these are no formulas: {error}") from None
+
+
+def _parts_of(model: Model) -> Fields:
+    return {f.name: getattr(model, f.name) for f in fields(model)}
 
 
 def _collect(value: Json, roots: list[Expression]) -> None:

@@ -129,7 +129,9 @@ def _skipping(what: str, state: _State, as_written: bool = True) -> Iterator[Non
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
     with _skipping(run.name, state, as_written=run.reference is None and run.as_ is None):
-        if run.reference is None:
+        if run.stored is not None:
+            start = engine.start_at_point(run.stored.read(), run.stored.label, run)
+        elif run.reference is None:
             start = engine.start(plan.model, run, plan.parameters)
         else:
             start = _from_point(run, run.reference, engine, state)

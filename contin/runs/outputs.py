@@ -10,6 +10,7 @@ from contin.errors import InputError
 from contin.model.source import Path as Place
 from contin.model.source import Problems
 from contin.records import Json
+from contin.runs.references import is_stored
 
 ENDINGS: Final[dict[str, tuple[str, ...]]] = {
     "plot": (".png", ".pdf", ".svg"),
@@ -84,8 +85,10 @@ def path_mistake(text: str, endings: tuple[str, ...], folder: Path, run_file: Pa
 
 
 def files_read(entry: Json, run_file: Path) -> list[Path]:
-    """The files that a run or scan file is made of: itself, a model, samples. No output may overwrite them."""
+    """The files that a run or scan file is made of: itself, a model, samples, results. No output may overwrite them."""
     samples = [item.samples for item in getattr(entry, "continuations", ()) if item.samples is not None]
+    starts = [item.from_ for item in getattr(entry, "continuations", ()) if item.from_ and is_stored(item.from_)]
+    samples += [text.partition(".contin:")[0] + ".contin" for text in starts]
     models = [entry.model] if isinstance(entry.model, str) else []
     named = [run_file.parent / Path(text).expanduser() for text in (*models, *samples)]
     return [run_file, *(path for path in named if path.is_file())]

@@ -24,7 +24,7 @@ from contin.model.yaml_loader import model_from_mapping
 from contin.records import Fields, Json, Record
 from contin.runs.columns import check_columns
 from contin.runs.outputs import output_paths
-from contin.runs.references import check_references
+from contin.runs.references import check_references, is_stored
 from contin.runs.samples import Samples, read_samples
 from contin.runs.schema import ContinuationEntry, DiagramEntry, PhaseEntry, RunEntry, StartMapping
 from contin.runs.transforms import apply_passes
@@ -33,6 +33,7 @@ from contin.symbolic.passes.conserved import starting_names, with_named_totals, 
 if TYPE_CHECKING:
     from contin.model.model import Model
     from contin.runs.simulation_plan import SimulationPlan, SweepPlan
+    from contin.runs.stored_starts import StoredStart
 
 Number = float | int | str | Any  # a number, or a formula in the parameters
 StartPoint = str | Record | None
@@ -50,6 +51,7 @@ class RunPlan:
     range: Mapping[str, tuple[float, float]]
     start: StartPoint = None
     reference: tuple[str, str] | None = None  # (branch, label)
+    stored: StoredStart | None = None  # a label of a stored result
     as_: str | None = None
     direction: str = "both"
     values: Mapping[str, Sequence[float]] = field(default_factory=dict)
@@ -289,7 +291,10 @@ class _Planner:
         if entry.from_ is None:
             self.inside(start, parameters[0], bounds[parameters[0]], (*path, "range"))
         reference = None
-        if entry.from_ is not None:
+        stored = None
+        if entry.from_ is not None and is_stored(entry.from_):
+            stored = self.stored(entry.from_, file, parameters, (*path, "from"))
+        elif entry.from_ is not None:
             branch, _, label = entry.from_.rpartition(".")
             reference = (branch, label)
         free = self.free(entry, parameters, path)
@@ -299,9 +304,16 @@ class _Planner:
             as_ = "orbit" if self.model.interval is None else None
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
         return RunPlan(
-            name, parameters, bounds, start, reference, as_, entry.direction, values, settings, to, samples, free,
-            tuple(entry.extrema), tuple(entry.conditions),
+            name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
+            free, tuple(entry.extrema), tuple(entry.conditions),
         )  # fmt: skip
+
+    def stored(self, text: str, file: FilePath, varying: tuple[str, ...], path: Path) -> StoredStart | None:
+        """A label of a stored result to start from."""
+        found: StoredStart | None = lazy.module("stored starts").stored_start(
+            text, file, self.model, self.values, self.overrides, varying, self.problems, path
+        )
+        return found
 
     def free(self, entry: ContinuationEntry, parameters: Sequence[str], path: Path) -> tuple[str, ...]:
         """Parameters that are solved for: as many as there are more conditions than equations."""

@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 LABEL: Final = re.compile(r"[A-Z][A-Z0-9]*[0-9]+")
 
 
+def is_stored(reference: str) -> bool:
+    """True for FILE.contin:BRANCH.LABEL (`contin.runs.stored_starts`)."""
+    return ".contin:" in reference
+
+
 def check_references(entry: RunEntry, model: Model, problems: Problems) -> None:
     """Note each `from:` that names a run which the file does not define, or defines later.
 
@@ -23,7 +28,7 @@ def check_references(entry: RunEntry, model: Model, problems: Problems) -> None:
     """
     names = [run.name or f"run{k + 1}" for k, run in enumerate(entry.continuations)]
     for position, run in enumerate(entry.continuations):
-        if run.from_ is not None:
+        if run.from_ is not None and not is_stored(run.from_):
             path: Path = ("continuations", position, "from")
             _check(run.from_, names, position, entry, model, problems, path)
 

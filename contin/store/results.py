@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.store import json_format, sqlite
 from contin.store.places import ending_of
+from contin.store.solutions import Solutions, solutions_of
 from contin.store.tables import write_csv, write_netcdf
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[
     document = json_format.result_document(
         json_format.model_of(branches), branches, timing={"total": total}, notes=told, orbit=orbit
     )
-    export_results(document, Path(path))
+    export_results(document, Path(path), solutions_of(branches))
 
 
 def _orbit(branch: Branch, point: SpecialPoint) -> Record | None:
@@ -58,9 +60,15 @@ def _orbit(branch: Branch, point: SpecialPoint) -> Record | None:
     return {"orbit": dict(point.orbit.columns)}
 
 
-def export_results(document: Record, path: Path) -> None:
-    """Write a result document in the format that the file's ending names: `.json`, `.contin`, `.csv` or `.nc`."""
-    writers = {".json": json_format.write, ".contin": sqlite.save, ".csv": write_csv, ".nc": write_netcdf}
+def export_results(document: Record, path: Path, solutions: Solutions | None = None) -> None:
+    """Write a result document in the format that the file's ending names: `.json`, `.contin`, `.csv` or `.nc`.
+
+    solutions : at its labelled points, for a `.contin` file.
+    """
+    save = partial(sqlite.save, solutions=solutions)
+    writers: dict[str, Callable[[Record, Path], None]] = {
+        ".json": json_format.write, ".contin": save, ".csv": write_csv, ".nc": write_netcdf
+    }  # fmt: skip
     writer = writers.get(path.suffix)
     if writer is None:
         raise InputError(f"{path}: expected an ending of {', '.join(writers)}")

@@ -3,6 +3,7 @@
 meta     key, value                      JSON: contin (format version), model, built, notes, timing
 branch   position, name, header          JSON of the branch without its columns
 series   branch, position, name, kind, data      little-endian float64 ('f'), int64 ('i') or bytes 0/1 ('b')
+equations, solution                      what runs start from (`contin.store.solution_tables`); may be absent
 checksum part, sha256                    of the rows 'meta/KEY', 'branch/POSITION', 'series/POSITION/NAME'
 
 A part whose checksum fails is never used: `load` leaves out the branch it belongs to, with a note and a warning.
@@ -25,6 +26,8 @@ from contin.records import Fields, Record
 from contin.store.atomic import replacing
 from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
 from contin.store.json_format import FORMAT_VERSION, plain
+from contin.store.solution_tables import damaged, insert_solutions
+from contin.store.solutions import Solutions
 from contin.store.validate import validate
 
 APPLICATION_ID: Final = 0x636F6E74  # "cont", so that `file` and other tools can tell these files apart
@@ -43,11 +46,13 @@ PROVENANCE: Final = ("model_text", "run", "versions")
 UNFINISHED: Final = ("unfinished", "fingerprint")
 
 
-def save(document: Record, path: Path, provenance: Mapping[str, str] | None = None) -> None:
+def save(
+    document: Record, path: Path, provenance: Mapping[str, str] | None = None, solutions: Solutions | None = None
+) -> None:
     """Write a result document; an existing file is replaced whole, or not at all.
 
     `provenance` (of the names in `PROVENANCE`: the model's text, the run, versions) goes to the table `meta` too, for
-    whoever opens the file later.
+    whoever opens the file later. `solutions` at the labelled points let later runs start from them.
     """
     with replacing(path) as temporary:
         try:
@@ -64,6 +69,8 @@ def save(document: Record, path: Path, provenance: Mapping[str, str] | None = No
                         insert_meta(connection, key, text)
                     for position, branch in enumerate(document["branches"]):
                         insert_branch(connection, position, branch)
+                    if solutions is not None:
+                        insert_solutions(connection, solutions, [branch["name"] for branch in document["branches"]])
         except sqlite3.Error as error:
             raise InputError(in_words(path, error)) from None
 
@@ -189,10 +196,12 @@ def _document(connection: sqlite3.Connection, path: Path) -> tuple[Fields, list[
             notes.append(f"damaged: {', '.join(bad)} of branch {name!r} fails its checksum; the branch is left out")
         else:
             branches.append(_with_columns(json.loads(header), columns))
+    bad_solutions = damaged(connection, good)
     notes += [f"damaged: {part!r} is missing" for part in sorted(left)]
     if "phase" in meta and len(notes) > (stored is None):  # it names its curves
         del meta["phase"]
         notes.append("damaged: the regions of the phase diagram are left out with what they refer to")
+    notes += [f"damaged: {what} fails its checksum and is left out" for what in bad_solutions]
     if "unfinished" in meta:
         if not branches or missing:
             raise InputError(f"{path}: the run was not finished; finish it with `contin run FILE --resume`")

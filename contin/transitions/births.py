@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.stored import refuse_stored
+from contin.continuation.stored import StoredProblem, as_computed
 from contin.errors import InputError
 from contin.transitions.registry import Explored, at_point, known_labels
 
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that start at a point of this problem's branch, with `parameter` free."""
-    refuse_stored(problem, f"{point.branch}.{point.label}")
+    point = as_computed(point)
+    problem = point.problem if isinstance(problem, StoredProblem) else problem
     rows = at_point(problem, point.type, 1)
     if not rows:
         raise InputError(
@@ -30,7 +31,8 @@ def switch(problem: Problem, point: SpecialPoint, parameter: str) -> list[Seed]:
 
 def loci(problem: Problem, point: SpecialPoint, parameters: Sequence[str]) -> list[Seed]:
     """Seeds of the curves in two (three) parameters that pass through a point of this problem's branch."""
-    refuse_stored(problem, f"{point.branch}.{point.label}")
+    point = as_computed(point)
+    problem = point.problem if isinstance(problem, StoredProblem) else problem
     count = max(2, len(parameters))  # one is too few, as whoever is asked for two says
     rows = at_point(problem, point.type, count)
     if not rows:

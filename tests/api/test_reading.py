@@ -41,11 +41,20 @@ def test_branches_points_and_orbits_come_back_as_they_were(diagram, ending, tmp_
     assert fold.orbit.period == pytest.approx(2 * np.pi, rel=1e-8)
 
 
-def test_what_a_file_does_not_hold_is_said(diagram, tmp_path):
+def test_branches_are_followed_from_what_was_read(diagram, tmp_path):
     diagram.save(tmp_path / "a.contin")
     found = contin.read(tmp_path / "a.contin")
-    with pytest.raises(InputError, match="read from a file"):
-        found["start"]["HB1"].switch()
+    again = contin.continuation(found["start"]["HB1"].switch(), "mu", (-2.0, 1.0))
+    np.testing.assert_array_equal(again.columns["period"], diagram["start/HB1"].columns["period"])
+    np.testing.assert_array_equal(again.orbit(3).columns["x"], diagram["start/HB1"].orbit(3).columns["x"])
+
+
+def test_what_a_file_does_not_hold_is_said(diagram, tmp_path):
+    diagram.save(tmp_path / "a.contin")
+    diagram.save(tmp_path / "a.json")
+    found = contin.read(tmp_path / "a.contin")
+    with pytest.raises(InputError, match="holds numbers and no equations"):
+        contin.read(tmp_path / "a.json")["start"]["HB1"].switch()
     with pytest.raises(InputError, match="read from a file"):
         found["start/HB1"].orbit(3)
     with pytest.raises(InputError, match="no orbit"):
