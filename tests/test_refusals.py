@@ -36,3 +36,47 @@ def test_refusals_say_what_to_write():
 def test_formulas_of_other_languages(formula, advice):
     with pytest.raises(InputError, match=advice):
         contin.load({**RING, "equations": {**RING["equations"], "x": formula}})
+
+
+@pytest.mark.parametrize(
+    ("formula", "feature"),
+    [
+        ("mu - x(t - 1)", "delay equations are not supported"),
+        ("mu - x[t - 1]", "delay equations are not supported"),
+        ("mu - delay(x, 1)", "delay equations are not supported"),
+        ("mu - x_tau", "delay equations are not supported"),
+        ("-x + mu*noise()", "stochastic equations are not supported"),
+        ("-x + mu*dW", "stochastic equations are not supported"),
+        ("integral(x^2)", "integrals are not supported in equations"),
+        ("mu*dxx(x) - x", "derivatives in space need kind: pde"),
+        ("mu*laplacian(x)", "derivatives in space need kind: pde"),
+        ("x'' + x", "write two states"),
+        ("diff(x, t)", "write two states"),
+        ("erf(x)", "special functions are not supported"),
+    ],
+)
+def test_what_formulas_cannot_say_is_named(formula, feature):
+    with pytest.raises(InputError, match=feature):
+        contin.load({**RING, "equations": {**RING["equations"], "x": formula}})
+
+
+@pytest.mark.parametrize(
+    ("extra", "feature"),
+    [
+        ({"kind": "dde"}, "delay equations are not supported"),
+        ({"kind": "ode"}, "write flow"),
+        ({"delays": {"tau": 1}}, "delay equations are not supported"),
+        ({"noise": {"x": 1}}, "stochastic equations are not supported"),
+        ({"boundary": {"all": "u = 0"}}, "kind: pde"),
+    ],
+)
+def test_keys_and_kinds_of_other_problems_are_named(extra, feature):
+    with pytest.raises(InputError, match=feature):
+        contin.load({**RING, **extra})
+
+
+def test_a_declared_name_is_never_taken_for_a_delay_or_a_noise():
+    states = {"x": 1.0, "x_tau": 0.5, "noise": 0.0}
+    equations = {"x": "-x + x_tau", "x_tau": "x - x_tau + dW", "noise": "-noise"}
+    model = contin.load({"name": "chain", "states": states, "parameters": {"dW": 0.1}, "equations": equations})
+    assert model.state_names == ("x", "x_tau", "noise")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from difflib import get_close_matches
 from typing import Final
 
+from contin.model import features
 from contin.model.expression import FUNCTIONS
 
 _FUNCTION_ADVICE: Final = {
@@ -42,7 +43,7 @@ _FUNCTION_ADVICE: Final = {
     "arctanh": "atanh(x)",
     "ceiling": "ceil(x)",
     "flr": "floor(x)",
-    "int": "floor(x)",
+    "int": "floor(x), or for an integral add a state whose rate is the integrand",
     "fmod": "mod(x, y)",
     "rem": "mod(x, y)",
     "gamma": "factorial(x - 1)",
@@ -87,7 +88,7 @@ def closest(word: str, known: Iterable[str]) -> str:
     return f"did you mean {' or '.join(repr(m) for m in matches)}?"
 
 
-def unknown_name(word: str, known: Iterable[str]) -> str:
+def unknown_name(word: str, known: Iterable[str], calls: Container[str] = ()) -> str:
     """Sentence about a name that nothing declares."""
     known = list(known)
     lower = word.lower()
@@ -95,7 +96,8 @@ def unknown_name(word: str, known: Iterable[str]) -> str:
         return f"{word} is a function: write {word}(...) with its argument in parentheses"
     if lower == "pi":
         return f"unknown name {word!r}: write pi"
-    advice = closest(word, known) or _NAME_ADVICE.get(lower, "")
+    feature, near = features.of_name(word, known, calls), closest(word, known)
+    advice = "; or ".join(filter(None, [feature, near])) or _NAME_ADVICE.get(lower, "")
     if not advice:
         listed = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
         advice = f"declared are {listed}" if known else "no names are declared here"
@@ -109,5 +111,9 @@ def unknown_function(word: str, known: Iterable[str]) -> str:
         return f"unknown function {word!r}: write {lower}(...)"
     if lower in _FUNCTION_ADVICE:
         return f"unknown function {word!r}: write {_FUNCTION_ADVICE[lower]}"
+    known = list(known)
+    feature = features.of_function(word, known)
+    if feature:
+        return f"{word!r}: {feature}"
     advice = closest(word, [*known, *FUNCTIONS]) or f"available are {', '.join(sorted([*known, *FUNCTIONS]))}"
     return f"unknown function {word!r}: {advice}"

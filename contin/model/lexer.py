@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Final
 
 from contin.errors import ExpressionError
+from contin.model import features
 from contin.model.expression import SHORT_DIGITS, Expression, number, significant_digits
 
 MAX_LENGTH: Final = 1_000_000  # characters of one formula
@@ -34,7 +35,7 @@ _ADVICE: Final = {
     "]": "group with ( )",
     "{": "group with ( )",
     "}": "group with ( )",
-    "'": "formulas have no strings and no primes",
+    "'": f"formulas have no strings and no primes; {features.RATE}",
     '"': "formulas have no strings",
     "\\": "write names without a backslash: alpha",
     "$": "write names without '$'",
@@ -140,5 +141,8 @@ def _unknown_character(text: str, position: int, offset: int = 0) -> ExpressionE
             instead = f"{after[0]}x)" if after[0].endswith("(") else after[0]
             return ExpressionError(f"functions stand without their library: write {instead}", offset + position)
         return ExpressionError("names may not contain a dot; write an underscore: a_b", offset + position)
+    past = features.of_brackets(text[position:])
+    if past:
+        return ExpressionError(f"a value at another time: {past}", offset + position)
     advice = _ADVICE.get(character, "allowed are numbers, names, + - * / ^ ( ) , < <= > >= == != and or not if else")
     return ExpressionError(f"unexpected character {shown!r}: {advice}", offset + position)

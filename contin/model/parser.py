@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from contin.errors import ExpressionError
-from contin.model import advice
+from contin.model import advice, features
 from contin.model.expression import (
     BINARY_FUNCTIONS,
     COMPARISONS,
@@ -171,11 +171,11 @@ class _Parser:
         if name not in self.scope.functions and name not in FUNCTIONS and name not in self.scope.calls:
             if self.scope.names is not None and name in self.scope.names:
                 raise ExpressionError(
-                    f"{name} is not a function; for a product write {name}*(...); its value at another time "
-                    "(a delay equation) is not supported",
+                    f"{name} is not a function; for a product write {name}*(...). "
+                    f"If this is {name} at another time: {features.DELAY}",
                     token.position,
                 )
-            raise ExpressionError(advice.unknown_function(name, self.scope.functions), token.position)
+            raise ExpressionError(advice.unknown_function(name, [*self.scope.functions, *self.scope.calls]), token.position)
         self.push(_Frame("bracket", token.position, name=name))
         return None, 2
 
@@ -190,7 +190,7 @@ class _Parser:
             raise ExpressionError(scope.unavailable[name], token.position)
         if name in scope.functions:
             raise ExpressionError(f"{name} is a function: write {scope.functions[name].heading}", token.position)
-        raise ExpressionError(advice.unknown_name(name, scope.names), token.position)
+        raise ExpressionError(advice.unknown_name(name, scope.names, scope.calls), token.position)
 
     def missing_operand(self, token: Token) -> ExpressionError:
         if token.text == ")" and self.stack[-1].name is not None and not self.stack[-1].items:

@@ -8,7 +8,7 @@ from typing import Final
 from pydantic import BaseModel, ValidationError
 
 from contin.errors import FormatVersionError, InputError
-from contin.model import schema
+from contin.model import features, schema
 from contin.model.advice import closest
 from contin.model.expression import Expression
 from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
@@ -98,7 +98,8 @@ def _note(item: Json, data: Json, problems: Problems) -> None:
     value = item.get("input")
     if kind == "extra_forbidden":
         allowed = _allowed_keys(item["loc"])
-        advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
+        feature = features.of_key(str(path[-1])) if len(path) == 1 else ""
+        advice = feature or closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
         problems.add(path, f"unknown key: {advice}", key=True)
     elif kind == "missing":
         example = _EXAMPLES.get(str(path[-1]), "")
@@ -109,7 +110,11 @@ def _note(item: Json, data: Json, problems: Problems) -> None:
         problems.add(path, f"expected a list [ ... ], got {shown(value)}")
     elif kind == "literal_error":
         expected = str(item["msg"]).removeprefix("Input should be ").replace("'", "")
-        problems.add(path, f"expected {expected}, got {shown(value)}")
+        advice = ""
+        if path == ("kind",):
+            expected, feature = expected.replace(" or ", ", ") + " or pde", features.of_kind(value)
+            advice = f"; {feature}" if feature else ""
+        problems.add(path, f"expected {expected}, got {shown(value)}{advice}")
     elif kind == "too_short":
         problems.add(path, "is empty; at least one entry is needed")
     else:

@@ -113,7 +113,7 @@ def test_several_mistakes_are_reported_at_once_in_the_order_of_the_file():
         ("symmetries: {}", "averaging: {small: x}", "'oscillators' is missing"),
         ("symmetries: {}", "averaging: {small: x, oscillators: []}", "averaging.oscillators: is empty"),
         ("symmetries: {}", "kind: map\nforcing: {period: 1}", "forcing: a map has no time; use kind: flow"),
-        ("symmetries: {}", "kind: maps", "m.yaml:18:7: kind: expected flow, map, bvp or algebraic, got 'maps'"),
+        ("symmetries: {}", "kind: maps", "m.yaml:18:7: kind: expected flow, map, bvp, algebraic or pde, got 'maps'"),
         ("symmetries: {}", "expect: [{label: HB, at: 3}]", "expect[0].at: expected a mapping {name: value}, got 3"),
         ("symmetries: {}", "expect: [{label: HB, at: [], run: {parameter: nu}}]", "'nu' is not a parameter"),
         ("symmetries: {}", "symmetries: !!python/object/apply:os.system [ls]", "is not allowed; write the plain value"),
