@@ -23,7 +23,9 @@ RATE: Final = (
     "for x'' = f write two states, x: v and v: f"
 )
 FRACTIONAL: Final = "fractional derivatives are not supported"
-MATRIX: Final = "sums, vectors and matrices are not supported in formulas: write the terms out, or give a Python function"
+MATRIX: Final = (
+    "sums, vectors and matrices are not supported in formulas: write the terms out, or give a Python function"
+)
 SPECIAL: Final = "special functions are not supported in formulas: give the equations as a Python function"
 
 _FUNCTIONS: Final = {

@@ -175,7 +175,9 @@ class _Parser:
                     f"If this is {name} at another time: {features.DELAY}",
                     token.position,
                 )
-            raise ExpressionError(advice.unknown_function(name, [*self.scope.functions, *self.scope.calls]), token.position)
+            raise ExpressionError(
+                advice.unknown_function(name, [*self.scope.functions, *self.scope.calls]), token.position
+            )
         self.push(_Frame("bracket", token.position, name=name))
         return None, 2
 
