@@ -31,10 +31,10 @@ SPECIAL: Final = "special functions are not supported in formulas: give the equa
 _FUNCTIONS: Final = {
     **dict.fromkeys(("delay", "delayed", "lag", "past", "prev", "del_shift", "shift"), DELAY),
     **dict.fromkeys(
-        ("noise", "normal", "gauss", "gaussian", "ran", "rand", "randn", "random", "uniform", "wiener", "brownian", "dw"),
+        ("noise", "normal", "gauss", "gaussian", "ran", "rand", "randn", "random", "uniform", "wiener", "dw"),
         NOISE,
     ),
-    **dict.fromkeys(("integral", "integrate", "quad", "trapz", "cumtrapz", "conv", "convolve", "convolution"), INTEGRAL),
+    **dict.fromkeys(("integral", "integrate", "quad", "trapz", "conv", "convolve", "convolution"), INTEGRAL),
     **dict.fromkeys(("mean", "norm", "average"), INTEGRAL),
     **dict.fromkeys(("dx", "dy", "dz", "dxx", "dyy", "dxy", "dxxxx", "dn", "lap", "laplacian", "laplace"), SPACE),
     **dict.fromkeys(("grad", "gradient", "div", "divergence", "nabla", "curl"), SPACE),
