@@ -31,6 +31,7 @@ _EXPORTS = {
     "periodic_orbit": "contin.api",
     "connecting_orbit": "contin.api",
     "phase": "contin.api",
+    "plane": "contin.plane.portrait",
     "read": "contin.api.reading",
     "scan": "contin.simulate.scan",
     "simulate": "contin.simulate.run",
@@ -55,7 +56,7 @@ def __dir__() -> list[str]:
 
 
 class _Package(_ModuleType):
-    """The verbs `continuation`, `diagram` and `simulate` are named as subpackages are: as attributes they win.
+    """The verbs `continuation`, `diagram`, `plane` and `simulate` are named as subpackages are: as attributes they win.
 
     Importing a subpackage sets it as an attribute of its parent; `from contin.diagram.x import` needs no attribute.
     """

@@ -13,6 +13,7 @@ WORK: Final = {
     "run_diagram": "contin.cli.run",
     "run_phase": "contin.cli.run",
     "simulate_model": "contin.cli.simulate",
+    "plane_of_model": "contin.cli.plane",
     "survey_model": "contin.cli.survey",
     "sweep_model": "contin.cli.sweep",
     "scan_file": "contin.cli.scan",

@@ -238,6 +238,45 @@ def sweep(
     )  # fmt: skip
 
 
+@app.command(context_settings={"ignore_unknown_options": True})  # ends and points may be negative
+def plane(
+    model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],
+    x: Annotated[str, typer.Argument(metavar="X", help="State of the horizontal axis.")],
+    y: Annotated[str, typer.Argument(metavar="Y", help="State of the vertical axis.")],
+    x_range: Annotated[
+        tuple[float, float] | None, typer.Option("--x", metavar="LO HI", help="Ends of the horizontal axis.")
+    ] = None,
+    y_range: Annotated[
+        tuple[float, float] | None, typer.Option("--y", metavar="LO HI", help="Ends of the vertical axis.")
+    ] = None,
+    points: Annotated[
+        list[str] | None, typer.Option("--from", metavar="X,Y", help="Draw the trajectory from here. May be repeated.")
+    ] = None,
+    at: Annotated[
+        list[str] | None, typer.Option("--at", metavar="NAME=VALUE", help="Value of another state, which is held.")
+    ] = None,
+    sets: Sets = None,
+    start: Annotated[str | None, typer.Option("--start", help="Named start, for the states that are held.")] = None,
+    along: Annotated[
+        tuple[str, float, float] | None,
+        typer.Option("--parameter", metavar="NAME LO HI", help="A page with a slider over this parameter."),
+    ] = None,
+    frames: Annotated[int, typer.Option("--frames", help="Planes along the parameter.")] = 21,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help=".png, .pdf, .svg or .html (default: MODEL-plane.png).")
+    ] = None,
+    json: Json = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
+) -> None:
+    """The phase plane of two states: nullclines, directions, equilibria, separatrices, cycles, trajectories."""
+    window = {"x_range": x_range, "y_range": y_range}
+    raise typer.Exit(
+        work("plane_of_model")(
+            model, x, y, window, points or [], at or [], sets or [], start, along, frames, out, json, quiet
+        )
+    )
+
+
 @app.command()
 def survey(
     model: Annotated[str, typer.Argument(help="Bundled or plugin name, or a model file.")],

@@ -115,7 +115,7 @@ def run_phase(
     return carry_out(plan, json, False, quiet, began)
 
 
-EXAMPLES: Final = {"--set": "beta=0.8", "--budget": "branches=20", "--settings": "max_step=0.1"}
+EXAMPLES: Final = {"--set": "beta=0.8", "--budget": "branches=20", "--settings": "max_step=0.1", "--at": "z=1"}
 
 
 def parse_sets(sets: Sequence[str]) -> Fields:
