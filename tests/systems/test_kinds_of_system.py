@@ -94,6 +94,7 @@ VERBS = {
         m, ["A", "B"], {"A": (0.8, 0.9), "B": (0.25, 0.35)}, orbits=False, settings={"steps": 5}
     ),
     "survey": lambda m: contin.survey(m, names=["A"], processes=1),
+    "plane": lambda m: contin.plane(m, "x", "y", x_range=(0.7, 1.3), y_range=(0.1, 1.3)),
     "plot": lambda m: line(m).plot(),
     "average": contin.average,
     "connecting_orbit": lambda m: contin.connecting_orbit(m, {"x": 1.0, "y": 1.0}),
