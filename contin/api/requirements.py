@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contin.errors import InputError
 from contin.model.model import Model
+from contin.problems.functions.problem import FunctionProblem
 
 
 def need_parameters(model: Model) -> None:
@@ -15,7 +16,7 @@ def need_parameters(model: Model) -> None:
         )
 
 
-def refuse_forced(model: Model) -> None:
+def refuse_forced(model: Model | FunctionProblem) -> None:
     """Raises InputError for a flow whose equations know the time: it has no equilibria."""
     if getattr(model, "forcing", None) is not None:
         raise InputError(

@@ -158,24 +158,14 @@ def _assemble(
     departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
     started: float,
 ) -> Branch:  # fmt: skip
-    seed, start, here, scale = departure.seed, departure.start, departure.here, departure.scale
-    problem = seed.problem
+    seed, problem = departure.seed, departure.seed.problem
     rows = Rows()
     if -1 in records:
         for piece in records[-1].pieces:
             rows.add_piece(piece)
         rows.reverse()
     start_row = len(rows)
-    for item in here:
-        rows.add_point(item.point, item.sample.tangent * scale, scale)
-    if not here:
-        count, values = _start_measured(seed, start, problem)
-        rows.add_block(start.z[None], (start.tangent * scale)[None], np.array([count]), values[None])
-        for target in targets:
-            if seed.born or not isinstance(target, Target):
-                continue
-            if float(target.values(problem, start.z[None])[0]) == target.value:
-                rows.label(start_row, Verified("UZ", start.z, 0.0, 0.0, values, count), scale)
+    _add_start(rows, departure, targets)
     if 1 in records:
         for piece in records[1].pieces:
             rows.add_piece(piece)
@@ -215,6 +205,23 @@ def _assemble(
         parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
         unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
+
+
+def _add_start(rows: Rows, departure: Departure, targets: Sequence[Wanted]) -> None:
+    """The row that both arms leave: a special point, or one where user values may be met exactly."""
+    seed, start, scale = departure.seed, departure.start, departure.scale
+    row = len(rows)
+    for item in departure.here:
+        rows.add_point(item.point, item.sample.tangent * scale, scale)
+    if departure.here:
+        return
+    count, values = _start_measured(seed, start, seed.problem)
+    rows.add_block(start.z[None], (start.tangent * scale)[None], np.array([count]), values[None])
+    for target in targets:
+        if seed.born or not isinstance(target, Target):
+            continue
+        if float(target.values(seed.problem, start.z[None])[0]) == target.value:
+            rows.label(row, Verified("UZ", start.z, 0.0, 0.0, values, count), scale)
 
 
 def _ends(seed: Seed, records: dict[int, _ArmRecord]) -> tuple[End, End]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -26,6 +26,7 @@ FILLS: Final = {
     "neutral": ("top", "0.6"),
 }
 WORDS: Final = {"stable": "stable", "unstable": "unstable", "saddle": "saddle", "neutral": "neutral or degenerate"}
+DASHES: Final = {"unstable": "-", "stable": "--"}
 SIZE: Final = (5.2, 5.0)
 
 
@@ -66,9 +67,10 @@ def _draw(plane: PhasePlane, ax: Axes) -> None:
     seen: set[str] = set()
     for half in plane.separatrices:
         label = f"{half.kind} manifold"
-        dashes: Any = "-" if half.kind == "unstable" else (0, (4, 2))
         points = _wrapped(half.flight.points, periods, plane.window)
-        ax.plot(*points.T, color="black", linewidth=1.0, linestyle=dashes, zorder=3, label=_once(label, seen))
+        ax.plot(
+            *points.T, color="black", linewidth=1.0, linestyle=DASHES[half.kind], zorder=3, label=_once(label, seen)
+        )
     for cycle in plane.cycles:
         label = "stable cycle" if cycle.stable else "unstable cycle"
         points = _wrapped(cycle.points, periods, plane.window)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Final, Union, cast
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from contin.model.kinds import need_time
 from contin.model.model import Model
 from contin.problems.functions.problem import FunctionProblem
 from contin.records import Record
+from contin.systems.protocol import System
 
+TwoStates = Union[Model, FunctionProblem]
 RATES: Final = ("rate_of_the_first", "rate_of_the_second")
 DIFFERENCE: Final = 1e-5  # steps of differences, as a part of the window: their error is about 1e-10 of the field
 
@@ -31,8 +33,8 @@ class PlanarField:
     `planar` is the model of the two states alone, `p` (m,) its parameters, `periods` (2,) those of angles, else 0.
     """
 
-    model: Any
-    planar: Any
+    model: TwoStates
+    planar: TwoStates
     p: Array
     held: Mapping[str, float]
 
@@ -54,7 +56,7 @@ class PlanarField:
         return dict(zip(self.planar.parameter_names, self.p.tolist(), strict=True))
 
     @cached_property
-    def backwards(self) -> Any:
+    def backwards(self) -> TwoStates:
         """The model whose trajectories are those of the flow run backwards in time."""
         model = self.planar
         if isinstance(model, FunctionProblem):
@@ -66,11 +68,11 @@ class PlanarField:
         return model.replace(equations=tuple(neg(e) for e in model.equations), events=(), symmetries=(), rotation={})
 
     @cached_property
-    def _system(self) -> Any:
+    def _system(self) -> System:
         if isinstance(self.planar, FunctionProblem):
-            return compiled(self.planar)
+            return cast(System, compiled(self.planar))
         rates = dict(zip(RATES, self.planar.equations, strict=True))
-        return compiled(self.planar.replace(observables=rates, events=()))
+        return cast(System, compiled(self.planar.replace(observables=rates, events=())))
 
     def values(self, points: Array) -> Array:
         """f at points (K, 2); nan where it is not finite."""
@@ -110,7 +112,12 @@ class PlanarField:
 
 
 def planar_field(
-    model: Any, x: str, y: str, parameters: Record | None = None, at: Record | None = None, start: Any = None
+    model: TwoStates,
+    x: str,
+    y: str,
+    parameters: Record | None = None,
+    at: Record | None = None,
+    start: str | Record | None = None,
 ) -> PlanarField:
     """The field of states x and y; the others are held at their values in the start, or `at`."""
     need_time(model, "phase plane")
@@ -161,7 +168,7 @@ def _of_function(model: FunctionProblem, x: str, y: str, values: Mapping[str, fl
     order = [names.index(name) for name in (x, y)]
     whole = np.array([values[name] for name in names])
 
-    def field(u: Any, p: Any) -> Any:
+    def field(u: Array, p: Record) -> Array:
         full = whole.astype(np.result_type(whole, np.asarray(u)))
         full[order] = u
         return np.asarray(model.residual(full, p))[order]

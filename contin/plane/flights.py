@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.errors import ContinError
 from contin.machine import elementary
-from contin.plane.field import PlanarField
+from contin.plane.field import PlanarField, TwoStates
 from contin.plane.rest import Rest
 from contin.simulate.flight import ESCAPED
 from contin.simulate.run import Simulation, simulate
@@ -82,7 +82,7 @@ def crossing_time(field: PlanarField, window: Array) -> float:
     return float(1.0 / np.median(moving)) if moving.size else 1.0
 
 
-def _part(field: PlanarField, model: Any, start: Array, span: float, window: Array) -> tuple[Array, bool, str]:
+def _part(field: PlanarField, model: TwoStates, start: Array, span: float, window: Array) -> tuple[Array, bool, str]:
     """Samples over a time; whether that time was reached; if not, why."""
     try:
         found = _simulated(field, model, start, span, SAMPLES, _box(field, window))
@@ -110,7 +110,7 @@ def _runs(gaps: NDArray[np.intp]) -> list[tuple[int, int]]:
 
 
 def _simulated(
-    field: PlanarField, model: Any, start: Array, span: float, samples: int, box: float = 1e100
+    field: PlanarField, model: TwoStates, start: Array, span: float, samples: int, box: float = 1e100
 ) -> Simulation:
     state = dict(zip(field.names, start.tolist(), strict=True))
     return simulate(model, state, field.parameters, time=span, samples=samples, budget=STEPS, box=box)

@@ -12,8 +12,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from contin.abi import Array
 from contin.errors import InputError
 from contin.limits import check_count
+from contin.plane.field import TwoStates
 from contin.plane.portrait import PhasePlane, plane
 from contin.plot.house_style import style
 from contin.records import Fields, Record
@@ -22,7 +24,7 @@ MOST_FRAMES: Final = 200
 
 
 def planes_along(
-    model: Any, x: str, y: str, parameter: str, low: float, high: float, frames: int,
+    model: TwoStates, x: str, y: str, parameter: str, low: float, high: float, frames: int,
     parameters: Record | None = None, *, watch: Callable[[int, int], None] | None = None, **options: Any,
 ) -> list[PhasePlane]:  # fmt: skip
     """Planes at equal steps of a parameter, in one window: what the first, the middle and the last one need."""
@@ -45,7 +47,7 @@ def planes_along(
     return found
 
 
-def _hull(ends: Any) -> tuple[float, float]:
+def _hull(ends: Array) -> tuple[float, float]:
     return float(ends[:, 0].min()), float(ends[:, 1].max())
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from contin.errors import InputError
 from contin.model.model import Model
 from contin.plane.cycles import Cycle, cycles
 from contin.plane.drawing import drawn
-from contin.plane.field import PlanarField, planar_field
+from contin.plane.field import PlanarField, TwoStates, planar_field
 from contin.plane.flights import Flight, fly
 from contin.plane.iterates import iterate
 from contin.plane.nullclines import nullclines
@@ -111,8 +111,8 @@ class PhasePlane:
 
 
 def plane(
-    model: Any, x: str, y: str, parameters: Record | None = None, *, x_range: Sequence[float] | None = None,
-    y_range: Sequence[float] | None = None, at: Record | None = None, start: Any = None,
+    model: TwoStates, x: str, y: str, parameters: Record | None = None, *, x_range: Sequence[float] | None = None,
+    y_range: Sequence[float] | None = None, at: Record | None = None, start: str | Record | None = None,
     points: Iterable[Sequence[float]] = (),
 ) -> PhasePlane:  # fmt: skip
     """The phase plane of states x and y of a flow or a map.

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.api.searches import find_equilibria
+from contin.model.model import Model
 from contin.plane.field import PlanarField
+from contin.problems.start import Equilibrium
 
 ROUNDED: Final = 1e-9  # of the largest eigenvalue: a smaller real part (distance from the unit circle) may be none
 
@@ -35,7 +37,7 @@ def rests(field: PlanarField, window: Array) -> tuple[list[Rest], list[str]]:
     box: dict[str, tuple[float, float]] = {
         name: (float(low), float(high)) for name, (low, high) in zip(field.names, window, strict=True)
     }
-    planar = field.planar if not getattr(field.planar, "events", ()) else field.planar.replace(events=())
+    planar = field.planar.replace(events=()) if isinstance(field.planar, Model) else field.planar
     found = find_equilibria(planar, box, field.parameters)
     notes = []
     if any(not one.isolated for one in found):
@@ -49,7 +51,7 @@ def _inside(u: Array, window: Array) -> bool:
     return bool(np.all((u >= window[:, 0] - slack) & (u <= window[:, 1] + slack)))
 
 
-def described(field: PlanarField, one: Any) -> Rest:
+def described(field: PlanarField, one: Equilibrium) -> Rest:
     """With the eigenvalues of the Jacobian of the planar field."""
     matrix = np.asarray(one.system.jacobian(one.u, one.p)[1])[:, :2]
     values, vectors = np.linalg.eig(matrix)
