@@ -27,10 +27,12 @@ from contin.problems.functions.problem import FunctionProblem
 from contin.problems.sparse.as_dense import SMALL
 from contin.problems.sparse.start import as_small
 from contin.problems.start import Equilibrium
+from contin.problems.symmetry_group import group_note
 from contin.records import Record
 from contin.symbolic.passes.conserved import conserved_notes
 
 if TYPE_CHECKING:
+    from contin.continuation.problem import Problem
     from contin.model.model import Model
 
 FUNCTION: Final = (
@@ -92,7 +94,7 @@ def diagram(
     targets = targets_of(problem, values)
     explorer = Explorer(parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal)
     result = explorer.explore(seeds, reserve)
-    result.notes[:0] = [*conserved_notes(model), *notes]
+    result.notes[:0] = [*conserved_notes(model), *_of_group(problem), *notes]
     return result
 
 
@@ -150,7 +152,13 @@ def phase(
     box = {name: bounds_of(found[0].problem(name), name, range) for name in pair}
     result = compute(found, pair, box, settings, watch, orbits, journal)
     alone = (FUNCTION,) if orbits and isinstance(model, FunctionProblem) and model.kind == "flow" else ()
-    return replace(result, notes=(*conserved_notes(model), *alone, *result.notes))
+    return replace(result, notes=(*conserved_notes(model), *group_note(found[0].system), *alone, *result.notes))
+
+
+def _of_group(problem: Problem) -> tuple[str, ...]:
+    """What to say of the declared symmetries of a problem that has a system."""
+    system = getattr(problem, "system", None)
+    return () if system is None else group_note(system)
 
 
 def _named_starts(model: Model, start: object) -> tuple[list[tuple[str, Any]], bool]:

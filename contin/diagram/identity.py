@@ -13,7 +13,7 @@ from contin.continuation.problem import Frame, Sample
 from contin.continuation.settings import Settings
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.problems.symmetry import apply_symmetry, every_symmetry
 
 SAME = 1e-6  # scaled distance of a point from a curve
 INSIDE = 1e-4  # scaled distance
@@ -35,7 +35,7 @@ def copies(problem: Any, z: Array, tangent: Array | None = None) -> Iterable[tup
         for shifted in range(1, problem.period):
             yield problem.shifted(z, shifted), None if tangent is None else problem.shifted(tangent, shifted)
     yield z, tangent
-    for symmetry in symmetry_names(problem):
+    for symmetry in every_symmetry(problem):
         mapped = apply_symmetry(problem, symmetry, z)[0]
         image = None
         if tangent is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch, Parent, SpecialPoint
 from contin.problems.images import image
-from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.transitions.registry import Explored
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ def _birth(parent: Parent) -> tuple[str, str]:
 def _variants(problem: Any, z: Array) -> Iterator[Profile]:
     yield problem.profile(z)
     if hasattr(problem, "moved"):
-        for name in symmetry_names(problem):
+        for name in every_symmetry(problem):
             yield problem.profile(apply_symmetry(problem, name, z)[0])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, End, ImageOf, SpecialPoint
-from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.problems.symmetry import apply_symmetry, every_symmetry, symmetry_names
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def images_through(branch: Branch, z: Array, known: Iterable[Branch]) -> list[Br
     """
     found: list[Branch] = []
     size = np.maximum(np.abs(branch.z), 1e-6 * float(np.nanmax(np.abs(branch.z))))
-    for name in symmetry_names(branch.problem):
+    for name in every_symmetry(branch.problem):
         mapped = apply_symmetry(branch.problem, name, branch.z)
         others = [b.z for b in (*known, *found) if b.z.shape == mapped.shape]
         if any(np.all(np.abs(mapped - rows) <= SAME * size) for other in others for rows in (other, other[::-1])):

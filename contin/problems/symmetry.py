@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 
 from contin.abi import Array
+from contin.problems.symmetry_group import group_words
 from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
@@ -27,15 +28,23 @@ class OrbitMaps(Protocol):
 
 
 def symmetry_names(problem: HasSystem) -> tuple[str, ...]:
-    """The declared symmetries, then their products in pairs (`a*b`: first b, then a), which are symmetries too."""
+    """The declared symmetries, then their products in pairs (`a*b`: first b, then a): those a branch is named after.
+
+    What is the same up to symmetry is decided by all of them, `every_symmetry`.
+    """
     declared = tuple(s.name for s in problem.system.model.symmetries)
     return declared + tuple(f"{a}*{b}" for a in declared for b in declared if a != b)
+
+
+def every_symmetry(problem: HasSystem) -> tuple[str, ...]:
+    """The group that the declared symmetries generate without the identity: those first, then longer products."""
+    return group_words(problem.system)
 
 
 def apply_symmetry(problem: InOneParameter, name: str, z: Array) -> Array:
     """Images of rows z (k, n + 1) under a name of `symmetry_names`: the state part is mapped, the parameter stays."""
     if "*" in name:
-        outer, inner = name.split("*")
+        outer, inner = name.split("*", 1)
         return apply_symmetry(problem, outer, apply_symmetry(problem, inner, z))
     z = np.atleast_2d(z)
     if isinstance(problem, OrbitMaps):

@@ -14,6 +14,7 @@ from contin.continuation.problem import Frame, Rejected, Sample
 from contin.problems.codim2 import crossing
 from contin.problems.codim2.functions import function_of
 from contin.problems.symmetry import symmetry_names
+from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
     from contin.problems.loci.problem import LocusProblem
@@ -54,9 +55,7 @@ def _arms(problem: LocusProblem, z: Array, direction: Array) -> tuple[int, ...]:
         return (-1, 1)
     p = problem.curve.full_parameters(z)
     for name in symmetry_names(problem):
-        rows = np.stack([u, u + KEPT * d, u - KEPT * d])
-        for part in reversed(name.split("*")):
-            rows = system.symmetry(part, np.ascontiguousarray(rows), np.tile(p, (3, 1)))
+        rows = moved(system, name, np.stack([u, u + KEPT * d, u - KEPT * d]), np.tile(p, (3, 1)))
         kept = np.all(np.abs(rows[0] - u) <= KEPT * np.maximum(np.abs(u), size))
         turned = np.all(np.abs((rows[1] - rows[2]) / (2.0 * KEPT) + d) <= 1e-3 * size)
         if kept and turned:

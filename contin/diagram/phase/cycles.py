@@ -13,7 +13,7 @@ from contin.diagram.identity import copies, wrapped
 from contin.errors import ContinError
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.start import converge
-from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.systems.iterate import iterate
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def is_shorter(problem: object, z: Array) -> bool:
 def distinct_images(problem: Any, z: Array) -> int:
     """How many cycles the declared symmetries make of one."""
     found = [z]
-    for name in symmetry_names(problem):
+    for name in every_symmetry(problem):
         image = apply_symmetry(problem, name, z)[0]
         if not any(_is_shifted(problem, image, one) for one in found):
             found.append(image)

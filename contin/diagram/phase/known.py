@@ -12,7 +12,8 @@ from contin.continuation.branch import Branch
 from contin.continuation.departure import Seed
 from contin.diagram.identity import wrapped
 from contin.diagram.phase.lines import Box
-from contin.problems.symmetry import symmetry_names
+from contin.problems.symmetry import every_symmetry
+from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -59,12 +60,9 @@ def _copies(problem: Any, z: Array) -> Iterable[Array]:
     if _steps(problem) > 1:
         for x in list(system.orbit(z[:n], p))[1:]:
             yield np.concatenate([x, z[n:]])
-    for name in symmetry_names(problem):
-        u = np.ascontiguousarray(z[:n])[None]
-        for part in reversed(name.split("*")):
-            u = system.symmetry(part, np.ascontiguousarray(u), p[None])
+    for name in every_symmetry(problem):
         image = z.copy()
-        image[:n] = u[0]
+        image[:n] = moved(system, name, z[:n][None], p[None])[0]
         yield image
 
 

@@ -14,7 +14,7 @@ from contin.diagram.identity import wrapped
 from contin.diagram.orbits import copies, known_orbit
 from contin.diagram.phase.cycles import distinct_images, is_one, is_shorter
 from contin.problems.maps.cycle import CycleProblem
-from contin.problems.symmetry import apply_symmetry, symmetry_names
+from contin.problems.symmetry import apply_symmetry, every_symmetry
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
@@ -104,7 +104,7 @@ def _is_meant(problem: EquilibriumProblem, u: Array) -> bool:
 def images_of(problem: EquilibriumProblem, z: Array) -> list[Array]:
     """The state and its distinct images under the declared symmetries."""
     found = [np.asarray(z[:-1])]
-    for name in symmetry_names(problem):
+    for name in every_symmetry(problem):
         image = apply_symmetry(problem, name, z)[0][:-1]
         if not any(_equal(known, image, problem.angle_periods) for known in found):
             found.append(image)

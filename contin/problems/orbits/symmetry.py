@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.continuation.halting import HALF_PERIOD
 from contin.problems.orbits.layout import Profile
 from contin.problems.symmetry import symmetry_names
+from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
     from contin.problems.orbits.problem import OrbitProblem
@@ -27,9 +28,7 @@ STEP = 1e-4  # of the difference quotient that maps directions
 
 def states_moved(problem: OrbitProblem, name: str, u: Array, p: Array) -> Array:
     """Images of states u (K, n) under a declared symmetry, or a product `a*b` (first b)."""
-    for one in reversed(name.split("*")):
-        u = problem.system.symmetry(one, np.ascontiguousarray(u), p)
-    return np.asarray(u)
+    return moved(problem.system, name, u, p)
 
 
 def orbits_moved(problem: OrbitProblem, name: str, z: Array) -> Array:

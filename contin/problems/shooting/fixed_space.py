@@ -17,6 +17,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.problems.symmetry import symmetry_names
+from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
     from contin.problems.shooting.problem import ShootingProblem
@@ -47,7 +48,7 @@ class FixedSpace:
 
 
 def fixed_space(problem: ShootingProblem, u: Array, p: Array) -> FixedSpace | None:
-    """Of the declared symmetries (and their products in pairs) that keep all states u (K, n); None where none does."""
+    """Of the declared symmetries (and their products) that keep all states u (K, n); None where none does."""
     largest = float(np.abs(u).max())
     matrices = []
     for name in symmetry_names(problem):
@@ -69,8 +70,7 @@ def matrix_of(problem: ShootingProblem, name: str, u: Array, p: Array) -> Array 
     n = problem.n
     sizes = np.maximum(np.abs(u).max(axis=0), 1e-300)
     rows = np.vstack([np.zeros((1, n)), np.diag(sizes), u])
-    for one in reversed(name.split("*")):
-        rows = np.asarray(problem.system.symmetry(one, np.ascontiguousarray(rows), p))
+    rows = moved(problem.system, name, rows, p)
     matrix = (rows[1 : n + 1] - rows[0]).T / sizes
     wrong = np.abs(u @ matrix.T - rows[n + 1 :]).max(initial=0.0) + np.abs(rows[0]).max()
     return matrix if wrong <= LINEAR * sizes.max() else None
