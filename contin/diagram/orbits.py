@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch, Parent, SpecialPoint
+from contin.diagram.sizes import sizes_among
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.transitions.registry import Explored
@@ -23,6 +24,7 @@ LONG = 0.4  # part of the period at the end of a family from which its orbits ar
 SAME_PARAMETER = 1e-6  # relative to the range
 SAME_PERIOD = 1e-4  # relative
 SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their extent: period and parameter agree already
+SHRUNK = 1e-4  # of the states' sizes: the extent of an orbit that is next to a point
 SAMPLES = 200
 
 
@@ -55,7 +57,7 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
     seed is compared with the ends of every family and with its branch points, but not with the branch it was born at.
     """
     problem, parent = seed.problem, seed.parent
-    here = list(_variants(problem, seed.z))
+    here, sizes = list(_variants(problem, seed.z)), _sizes(problem, seed.z)
     own_birth = None if parent is None else _birth(parent)
     for branch in branches:
         if branch.kind != "orbit" or branch.image_of is not None or branch.parameters != tuple(problem.parameters):
@@ -73,7 +75,7 @@ def known_family(branches: Iterable[Branch], seed: Any, width: float) -> Branch 
             if abs(z[-1] - seed.z[-1]) > SAME_PARAMETER * width:
                 continue
             other = branch.problem.profile(z)
-            if any(_same(other, one) for one in here):
+            if any(_same(other, one, sizes) for one in here):
                 return branch
     return None
 
@@ -89,7 +91,7 @@ def family_through(branches: Iterable[Branch], seed: Any, bounds: tuple[float, f
     Each family is solved at the seed's parameter, wherever its rows pass that.
     """
     problem = seed.problem
-    here = list(_variants(problem, seed.z))
+    here, sizes = list(_variants(problem, seed.z)), _sizes(problem, seed.z)
     for branch in branches:
         if branch.kind != "orbit" or branch.image_of is not None or branch.parameters != tuple(problem.parameters):
             continue
@@ -99,17 +101,17 @@ def family_through(branches: Iterable[Branch], seed: Any, bounds: tuple[float, f
         for row in dict.fromkeys([*rows.tolist(), *across.tolist(), *(across + 1).tolist()]):
             z = branch.z[row][~np.isnan(branch.z[row])]
             solved = branch.problem.at_parameter(z, float(seed.z[-1]), branch.problem.initial_scale(z, bounds))
-            if solved is not None and any(_same(branch.problem.profile(solved), one) for one in here):
+            if solved is not None and any(_same(branch.problem.profile(solved), one, sizes) for one in here):
                 return branch
     return None
 
 
 def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> tuple[Any, Array] | None:
     """The one of the `known` orbits, at the same parameters, that z is, or is an image of."""
-    here = list(_variants(problem, z))
+    here, sizes = list(_variants(problem, z)), _sizes(problem, z)
     for other, row in known:
         profile = other.profile(row)
-        if any(_same(profile, one) for one in here):
+        if any(_same(profile, one, sizes) for one in here):
             return other, row
     return None
 
@@ -117,8 +119,9 @@ def known_orbit(problem: Any, z: Array, known: Iterable[tuple[Any, Array]]) -> t
 def copies(problem: EquilibriumProblem, z: Array) -> int:
     """How many different orbits the declared symmetries make of one."""
     distinct: list[Profile] = []
+    sizes = _sizes(problem, z)
     for profile in _variants(problem, z):
-        if not any(_same(profile, one) for one in distinct):
+        if not any(_same(profile, one, sizes) for one in distinct):
             distinct.append(profile)
     return len(distinct)
 
@@ -134,13 +137,17 @@ def _variants(problem: Any, z: Array) -> Iterator[Profile]:
             yield problem.profile(apply_symmetry(problem, name, z)[0])
 
 
-def _same(a: Profile, b: Profile) -> bool:
-    """One period and, as sets, one orbit."""
+def _sizes(problem: Any, z: Array) -> Array:
+    """Of the states (n,) along an orbit."""
+    return sizes_among(problem, [problem.profile(z).u], float(z[-1]))
+
+
+def _same(a: Profile, b: Profile, sizes: Array) -> bool:
+    """One period and, as sets, one orbit; sizes (n,) of the states, in which distances are measured."""
     if abs(a.period - b.period) > SAME_PERIOD * b.period:
         return False
-    u, v = _points(a), _points(b)
-    extent = max(float(np.ptp(u, axis=0).max()), float(np.ptp(v, axis=0).max()))
-    size = max(extent, 1e-4 * float(np.abs(u).max(initial=0.0)), 1e-12)
+    u, v = _points(a) / sizes, _points(b) / sizes
+    size = max(float(np.ptp(u, axis=0).max()), float(np.ptp(v, axis=0).max()), SHRUNK)
     apart = np.linalg.norm(u[:, None, :] - v[None, :, :], axis=2)
     grain = 2.0 * float(np.linalg.norm(np.diff(v, axis=0), axis=1).max())
     return bool(max(apart.min(axis=0).max(), apart.min(axis=1).max()) <= grain + SAME_ORBIT * size)
@@ -162,6 +169,7 @@ def mirrored_families(branch: Branch, branches: Iterable[Branch]) -> list[Branch
         middle = branch.z[len(branch) // 2]
         orbit = branch.problem.profile(middle)
         moved = branch.problem.profile(apply_symmetry(branch.problem, name, middle)[0])
-        if not _same(orbit, moved) and not any(b.image_of and b.name == f"{branch.name}~{name}" for b in branches):
+        known = any(b.image_of and b.name == f"{branch.name}~{name}" for b in branches)
+        if not known and not _same(orbit, moved, _sizes(branch.problem, middle)):
             found.append(image(branch, name))
     return found

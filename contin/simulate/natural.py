@@ -46,11 +46,15 @@ class Metric:
         return relative * self.states
 
 
-def natural_metric(system: System, u: Array, p: Array) -> Metric:
-    """The metric at a start (u, p) of a compiled model, or of a Python function."""
+def natural_metric(system: System, u: Array, p: Array, seen: Array | None = None) -> Metric:
+    """The metric at a start (u, p) of a compiled model, or of a Python function.
+
+    seen : (n,) the largest moduli of the states where they are known, in place of those in the model's starts.
+    """
     n = int(system.n)
     full = np.append(p, 0.0) if system.is_forced else np.asarray(p, dtype=float)
     declared, usual = sizes_of(system.model, tuple(float(v) for v in p))
+    usual = usual if seen is None else np.where(seen > 0.0, seen, usual)
     f, jacobian = (np.nan_to_num(part, posinf=0.0, neginf=0.0) for part in system.jacobian(u, full))
     matrix = jacobian[:, :n]
     if system.kind == "map":

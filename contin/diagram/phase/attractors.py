@@ -15,19 +15,19 @@ from contin.diagram.orbits import known_orbit
 from contin.diagram.phase.cycles import cycles_reached
 from contin.diagram.phase.rest import ZERO as ZERO_OF_REST
 from contin.diagram.phase.rest import is_rest
-from contin.diagram.phase.states import State, images_of
+from contin.diagram.phase.states import State, images_of, points_of
+from contin.diagram.sizes import length, sizes_among
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.simulation import UNSTABLE, time_scale
 from contin.problems.shooting.start import settled_orbit
 from contin.problems.start import converge
-from contin.simulate.natural import natural_metric
 from contin.simulate.trajectory import integrate
 
 if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
-PUSH: Final = 1e-2  # length of the perturbation along an unstable direction, relative to the states' sizes
+PUSH, LEAST = 1e-2, 1e-3  # length of the push along an unstable direction, of the state; which is at least this large
 LONGEST: Final = 4000.0  # time scales in which a trajectory is to settle on an orbit
 LASTING: Final = 20_000.0  # ... and in which one that did not must go on, to be an attractor and no long transient
 TRANSIENT, STEPS = 300.0, 6_000  # time scales of the first look, which must not take more steps (or escapes)
@@ -124,8 +124,9 @@ class _Trajectories:
     def __post_init__(self) -> None:
         self.p = self.problem.full_parameters(np.append(np.zeros(self.problem.n), self.value))[: len(self.problem.base)]
         self.periods = np.asarray(self.problem.angle_periods, dtype=float)
+        self.sizes = sizes_among(self.problem, [points_of(state) for state in self.states], self.value)
         self.equilibria = [state.vector for state in self.states if state.orbit is None and state.unstable == 0]
-        self.resting = any(is_rest(self.problem, v, self._size()) for v in self.equilibria)
+        self.resting = any(is_rest(self.problem, v, self.sizes) for v in self.equilibria)
         self.orbits = [state.orbit for state in self.states if state.orbit is not None]
 
     def follow(self, u: Array) -> None:
@@ -134,11 +135,10 @@ class _Trajectories:
         scale = time_scale(system, u, self.p)
         size = self._size(u)
         end = integrate(system, u, self.p, TRANSIENT * scale, rtol=FAIR, atol=SMALLER * FAIR * size, budget=STEPS).end
-        if self._is_at_rest(end) or any(_is_on(end, orbit, self.periods) for orbit in self.orbits):
+        if self._is_at_rest(end) or any(_is_on(end, orbit, self.periods, self.sizes) for orbit in self.orbits):
             return
         window = integrate(system, end, self.p, WINDOW * scale, times=np.linspace(0.0, WINDOW * scale, 200))
-        moved = float(np.ptp(window.u, axis=0).max())
-        if moved < RESTING * self._size(end):
+        if length(np.ptp(window.u, axis=0), self._size(end)) < RESTING:
             self._rest(end)
         elif not self._is_wild(window.u):
             self._orbit(end, scale)
@@ -150,20 +150,19 @@ class _Trajectories:
         """True where a trajectory stays in the box of one that has no period."""
         return any(bool(np.all((low <= points) & (points <= high))) for low, high in self.wild)
 
-    def _size(self, u: Array | None = None) -> float:
-        """Of the largest state of the equilibria, and of u; with u positive."""
-        size = max((float(np.abs(state.vector).max()) for state in self.states if state.orbit is None), default=0.0)
-        return size if u is None else max(size, float(np.abs(u).max())) or 1.0
+    def _size(self, u: Array) -> Array:
+        """Of each state, (n,): among those that are known, and of u."""
+        return np.where(self.periods > 0.0, self.sizes, np.maximum(self.sizes, np.abs(u)))
 
     def _is_at_rest(self, u: Array) -> bool:
         """True near a stable equilibrium, or its image under a symmetry."""
-        if self.resting and is_rest(self.problem, u, ARRIVED / ZERO_OF_REST * self._size()):
+        if self.resting and is_rest(self.problem, u, ARRIVED / ZERO_OF_REST * self.sizes):
             return True
-        size = max((float(np.abs(v).max()) for v in self.equilibria), default=0.0)
-        near = ARRIVED * max(size, ARRIVED * self._size())
+        size = max((length(v, self.sizes) for v in self.equilibria), default=0.0)
+        near = ARRIVED * max(size, ARRIVED)
         return any(
-            float(np.abs(wrapped(w - v, self.periods)).max()) < near
-            for w in images_of(self.problem, np.append(u, self.value))
+            length(wrapped(w - v, self.periods), self.sizes) < near
+            for w in images_of(self.problem, np.append(u, self.value), self.sizes)
             for v in self.equilibria
         )
 
@@ -174,7 +173,7 @@ class _Trajectories:
         except (ContinError, np.linalg.LinAlgError):
             solution = None  # followed to where Newton does not converge: the state itself stands for it
         at = np.array(u if solution is None else solution.u)
-        at[np.abs(at) < ZERO * self._size()] = 0.0
+        at[np.abs(at) < ZERO * self.sizes] = 0.0
         if self._is_at_rest(at):
             return
         self.equilibria.append(at)
@@ -193,11 +192,11 @@ class _Trajectories:
         u = integrate(
             system, u, self.p, LASTING * scale, rtol=ROUGH, atol=SMALLER * ROUGH * size, budget=int(rate * LASTING)
         ).end
-        if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods) for orbit in self.orbits):
+        if self._is_at_rest(u) or any(_is_on(u, orbit, self.periods, self.sizes) for orbit in self.orbits):
             return
         path = integrate(system, u, self.p, time, times=np.linspace(0.0, time, 2000), rtol=ROUGH).u
         extent = np.ptp(path, axis=0)
-        if float(extent.max()) > RESTING * size:
+        if length(extent, size) > RESTING:
             self.looked = True
             self.wild.append((path.min(axis=0) - ROOM * extent, path.max(axis=0) + ROOM * extent))
 
@@ -225,10 +224,10 @@ class _Trajectories:
             return seed
         profile = problem.profile(seed.z)
         s = np.linspace(0.0, 1.0, SAMPLES + 1)
-        size = max(float(np.ptp(profile.at(s), axis=0).max()), 1e-300)
+        size = max(length(np.ptp(profile.at(s), axis=0), self.sizes), 1e-300)
         for times in range(ROUNDS, 1, -1):
             gap = wrapped(profile.at((s + 1.0 / times) % 1.0) - profile.at(s), self.periods)
-            if float(np.abs(gap).max()) < ONE_ROUND * size:
+            if length(gap, self.sizes) < ONE_ROUND * size:
                 states = profile.at(s / times)
                 t = s * profile.period / times
                 once = orbit_from_samples(problem.system, t, states, self.p, self.periods)
@@ -240,26 +239,26 @@ def _is_regular(problem: EquilibriumProblem, z: Array) -> bool:
     return bool(np.all(np.isfinite(problem.linear_part(z))))
 
 
-def _is_on(u: Array, orbit: tuple[Any, Array], periods: Array) -> bool:
+def _is_on(u: Array, orbit: tuple[Any, Array], periods: Array, sizes: Array) -> bool:
     """True near a known orbit (which may be unstable: a trajectory that lingers there is followed no further)."""
     problem, z = orbit
     points = problem.profile(z).at(np.linspace(0.0, 1.0, SAMPLES))
-    size = float(np.ptp(points, axis=0).max())
-    grain = float(np.abs(np.diff(points, axis=0)).max())
-    return float(np.abs(wrapped(points - u, periods)).max(axis=1).min()) < grain + ARRIVED * size
+    size, grain = length(np.ptp(points, axis=0), sizes), length(np.diff(points, axis=0), sizes)
+    return float((np.abs(wrapped(points - u, periods)) / sizes).max(axis=1).min()) < grain + ARRIVED * size
 
 
 def _pushed(problem: EquilibriumProblem, states: Sequence[State], value: float) -> list[Array]:
     """Starts beside the unstable equilibria, the most unstable ones first."""
     starts: list[tuple[float, Array]] = []
+    sizes = sizes_among(problem, [points_of(state) for state in states], value)
     for state in states:
         if state.orbit is not None or state.unstable == 0:
             continue
         values, vectors = np.linalg.eig(problem.linear_part(np.append(state.vector, value)))
         k = int(np.argmax(values.real))
         q = np.real(vectors[:, k])
-        size = max(float(np.abs(state.vector).max()), 1e-3)
-        step = PUSH * size * q / max(float(np.abs(q).max()), 1e-300)
+        size = max(length(state.vector, sizes), LEAST)
+        step = PUSH * size * q / max(length(q, sizes), 1e-300)
         starts += [(-float(values[k].real), state.vector + sign * step) for sign in (1.0, -1.0)]
     return [u for _, u in sorted(starts, key=lambda item: item[0])]
 
@@ -269,31 +268,18 @@ def _scattered(problem: Any, states: Sequence[State], value: float) -> list[Arra
 
     States that are zero in all that is known, as on an invariant axis, spread by their natural sizes.
     """
-    known = [state.vector.reshape(state.steps, -1) for state in states if state.orbit is None]
-    known += [state.orbit[0].profile(state.orbit[1]).u for state in states if state.orbit is not None]
-    points = np.concatenate(known or [np.zeros((1, problem.n))])
+    points = np.concatenate([points_of(state) for state in states] or [np.zeros((1, problem.n))])
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.maximum(high - low, 0.5 * np.maximum(np.abs(low), np.abs(high)))
-    if not np.all(room > 0.0):
-        p = problem.full_parameters(np.append(low, value))[: len(problem.base)]
-        room = np.where(room > 0.0, room, natural_metric(problem.system, low, p).states)
+    sizes = sizes_among(problem, [points], value)
+    room = np.where(room > ZERO * sizes, room, sizes)
     anywhere = np.random.default_rng(7).uniform(low - room, high + room, (SCATTERED, len(low)))
     return [*anywhere, *(SMALL * anywhere)]
 
 
-def _point_of(state: State) -> Array:
-    if state.orbit is not None:
-        problem, z = state.orbit
-        return np.asarray(problem.profile(z).u[0])
-    return state.vector[: len(state.vector) // state.steps]
-
-
-def within_basins(states: Sequence[State]) -> list[Array]:
+def within_basins(problem: EquilibriumProblem, states: Sequence[State], value: float) -> list[Array]:
     """A point beside every stable state: where to look for its like at other parameters."""
     generator = np.random.default_rng(3)
-    points = []
-    for state in states:
-        if state.unstable == 0:
-            points.append(_point_of(state))
-    size = max((float(np.abs(u).max()) for u in points), default=0.0)
-    return [u + BESIDE * size * generator.normal(size=len(u)) for u in points]
+    points = [points_of(state)[0] for state in states if state.unstable == 0]
+    sizes = sizes_among(problem, points, value)
+    return [u + BESIDE * sizes * generator.normal(size=len(u)) for u in points]

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.diagram.identity import wrapped
 from contin.diagram.phase.plane import Face, clearance, inside
 from contin.diagram.phase.states import State, images_of
+from contin.diagram.sizes import length, sizes_among
 
 OTHERS: Final = 3  # points of a region to which its states are continued
 TRIED: Final = 40  # points of a region among which they are chosen
@@ -78,8 +79,7 @@ class Plane:
             p = self.parameters(a + ahead * (b - a))
             guess = u + (ahead - done) * self._slope(u, a + done * (b - a), b - a)
             found = self._solved(guess, p, typical)
-            size = max(float(np.abs(u).max()), typical)
-            if found is None or _is_elsewhere(found, guess, u, size) or not self._is_stable(found, p):
+            if found is None or _is_elsewhere(found, guess, u, np.maximum(np.abs(u), typical)) or not self._is_stable(found, p):
                 step /= 2.0  # it may be another state that Newton came to
                 if step < SHORTEST:
                     return None
@@ -100,15 +100,15 @@ class Plane:
             return np.zeros(n)
         return slope if np.all(np.isfinite(slope)) else np.zeros(n)
 
-    def _typical(self, u: Array, point: Array) -> float:
-        """Size of the states at u, where they may pass through zero: that of the metric of a branch from there."""
+    def _typical(self, u: Array, point: Array) -> Array:
+        """Sizes of the states at u, where they may pass through zero: those of the metric of a branch from there."""
         k = list(self.problem.system.parameter_names).index(self.names[0])
         problem = replace(self.problem, base=self.parameters(point), active=k)
         bounds = float(self.low[0]), float(self.low[0] + self.width[0])
         scale = problem.initial_scale(np.append(u, problem.base[k]), bounds)
-        return max(float(np.abs(u).max()), float(np.max(scale[:-1]) / np.sqrt(self.problem.n)))
+        return np.asarray(scale[:-1] / np.sqrt(self.problem.n))
 
-    def _solved(self, u: Array, p: Array, typical: float) -> Array | None:
+    def _solved(self, u: Array, p: Array, typical: Array) -> Array | None:
         n, is_map = self.problem.n, self.problem.is_map
         for _ in range(NEWTON):
             f, matrix = self.problem.system.jacobian(u, p)
@@ -120,7 +120,7 @@ class Plane:
             except np.linalg.LinAlgError:  # no equilibrium there, which the check then tells
                 return None
             u = u + step
-            if float(np.abs(step).max()) <= SETTLED * max(float(np.abs(u).max()), typical):
+            if np.all(np.abs(step) <= SETTLED * np.maximum(np.abs(u), typical)):
                 return u
         return None
 
@@ -132,16 +132,16 @@ class Plane:
 
     def same(self, u: Array, v: Array) -> bool:
         """True where v is u, or an image of it under a declared symmetry."""
-        size = max(float(np.abs(u).max()), float(np.abs(v).max()), 1e-300)
-        periods = np.asarray(self.problem.angle_periods)
-        images = images_of(self.problem, np.append(v, self.problem.base[self.problem.active]))
-        return any(float(np.abs(wrapped(u - w, periods)).max()) <= ALIKE * size for w in images)
+        value = float(self.problem.base[self.problem.active])
+        sizes, periods = sizes_among(self.problem, [u, v], value), np.asarray(self.problem.angle_periods)
+        images = images_of(self.problem, np.append(v, value), sizes)
+        return any(length(wrapped(u - w, periods), sizes) <= ALIKE for w in images)
 
 
-def _is_elsewhere(found: Array, guess: Array, u: Array, size: float) -> bool:
+def _is_elsewhere(found: Array, guess: Array, u: Array, sizes: Array) -> bool:
     """True where Newton's result is far from u, or went on from the guess further than the way from u explains."""
-    moved, corrected = float(np.abs(found - u).max()), float(np.abs(found - guess).max())
-    return moved > FAR * size or (corrected > PREDICTED * moved and moved > NEAR * size)
+    moved, corrected = length(found - u, sizes), length(found - guess, sizes)
+    return moved > FAR or (corrected > PREDICTED * moved and moved > NEAR)
 
 
 def stable_equilibria(states: Sequence[State], rests: Sequence[State]) -> list[Array]:

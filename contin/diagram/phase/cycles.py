@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.departure import Seed
 from contin.diagram.identity import copies, wrapped
+from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.start import converge
@@ -41,8 +42,9 @@ def cycles_reached(
     seeds: list[Seed] = []
     aperiodic = 0
     failed: list[str] = []
+    sizes = sizes_among(problem, [*known, *starts], value)
     for u in starts:
-        end, steps = _settled(problem.system, u, p, periods)
+        end, steps = _settled(problem.system, u, p, periods, sizes)
         if end is None:
             continue
         if steps == 0:
@@ -61,12 +63,11 @@ def cycles_reached(
 
 def is_one(problem: Any, z: Array, other: Array) -> bool:
     """True where the cycles of z (k n + 1,) and `other` (k n,) are one, shifted or mirrored."""
-    size = SAME * max(float(np.abs(z[:-1]).max()), 1e-9)
     if other.size != z.size - 1:
         return False
+    sizes = _sizes(problem, z)
     return any(
-        float(np.abs(wrapped(image[:-1] - other, problem.angle_periods)).max()) <= size
-        for image, _ in copies(problem, z)
+        length(wrapped(image[:-1] - other, problem.angle_periods), sizes) <= SAME for image, _ in copies(problem, z)
     )
 
 
@@ -74,10 +75,10 @@ def is_shorter(problem: object, z: Array) -> bool:
     """True where z repeats a cycle of fewer steps, as beside a period doubling."""
     if not isinstance(problem, CycleProblem):
         return False
-    size = REPEATS * max(float(np.abs(z[:-1]).max()), 1e-9)
+    sizes = _sizes(problem, z)
     parts = [k for k in range(1, problem.period) if problem.period % k == 0]
     turned = (wrapped((problem.shifted(z, k) - z)[:-1], problem.angle_periods) for k in parts)
-    return any(float(np.abs(gap).max()) <= size for gap in turned)
+    return any(length(gap, sizes) <= REPEATS for gap in turned)
 
 
 def distinct_images(problem: Any, z: Array) -> int:
@@ -91,28 +92,34 @@ def distinct_images(problem: Any, z: Array) -> int:
 
 
 def _is_shifted(problem: Any, z: Array, other: Array) -> bool:
-    size = SAME * max(float(np.abs(z[:-1]).max()), 1e-9)
+    sizes = _sizes(problem, z)
     turns = problem.period if isinstance(problem, CycleProblem) else 1
     shifted = (problem.shifted(z, k) if k else z for k in range(turns))
-    return any(float(np.abs(wrapped((one - other)[:-1], problem.angle_periods)).max()) <= size for one in shifted)
+    return any(length(wrapped((one - other)[:-1], problem.angle_periods), sizes) <= SAME for one in shifted)
 
 
-def _settled(system: System, u: Array, p: Array, periods: Array) -> tuple[Array | None, int]:
+def _sizes(problem: Any, z: Array) -> Array:
+    """Of the states among the points of a cycle (k n + 1,), one for each unknown, (k n,)."""
+    sizes = sizes_among(problem, [z[:-1]], float(z[-1]))
+    return np.tile(sizes, (z.size - 1) // sizes.size)
+
+
+def _settled(system: System, u: Array, p: Array, periods: Array, sizes: Array) -> tuple[Array | None, int]:
     """Where a point settles, and the period: 0 where it has none, (None, 0) where it escapes."""
     x = np.array(u, dtype=float)
-    size = max(1.0, float(np.abs(x).max()))
+    far = FAR * max(1.0, length(x, sizes))
     done = 0
     for until in (FIRST, LAST):
         while done < until:
             x = np.asarray(system.value(x, p))
             done += 1
-            if not float(np.abs(x).max()) < FAR * size:  # not a number, too
+            if not length(x, sizes) < far:  # not a number, too
                 return None, 0
         path = [x]
         for _ in range(LONGEST):
             path.append(np.asarray(system.value(path[-1], p)))
-        scale = max(float(np.abs(path).max()), 1e-9)
+        scale = length(np.array(path), sizes)
         for steps in range(1, LONGEST + 1):
-            if float(np.abs(wrapped(path[steps] - x, periods)).max()) < SETTLED * scale:
+            if length(wrapped(path[steps] - x, periods), sizes) <= SETTLED * scale:
                 return x, steps
     return x, 0

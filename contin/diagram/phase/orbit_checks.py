@@ -7,6 +7,7 @@ oscillating there. Nothing is continued or solved for; what the families of orbi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from contin.abi import Array
 from contin.diagram.phase.checks import Check, Plane, others, place_of
 from contin.diagram.phase.plane import Face
 from contin.diagram.phase.states import State
+from contin.diagram.sizes import sizes_among
 from contin.errors import ContinError
 from contin.simulate.trajectory import integrate
 
@@ -54,7 +56,8 @@ def _goes_on(plane: Plane, orbit: Array, period: float, a: Array, b: Array, legs
     system = plane.problem.system
     extent = np.ptp(orbit, axis=0)
     largest = int(np.argmax(extent / np.maximum(np.abs(orbit).max(axis=0), 1e-300)))
-    floor = TOLERANCE * SMALLER * np.maximum(np.abs(orbit).max(axis=0), 1e-12 * np.abs(orbit).max())
+    here = replace(plane.problem, base=plane.parameters(a))
+    floor = TOLERANCE * SMALLER * sizes_among(here, [orbit], float(here.base[here.active]))
     u = orbit[0]
     try:
         for k in range(1, legs + 1):

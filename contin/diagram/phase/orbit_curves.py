@@ -11,6 +11,8 @@ from contin.abi import Array
 from contin.continuation.branch import Branch, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.diagram.phase.lines import Box, is_orbital, smooth_rows, unit
+from contin.problems.symmetry import every_symmetry
+from contin.problems.symmetry_group import moved
 
 if TYPE_CHECKING:
     from contin.problems.orbits.layout import Profile
@@ -34,7 +36,7 @@ def is_known_point(loci: Sequence[Branch], point: SpecialPoint, states: Sequence
     """True where a labelled orbit of a family is on one of the curves of its type: no equations are solved for that."""
     extents = [point.values[f"{name}.max"] - point.values[f"{name}.min"] for name in states]
     period = 1.0 if point.type == "HOM" else point.values["period"]
-    marks = np.array([period, np.linalg.norm(extents)])
+    marks = np.array([period, *extents])
     return any(_passes(b, place, marks, box) for b in loci if b.locus == point.type and is_orbital(b))
 
 
@@ -56,18 +58,38 @@ def repeats_curve(branch: Branch, loci: Sequence[Branch], box: Box) -> bool:
 
 
 def _marks(problem: TwoParameterProblem, columns: Any) -> Array:
-    """(rows, 2): period (of connecting orbits: 1) and extent, which symmetries leave as they are."""
+    """(rows, 1 + n): period (of connecting orbits: 1) and extents of the states."""
     names = problem.system.state_names
     extents = np.array([columns[f"{name}.max"] - columns[f"{name}.min"] for name in names])
-    size = np.linalg.norm(extents, axis=0)
-    return np.column_stack([columns.get("period", np.ones_like(size)), size])
+    return np.column_stack([columns.get("period", np.ones_like(extents[0])), extents.T])
+
+
+def _scale(problem: TwoParameterProblem, extents: Array) -> Array:
+    """Sizes of the states (n,) along a curve from their extents (rows, n); alike for states that symmetries exchange.
+
+    An orbit and its image then have one length.
+    """
+    system = problem.system
+    sizes = extents.max(axis=0)
+    p = np.array(problem.curve.base, dtype=float)
+    origin = np.zeros((1, len(sizes)))
+    images = [np.abs(moved(system, w, np.diag(sizes), p) - moved(system, w, origin, p)) for w in every_symmetry(problem)]
+    largest = np.max([sizes, *(image.max(axis=0) for image in images)], axis=0)
+    return np.where(largest > 0.0, largest, 1.0)
+
+
+def _lengths(marks: Array, scale: Array) -> Array:
+    """(rows, 2): period, and extent in the metric, which symmetries leave as it is."""
+    return np.column_stack([marks[:, 0], np.linalg.norm(marks[:, 1:] / scale, axis=1)])
 
 
 def _passes(branch: Branch, place: Array, marks: Array, box: Box) -> bool:
     """True where the curve passes this place of the unit square with an orbit that looks like this one."""
     rows = unit(branch.z[:, [-1, -2]], box)
     fine = smooth_rows(branch, rows, box)
-    own = _marks(branch.problem, branch.columns)
+    of_states = _marks(branch.problem, branch.columns)
+    scale = _scale(branch.problem, of_states[:, 1:])
+    own, marks = _lengths(of_states, scale), _lengths(marks[None], scale)[0]
     typical = np.array([0.0, float(own[:, 1].max())])  # the extent vanishes where the curve was born
     along = np.linspace(0.0, len(rows) - 1.0, len(fine))
     a, d = fine[:-1] - place, np.diff(fine, axis=0)

@@ -14,7 +14,8 @@ import numpy as np
 
 from contin.abi import Array, Vector
 from contin.continuation.departure import Seed
-from contin.diagram.phase.states import State
+from contin.diagram.phase.states import State, points_of
+from contin.diagram.sizes import length, sizes_among
 from contin.errors import ContinError
 from contin.problems.orbits.simulation import time_scale
 from contin.simulate.trajectory import integrate
@@ -32,10 +33,10 @@ CLEAR: Final = 3.0  # factor by which a trajectory must have grown, or shrunk
 ZERO: Final = 1e-9  # of the states' sizes
 
 
-def is_rest(problem: EquilibriumProblem, u: Array, size: float) -> bool:
-    """True where all states but angles are zero."""
+def is_rest(problem: EquilibriumProblem, u: Array, sizes: Array) -> bool:
+    """True where all states but angles are zero; sizes (n,) of the states."""
     moving = np.asarray(problem.angle_periods) == 0.0
-    return bool(np.all(np.abs(u[moving]) <= ZERO * size))
+    return bool(np.all(np.abs(u[moving]) <= ZERO * sizes[moving]))
 
 
 def rest_state(problem: Any, states: Sequence[State], value: float) -> tuple[Seed | None, State | None]:
@@ -44,20 +45,23 @@ def rest_state(problem: Any, states: Sequence[State], value: float) -> tuple[See
     Whether it is stable is told, where there are no derivatives, by trajectories from beside it; (None, None) where
     those do not agree.
     """
-    size = max((float(np.abs(s.vector).max()) for s in states if not s.is_orbit and s.vector.size), default=0.0) or 1.0
-    if problem.system.kind == "map" or any(not s.is_orbit and is_rest(problem, s.vector, size) for s in states):
+    if problem.system.kind == "map":
+        return None, None
+    sizes = sizes_among(problem, [points_of(s) for s in states], value)
+    if any(not s.is_orbit and is_rest(problem, s.vector, sizes) for s in states):
         return None, None
     p = problem.full_parameters(np.append(np.zeros(problem.n), value))[: len(problem.base)]
     zero = np.zeros(problem.n)
     moving = np.asarray(problem.angle_periods) == 0.0
     f, matrix = problem.system.jacobian(zero, p)
     if np.all(np.isfinite(f)) and np.all(np.isfinite(matrix[:, : problem.n])) and moving.all():
-        scale = size * float(np.abs(matrix[:, : problem.n]).max())
-        return (Seed(problem, np.append(zero, value)), None) if np.abs(f).max() <= ZERO * scale else (None, None)
+        rates = np.abs(matrix[:, : problem.n]) @ sizes
+        return (Seed(problem, np.append(zero, value)), None) if np.all(np.abs(f) <= ZERO * rates) else (None, None)
     starts = _beside(problem, moving)
-    if not all(_falls(problem.system, u, p, moving, size) for u in starts):
+    sizes = np.where(moving, sizes, 1.0)
+    if not all(_falls(problem.system, u, p, moving, sizes) for u in starts):
         return None, None
-    unstable = [_grows(problem.system, NEAR[0] * size * u, p, moving) for u in starts]
+    unstable = [_grows(problem.system, np.where(moving, NEAR[0] * sizes * u, u), p, moving, sizes) for u in starts]
     if any(one is None for one in unstable) and not any(one for one in unstable):
         return None, None
     values = dict(zip(problem.system.state_names, zero.tolist(), strict=True))
@@ -80,28 +84,28 @@ def _beside(problem: EquilibriumProblem, moving: Vector) -> list[Array]:
     return found
 
 
-def _falls(system: CompiledSystem, u: Array, p: Array, moving: Any, size: float) -> bool:
+def _falls(system: CompiledSystem, u: Array, p: Array, moving: Any, sizes: Array) -> bool:
     """True where the rates of all but angles fall in proportion to the distance from rest."""
     rates = []
     for near in NEAR:
-        at = np.where(moving, near * size * u, u)
+        at = np.where(moving, near * sizes * u, u)
         f = system.value(at, p)[moving]
         if not np.all(np.isfinite(f)):
             return False
-        rates.append(float(np.abs(f).max()) / near)
+        rates.append(length(f, sizes[moving]) / near)
     return rates[1] <= PROPORTIONAL * rates[0]
 
 
-def _grows(system: CompiledSystem, start: Array, p: Array, moving: Any) -> bool | None:
+def _grows(system: CompiledSystem, start: Array, p: Array, moving: Any, sizes: Array) -> bool | None:
     """Whether a trajectory from beside rest leaves it; None where it neither does nor comes nearer."""
-    before = float(np.linalg.norm(start[moving]))
+    before = float(np.linalg.norm((start / sizes)[moving]))
     with suppress(ContinError, np.linalg.LinAlgError):  # neither: the answer for what cannot be followed is None
         scale = time_scale(system, start, p)
-        options = {"rtol": 1e-8, "atol": 1e-10 * before, "budget": STEPS}
+        options = {"rtol": 1e-8, "atol": 1e-10 * before * sizes, "budget": STEPS}
         times = np.linspace(0.0, TIME * scale, 61)
         path = integrate(system, start, p, TIME * scale, times=times, **options).u[:, moving]  # type: ignore[arg-type]
-        sizes = np.linalg.norm(path, axis=1)
-        if float(sizes.max()) > CLEAR * CLEAR * CLEAR * before:
+        lengths = np.linalg.norm(path / sizes[moving], axis=1)
+        if float(lengths.max()) > CLEAR * CLEAR * CLEAR * before:
             return True
-        return False if float(sizes[-1]) < before / CLEAR else None
+        return False if float(lengths[-1]) < before / CLEAR else None
     return None

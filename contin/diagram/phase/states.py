@@ -13,6 +13,7 @@ from contin.continuation.branch import Branch, SpecialPoint
 from contin.diagram.identity import wrapped
 from contin.diagram.orbits import copies, known_orbit
 from contin.diagram.phase.cycles import distinct_images, is_one, is_shorter
+from contin.diagram.sizes import sizes_among
 from contin.problems.maps.cycle import CycleProblem
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from contin.problems.equilibrium import EquilibriumProblem
 
 SAME: Final = 1e-6
+SMALL: Final = 1e-3  # of a state's size: below this a difference is compared with that, not with the state
 MARKED: Final = 1e-9  # of the range: a parameter has the value that was asked for
 
 
@@ -53,6 +55,7 @@ def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[S
     """
     states: list[State] = []
     seen: list[Array] = []
+    sizes: Array | None = None
     for branch in branches:
         if branch.image_of is not None:
             continue
@@ -70,13 +73,34 @@ def states_on(branches: Sequence[Branch], value: float, width: float) -> tuple[S
                     count = distinct_images(problem, p.z)
                     states.append(State(values, int(p.values["unstable"]), p.z[:-1], count, None, problem.period))
                 continue
-            if any(_equal(v, p.z[:-1], problem.angle_periods) for v in seen):
+            if sizes is None:
+                sizes = _sizes_at(branches, problem, value, width)
+            if any(_equal(v, p.z[:-1], problem.angle_periods, sizes) for v in seen):
                 continue
-            images = images_of(problem, p.z)
+            images = images_of(problem, p.z, sizes)
             seen.extend(images)
             count = max(sum(_is_meant(problem, image) for image in images), 1)
             states.append(State({n: p.values[n] for n in names}, int(p.values["unstable"]), p.z[:-1], count))
     return tuple(states)
+
+
+def _sizes_at(branches: Sequence[Branch], problem: EquilibriumProblem, value: float, width: float) -> Array:
+    """Of the states of all equilibria that are marked at this value."""
+    kinds = ("equilibrium", "fixed-point")
+    points = [
+        p.z[:-1].reshape(-1, problem.system.n)
+        for b in branches if b.kind in kinds and b.image_of is None
+        for p in b.points if _is_at(p, b, value, width)
+    ]  # fmt: skip
+    return sizes_among(problem, points, value)
+
+
+def points_of(state: State) -> Array:
+    """Of an equilibrium, a cycle or an orbit, (k, n)."""
+    if state.orbit is not None:
+        problem, z = state.orbit
+        return np.asarray(problem.profile(z).u)
+    return state.vector.reshape(state.steps, -1)
 
 
 def _is_at(point: SpecialPoint, branch: Branch, value: float, width: float) -> bool:
@@ -101,16 +125,16 @@ def _is_meant(problem: EquilibriumProblem, u: Array) -> bool:
     return all(u[floor.index] >= floor.lowest for floor in problem.floors)
 
 
-def images_of(problem: EquilibriumProblem, z: Array) -> list[Array]:
-    """The state and its distinct images under the declared symmetries."""
+def images_of(problem: EquilibriumProblem, z: Array, sizes: Array) -> list[Array]:
+    """The state and its distinct images under the declared symmetries; sizes (n,) of the states."""
     found = [np.asarray(z[:-1])]
     for name in every_symmetry(problem):
         image = apply_symmetry(problem, name, z)[0][:-1]
-        if not any(_equal(known, image, problem.angle_periods) for known in found):
+        if not any(_equal(known, image, problem.angle_periods, sizes) for known in found):
             found.append(image)
     return found
 
 
-def _equal(a: Array, b: Array, periods: Array) -> bool:
-    size = np.maximum(np.maximum(np.abs(a), np.abs(b)), 1e-3 * max(float(np.abs(a).max()), 1e-9))
+def _equal(a: Array, b: Array, periods: Array, sizes: Array) -> bool:
+    size = np.maximum(np.maximum(np.abs(a), np.abs(b)), SMALL * sizes)
     return bool(np.all(np.abs(wrapped(a - b, np.asarray(periods)[: len(a)])) <= SAME * size))

@@ -153,7 +153,8 @@ class Survey:
                 if other is not visit and len(other.states) > visit.offered.get(id(other), 0):
                     visit.offered[id(other)] = len(other.states)
                     with self._surviving(visit):
-                        self._look(visit, within_basins(other.states))
+                        problem = replace(self.search.problem, base=self.search.held(0, other.at[1]))
+                        self._look(visit, within_basins(problem, other.states, other.at[0]))
         self.shared = True
 
     def _agree(self) -> None:
