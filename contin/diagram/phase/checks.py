@@ -1,4 +1,4 @@
-"""Regions checked by a second method: stable equilibria continued across them, by Newton at fixed parameters."""
+"""Regions checked by a second method: their equilibria continued across them, by Newton at fixed parameters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from contin.diagram.sizes import length, sizes_among
 
 OTHERS: Final = 3  # points of a region to which its states are continued
 TRIED: Final = 40  # points of a region among which they are chosen
-ALONG: Final = 40  # points of a path that must be inside
+ALONG: Final = 40  # points of a path that must be clear of the border
 CLEAR: Final = 2e-3  # distance of a path from the border, as part of the box
 FIRST, SHORTEST = 1.0 / 16.0, 1e-5  # steps along a path, as parts of it
 NEWTON: Final = 8
@@ -31,7 +31,7 @@ ALIKE: Final = 1e-5  # relative distance of two states that are one
 
 @dataclass(frozen=True)
 class Check:
-    """How many paths of stable equilibria were followed, and what became of those that did not arrive stable.
+    """How many paths of equilibria were followed, and what became of those that did not arrive, or changed stability.
 
     led : trajectories from stable orbits that were led to other points.
     """
@@ -48,7 +48,7 @@ class Check:
         """For the report."""
         parts = []
         if self.followed:
-            parts.append(f"{self.followed} paths of stable equilibria by Newton at fixed parameters")
+            parts.append(f"{self.followed} paths of equilibria by Newton at fixed parameters")
         if self.led:
             parts.append(f"{self.led} of stable orbits by trajectories with drifting parameters")
         return f"{', '.join(parts)}, across their regions: {len(self.disagreed)} disagreed"
@@ -70,8 +70,11 @@ class Plane:
         p[[own.index(name) for name in self.names]] = self.low + self.width * point
         return p
 
-    def followed(self, u: Array, a: Array, b: Array) -> Array | None:
-        """The stable equilibrium u at a, continued along the straight way to b; None where it ends or is unstable."""
+    def followed(self, u: Array, a: Array, b: Array, unstable: int = 0) -> Array | None:
+        """The equilibrium u at a, continued along the straight way to b with as many unstable eigenvalues.
+
+        None where it ends, or another number of them is unstable.
+        """
         done, step = 0.0, FIRST
         typical = self._typical(u, a)
         while done < 1.0:
@@ -79,7 +82,7 @@ class Plane:
             p = self.parameters(a + ahead * (b - a))
             guess = u + (ahead - done) * self._slope(u, a + done * (b - a), b - a)
             found = self._solved(guess, p, typical)
-            if found is None or _is_elsewhere(found, guess, u, np.maximum(np.abs(u), typical)) or not self._is_stable(found, p):
+            if found is None or _is_elsewhere(found, guess, u, np.maximum(np.abs(u), typical)) or not self._is_as_stable(found, p, unstable):
                 step /= 2.0  # it may be another state that Newton came to
                 if step < SHORTEST:
                     return None
@@ -124,11 +127,12 @@ class Plane:
                 return u
         return None
 
-    def _is_stable(self, u: Array, p: Array) -> bool:
+    def _is_as_stable(self, u: Array, p: Array, unstable: int) -> bool:
+        """True where so many eigenvalues are unstable, but for those that are on the border to rounding."""
         values = np.linalg.eigvals(self.problem.system.jacobian(u, p)[1][:, : self.problem.n])
         slack = MARGIN * float(np.abs(values).max(initial=0.0))
         outside = np.abs(values) - 1.0 if self.problem.is_map else values.real
-        return bool(np.all(outside <= slack))
+        return bool(np.sum(outside > slack) <= unstable <= np.sum(outside >= -slack))
 
     def same(self, u: Array, v: Array) -> bool:
         """True where v is u, or an image of it under a declared symmetry."""
@@ -149,15 +153,25 @@ def stable_equilibria(states: Sequence[State], rests: Sequence[State]) -> list[A
     return [s.vector for s in states if not s.is_orbit and s.unstable == 0 and s not in rests]
 
 
-def checked(plane: Plane, face: Face, point: Array, vectors: Sequence[Array], name: str) -> Check:
-    """The stable equilibria at the region's point, continued to others inside along straight ways."""
+def equilibria_of(states: Sequence[State], rests: Sequence[State]) -> list[tuple[Array, int]]:
+    """Those that can be continued, with their numbers of unstable eigenvalues."""
+    return [(s.vector, s.unstable) for s in states if not s.is_orbit and s not in rests]
+
+
+def checked(plane: Plane, face: Face, point: Array, equilibria: Sequence[tuple[Array, int]], name: str) -> Check:
+    """The equilibria at the region's point, continued to others inside along straight ways.
+
+    equilibria : each with its number of unstable eigenvalues.
+    """
     followed, disagreed = 0, []
-    for other in others(face, point) if vectors else []:
-        for u in vectors:
+    for other in others(face, point) if equilibria else []:
+        for u, unstable in equilibria:
             followed += 1
-            if plane.followed(u, point, other) is None:
-                place = place_of(plane, other)
-                disagreed.append(f"region {name}: a stable state at its point is not stable, or not there, at {place}")
+            if plane.followed(u, point, other, unstable) is None:
+                where = ", ".join(f"{value:.4g}" for value in u)
+                kind = "the stable" if unstable == 0 else "the unstable"
+                change = f"is not there, or its stability is another, at {place_of(plane, other)}"
+                disagreed.append(f"region {name}: {kind} equilibrium ({where}) at its point {change}")
     return Check(followed, tuple(disagreed))
 
 
@@ -177,13 +191,27 @@ def others(face: Face, point: Array) -> list[Array]:
     reached = []
     for other in candidates:
         way = point + t * (other - point)
-        if inside(way, rings).all() and float(clearance(way, rings).min()) > CLEAR:
+        if not _crosses(point, other, rings) and float(clearance(way, rings).min()) > CLEAR:
             reached.append(other)
     chosen: list[Array] = []
     while reached and len(chosen) < OTHERS:
         gaps = [min(float(np.abs(c - o).max()) for o in [point, *chosen]) for c in reached]
         chosen.append(reached.pop(int(np.argmax(gaps))))
     return chosen
+
+
+def _crosses(a: Array, b: Array, rings: Sequence[Array]) -> bool:
+    """True where the straight way from a to b crosses the border: the tip of a cusp is thin."""
+
+    def side(first: Array, second: Array, points: Array) -> Array:
+        way, offset = second - first, points - first
+        return np.asarray(np.sign(way[..., 0] * offset[..., 1] - way[..., 1] * offset[..., 0]))
+
+    for ring in rings:
+        c, d = ring, np.roll(ring, -1, axis=0)
+        if np.any((side(a, b, c) * side(a, b, d) <= 0.0) & (side(c, d, a) * side(c, d, b) <= 0.0)):
+            return True
+    return False
 
 
 def place_of(plane: Plane, point: Array) -> str:

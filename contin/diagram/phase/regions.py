@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.diagram.phase.checks import Check, Plane, alike, checked, stable_equilibria
+from contin.diagram.phase.checks import Check, Plane, alike, checked, equilibria_of, stable_equilibria
 from contin.diagram.phase.diagram import Region
 from contin.diagram.phase.orbit_checks import orbits_checked
 from contin.diagram.phase.survey import Survey
@@ -64,7 +64,7 @@ def regions_of(survey: Survey) -> tuple[tuple[Region, ...], dict[tuple[int, int]
         vectors = stable_equilibria(states, visit.rests)
         name = letters.name((rests, cycles, visit.aperiodic), visit.point, vectors)
         label = f"{name}{len(regions) + 1}"
-        found += checked(plane, face, visit.point, vectors, label)
+        found += checked(plane, face, visit.point, equilibria_of(states, visit.rests), label)
         if kind == "flow":
             found += orbits_checked(plane, face, visit.point, states, label)
         outline, *holes = (low + width * ring for ring in (face.outline, *face.holes))

@@ -28,7 +28,7 @@ def test_a_box_without_its_folds_is_found_out(cusp):
     """Everything as one region: the upper state of the wedge ends at a fold on some of the ways across."""
     plane, point = plane_of(cusp), np.array([0.5, 0.9])
     upper = np.array([np.sqrt(1.25)])
-    outcome = checked(plane, Face(SQUARE, (), 1.0, point), point, [upper, -upper], "A1")
+    outcome = checked(plane, Face(SQUARE, (), 1.0, point), point, [(upper, 0), (-upper, 0)], "A1")
     assert outcome.followed == 6
     ends = [plane.followed(upper, point, np.array([x, 0.9])) for x in (0.05, 0.95)]
     assert ends[0] is None  # p = -0.9: beyond the fold
