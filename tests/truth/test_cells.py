@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contin
-from tests.truth.cells import census, three_cells
 from contin.diagram.phase.states import states_on
+from tests.truth.cells import census, three_cells
 
 
 def counted(states):

@@ -82,7 +82,12 @@ class Plane:
             p = self.parameters(a + ahead * (b - a))
             guess = u + (ahead - done) * self._slope(u, a + done * (b - a), b - a)
             found = self._solved(guess, p, typical)
-            if found is None or _is_elsewhere(found, guess, u, np.maximum(np.abs(u), typical)) or not self._is_as_stable(found, p, unstable):
+            sizes = np.maximum(np.abs(u), typical)
+            if (
+                found is None
+                or _is_elsewhere(found, guess, u, sizes)
+                or not self._is_as_stable(found, p, unstable)
+            ):
                 step /= 2.0  # it may be another state that Newton came to
                 if step < SHORTEST:
                     return None

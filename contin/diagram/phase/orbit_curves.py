@@ -73,8 +73,8 @@ def _scale(problem: TwoParameterProblem, extents: Array) -> Array:
     sizes = extents.max(axis=0)
     p = np.array(problem.curve.base, dtype=float)
     origin = np.zeros((1, len(sizes)))
-    images = [np.abs(moved(system, w, np.diag(sizes), p) - moved(system, w, origin, p)) for w in every_symmetry(problem)]
-    largest = np.max([sizes, *(image.max(axis=0) for image in images)], axis=0)
+    images = [moved(system, w, np.diag(sizes), p) - moved(system, w, origin, p) for w in every_symmetry(problem)]
+    largest = np.max([sizes, *(np.abs(image).max(axis=0) for image in images)], axis=0)
     return np.where(largest > 0.0, largest, 1.0)
 
 
