@@ -1,8 +1,8 @@
 """Equal bistable cells, all coupled alike, x_i' = p + q x_i - x_i^3 + k sum_j (x_j - x_i): every equilibrium, exactly.
 
 Two cells differ only if x^2 + x y + y^2 = q - n k; with three cells the equilibria are n equal states, two alike
-beside one (roots of a polynomial of degree six), or three roots of x^3 - (q - 3 k) x = p, whose sum is zero. At all cells alike
-the symmetry makes kernels of dimension two.
+beside one (roots of a polynomial of degree six), or three roots of x^3 - (q - 3 k) x = p, whose sum is zero. At
+all cells alike the symmetry makes kernels of dimension two.
 """
 
 from __future__ import annotations
