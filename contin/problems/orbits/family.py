@@ -28,11 +28,25 @@ SAME_PERIOD = 1e-5  # relative
 SAME_EXTENT = 2e-3  # relative: extents of sampled orbits are so accurate; nearby folds of one family differ by more
 
 
-def alike(one: Profile, other: Profile) -> bool:
-    """True for orbits of one period and one extent."""
+def alike(one: Profile, other: Profile, winding: Array, periods: Array) -> bool:
+    """True for orbits of one period, one extent and one place: images under a symmetry are two.
+
+    winding, periods (n,) : what a state gains round the orbit, and the period of an angle (0 for others). A state that
+    winds has no place.
+    """
     extents = np.ptp(one.u, axis=0), np.ptp(other.u, axis=0)
-    near = np.abs(extents[0] - extents[1]) <= SAME_EXTENT * np.maximum(*extents).max()
+    gaps = [extents[0] - extents[1]]
+    turn = np.where(periods == 0.0, np.inf, periods)
+    for place, other_place in zip(_places(one), _places(other), strict=True):
+        gap = np.where(winding == 0.0, place - other_place, 0.0)
+        gaps.append(gap - np.where(periods == 0.0, 0.0, periods) * np.round(gap / turn))
+    near = np.abs(gaps) <= SAME_EXTENT * np.maximum(*extents).max()
     return abs(one.period - other.period) < SAME_PERIOD * one.period and bool(np.all(near))
+
+
+def _places(orbit: Profile) -> tuple[Array, Array, Array]:
+    """Lowest, mean and highest values of the states, (n,) each: no phase changes them."""
+    return orbit.u.min(axis=0), orbit.weights @ orbit.u, orbit.u.max(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +158,11 @@ class FamilyOfOrbits(Problem):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         slack = 3.0 * (a.error + b.error) + 1e-9 * float(scale[-1])
-        return abs(float(a.z[-1] - b.z[-1])) <= slack and alike(self.profile(a.z), self.profile(b.z))
+        return abs(float(a.z[-1] - b.z[-1])) <= slack and self.is_one(self.profile(a.z), self.profile(b.z))
+
+    def is_one(self, one: Profile, other: Profile) -> bool:
+        """True where two orbits agree in period, extent and place, whatever their phases."""
+        return alike(one, other, self.winding, self.state_periods)
 
     def watch(self, type_: str) -> int | None:
         return None if type_ == "flat" else test_on_branch(type_)

@@ -55,8 +55,10 @@ def march(
     z, t, info = out.z, out.t, out.info
     stop, m = STOPS[reason], len(out)
     if stop in (Stop.EVENT, Stop.DIP):
+        measured = Frame(frame.scale, float(info[3]))
         for row in range(max(m - 2, 0), m):
-            _measure(family, out, row, Frame(frame.scale, float(info[3])))
+            _measure(family, out, row, measured)
+        m, stop = _up_to_first_event(family, out, m, stop, measured)
     anew = np.flatnonzero(unresolved(family, out.re[:m], out.im[:m], out.tests[:m])).tolist()
     resolved = [_resolve(family, out, row) for row in anew]
     if any(resolved):
@@ -128,6 +130,20 @@ def _call(
         none if loop is None else loop.z, none if loop is None else loop.tangent,
         out.z, out.t, out.tests, out.unstable, out.re, out.im, out.lengths, np.zeros(len(out.z)), out.info,
     ))  # fmt: skip
+
+
+def _up_to_first_event(family: OrbitProblem, out: Rows, m: int, stop: Stop, frame: Frame) -> tuple[int, Stop]:
+    """Rows up to the first change: the row before the last one, measured exactly, may lie beyond it already."""
+    while m > 2 and _differ(out, m - 3, m - 2):
+        _measure(family, out, m - 3, frame)
+        if not _differ(out, m - 3, m - 2):
+            break
+        m, stop = m - 1, Stop.EVENT
+    return m, stop
+
+
+def _differ(out: Rows, one: int, other: int) -> bool:
+    return bool(out.unstable[one] != out.unstable[other] or np.any(out.tests[one] * out.tests[other] < 0.0))
 
 
 def _measure(family: OrbitProblem, out: Rows, row: int, frame: Frame) -> None:

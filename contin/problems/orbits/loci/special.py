@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Frame, Outcome, Renewal, Sample, Verified
 from contin.problems.orbits.birth import SMALL
-from contin.problems.orbits.family import alike
 from contin.problems.orbits.loci import criticality, events
 from contin.problems.orbits.loci.approach import approached
 from contin.problems.orbits.multipliers import nontrivial, without
@@ -81,7 +80,7 @@ class OfSpecialOrbits(OfPeriodicOrbits):
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]
-        return bool(near.all()) and alike(self.curve.profile(a.z), self.curve.profile(b.z))
+        return bool(near.all()) and self.curve.orbits.is_one(self.curve.profile(a.z), self.curve.profile(b.z))
 
     def columns(self, z: Array) -> dict[str, Array]:
         return super().columns(z) | self.angle_columns(z)
