@@ -16,7 +16,7 @@ from typing import Final
 
 from contin.errors import InputError
 from contin.lowering.pieces import MODE, freeze
-from contin.model.expression import Expression, add, call, div, mul, number, power, sub, substitute, symbol
+from contin.model.expression import Expression, add, div, mul, number, power, sub, substitute, symbol
 from contin.model.model import Model
 from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import sparse_jacobian
@@ -33,6 +33,8 @@ class Surface:
     function: Expression
     lower: tuple[Expression, ...]
     upper: tuple[Expression, ...]
+    frozen: tuple[Expression, ...]  # the equations with modes
+    functions: tuple[Expression, ...]  # of all surfaces
 
     @property
     def text(self) -> str:
@@ -45,18 +47,24 @@ def surfaces_of(model: Model) -> list[Surface]:
     frozen, functions = freeze(remove_singularities(model.equations), model.state_names)
     found = []
     for k, function in enumerate(functions):
-        signs = {symbol(MODE.format(j)): call("sign", h) for j, h in enumerate(functions) if j != k}
+        signs = {symbol(MODE.format(j)): h for j, h in enumerate(functions) if j != k}  # modes stand in `... > 0` only
         sides = [
             tuple(substitute(frozen, signs | {symbol(MODE.format(k)): number(side)}))
             for side in (-1, 1)
         ]
-        found.append(Surface(function, sides[0], sides[1]))
+        found.append(Surface(function, sides[0], sides[1], tuple(frozen), tuple(functions)))
     return found
 
 
 def side_model(model: Model, surface: Surface, upper: bool) -> Model:
     """The flow with the formulas of one side."""
     return _plain(model, surface.upper if upper else surface.lower)
+
+
+def held_model(model: Model, surface: Surface, signs: Sequence[int]) -> Model:
+    """The smooth flow with the formulas that belong to these signs of all surfaces, in their order."""
+    modes = {symbol(MODE.format(j)): number(sign) for j, sign in enumerate(signs)}
+    return _plain(model, substitute(surface.frozen, modes))
 
 
 def sliding_model(model: Model, surface: Surface, rate: float) -> Model:

@@ -31,16 +31,21 @@ def switched(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
     """
     if problem.is_map:
         raise InputError(f"{point.branch}.{point.label}: nothing slides on a surface of a map; start beyond it")
+    if point.vectors.get("surfaces", 1) > 1:
+        raise _undefined(point, str(point.normal_form["surface"]))
     problem = problem if parameter == problem.parameters[0] else problem.with_active(parameter, point.z)
     upper = bool(point.vectors["upper"])
     if problem.sliding is not None:
         if not point.vectors["own"]:
-            raise InputError(
-                f"{point.branch}.{point.label}: two surfaces meet here ({problem.sliding.jump.surface.text} and "
-                f"{point.normal_form['surface']}); the Filippov field on both is not defined"
-            )
+            raise _undefined(point, f"{problem.sliding.jump.surface.text} and {point.normal_form['surface']}")
         return [_beside(problem, point, upper)]
     return [_sliding(problem, point, upper)]
+
+
+def _undefined(point: SpecialPoint, surfaces: str) -> InputError:
+    return InputError(
+        f"{point.branch}.{point.label}: two surfaces meet here ({surfaces}); the Filippov field on both is not defined"
+    )
 
 
 def _sliding(problem: EquilibriumProblem, point: SpecialPoint, upper: bool) -> Seed:

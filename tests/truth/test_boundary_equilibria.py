@@ -258,3 +258,27 @@ def test_two_surfaces_that_are_met_at_once_are_both_named_and_nothing_is_said_of
     (point,) = branch.points
     assert (point.type, point.normal_form["kind"]) == ("BE", "degenerate")
     assert "x - 1 = 0 and y - 1 = 0" in branch.ends[1].text
+
+
+def test_two_coupled_surfaces_that_are_met_at_once():
+    """x = p - 3/2 and y = p - 1/2 + x/5 come to x = 0 and y = 1 together, where rounding puts states on either side."""
+    equations = {"x": "p - x - 1.5*sign(x)", "y": "p - y - 0.5*heaviside(y - 1) + 0.2*x"}
+    model = Model("corner", states={"x": 1.0, "y": 1.7}, parameters={"p": 2.5}, equations=equations)
+    diagram = api.diagram(model, "p", (-1.0, 3.0))
+    (branch,) = diagram.branches
+    (point,) = branch.points
+    assert abs(point.values["p"] - 1.5) <= point.error
+    assert point.normal_form["kind"] == "degenerate"
+    assert sorted(str(point.normal_form["surface"]).split(" and ")) == ["x = 0", "y - 1 = 0"]
+    assert any("two surfaces meet here" in note for note in diagram.notes)
+
+
+def test_sliding_motion_meets_a_second_surface():
+    """On x = 0 slides y' = 2p - y - sign(y): from p = 0.6 to 0.5, where y = 0; another jump stands beside as a sign."""
+    equations = {"x": "p - x - 0.5*sign(x) - 0.1*sign(y)", "y": "2*p - y - sign(y) + 0.2*x"}
+    model = Model("crossing", states={"x": 1.0, "y": 1.0}, parameters={"p": 2.0}, equations=equations)
+    line, slides = api.diagram(model, "p", (-2.0, 2.0)).branches
+    assert abs(line["BE1"].values["p"] - 0.6) <= line["BE1"].error
+    assert slides.ends[1].reason == "surface"
+    assert abs(slides["BE1"].values["p"] - 0.5) <= slides["BE1"].error
+    np.testing.assert_allclose(slides.columns["y"], 2.0 * slides.columns["p"] - 1.0, atol=1e-9)

@@ -110,10 +110,11 @@ def foretold(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> Renew
         return _tangent_fields(problem, origin, frame) or _jump_of_parameter(problem, origin, frame)
     first = min(found, key=lambda m: m.distance)
     point = _verified(problem, first)
-    together = [m for m in found if m.jump is not first.jump and m.distance - first.distance < TOGETHER]
+    together = _met_with(problem, first, frame)
+    names = list(dict.fromkeys(jump.surface.text for jump in (first.jump, *together)))
     if together:  # two surfaces at once: what begins there is not known from one of them
-        point = replace(point, normal_form=dict(point.normal_form) | {"kind": "degenerate"})
-    names = list(dict.fromkeys(m.jump.surface.text for m in (first, *together)))
+        form = dict(point.normal_form) | {"kind": "degenerate", "surface": " and ".join(names)}
+        point = replace(point, normal_form=form, vectors=dict(point.vectors) | {"surfaces": len(names)})
     surfaces = f"the surface{'s' if together else ''} {' and '.join(names)}"
     name = problem.parameters[0]
     noun = "fixed point" if problem.is_map else "equilibrium"
@@ -181,8 +182,12 @@ def _meetings(problem: EquilibriumProblem, origin: Sample, frame: Frame) -> list
 
 
 def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample, frame: Frame) -> Meeting | None:
-    """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter."""
-    n, scale, side = problem.n, frame.scale, jump.side(upper)
+    """Newton on f = 0, h = 0 with the formulas of one side, in the states and the active parameter.
+
+    Of other surfaces, which may be met as soon, the side of `origin` counts, on whichever Newton's steps are.
+    """
+    n, scale = problem.n, frame.scale
+    side = jump.held(upper, origin.z[:n], problem.full_parameters(origin.z))
     columns = [*range(n), n + problem.active]
     z, before = origin.z.copy(), np.inf
     for _ in range(BUDGET):
@@ -216,6 +221,22 @@ def _solved(problem: EquilibriumProblem, jump: Jump, upper: bool, origin: Sample
     error = 4.0 * max(before, np.finfo(float).eps) * float(scale[-1])
     distance = float(origin.tangent @ ((z - origin.z) / scale))
     return Meeting(jump, upper, z, float(np.max(np.abs(right))), error, distance)
+
+
+def _met_with(problem: EquilibriumProblem, first: Meeting, frame: Frame) -> list[Jump]:
+    """Other surfaces through the point where the first one is met.
+
+    They are asked there: Newton's method on f = 0 and another surface may step across the first one, by rounding alone.
+    """
+    n, z = problem.n, first.z
+    columns, p = [*range(n), n + problem.active], problem.full_parameters(z)
+    found = []
+    for jump in jumps_of(problem.system):
+        h, slope = jump.height(z[:n], p)
+        near = abs(h) <= TOGETHER * float(np.linalg.norm(slope[columns] * frame.scale))
+        if jump is not first.jump and near and jump.is_jump(z[:n], p):
+            found.append(jump)
+    return found
 
 
 def _is_reached(problem: EquilibriumProblem, meeting: Meeting, origin: Sample, frame: Frame) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.lowering import compile_system
-from contin.lowering.sliding import Surface, side_model, surfaces_of
+from contin.lowering.sliding import Surface, held_model, side_model, surfaces_of
 from contin.machine import elementary
 from contin.model.evaluate import evaluate_all
 from contin.model.expression import ZERO
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 ROUNDING: Final = 1e-10  # of the terms of the equations: a difference below this is no jump
 LANDINGS: Final = 6  # Newton steps onto a surface
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +46,20 @@ class Jump:
     def side(self, upper: bool) -> Any:
         """Compiled, of one side."""
         return self.upper if upper else self.lower
+
+    def held(self, upper: bool, u: Array, p: Array) -> Any:
+        """Compiled: the formulas of one side, and of the side of every other surface on which u is, wherever it goes."""
+        at = dict(zip([*self.model.state_names, *self.model.parameter_names], [*u.tolist(), *p.tolist()], strict=True))
+        heights = evaluate_all(self.surface.functions, at)
+        signs = tuple(1 if h > 0.0 else -1 for h in heights)
+        signs = (*signs[: self.number], 1 if upper else -1, *signs[self.number + 1 :])
+        if signs not in self._held:
+            self._held[signs] = compile_system(held_model(self.model, self.surface, signs), regular=True)
+        return self._held[signs]
+
+    @cached_property
+    def _held(self) -> dict[tuple[int, ...], Any]:
+        return {}
 
     @cached_property
     def _formulas(self) -> tuple[Any, ...]:
