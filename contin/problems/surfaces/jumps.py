@@ -48,8 +48,9 @@ class Jump:
         return self.upper if upper else self.lower
 
     def held(self, upper: bool, u: Array, p: Array) -> Any:
-        """Compiled: the formulas of one side, and of the side of every other surface on which u is, wherever it goes."""
-        at = dict(zip([*self.model.state_names, *self.model.parameter_names], [*u.tolist(), *p.tolist()], strict=True))
+        """Compiled: the formulas of one side, and of the side of every other surface on which u is."""
+        names = [*self.model.state_names, *self.model.parameter_names]
+        at = dict(zip(names, [*u.tolist(), *p.tolist()], strict=True))
         heights = evaluate_all(self.surface.functions, at)
         signs = tuple(1 if h > 0.0 else -1 for h in heights)
         signs = (*signs[: self.number], 1 if upper else -1, *signs[self.number + 1 :])
