@@ -141,6 +141,7 @@ class Branch:
     born_at: tuple[str, ...] = ()  # in a diagram: types of the points that its ancestors and it were born at
     free: tuple[str, ...] = ()  # parameters that are solved for, under conditions
     unexplained: int = 0  # changes of `unstable` that no label explains, events not told apart; each has its note
+    jumped: int = 0  # changes of `unstable` without a label where the equations jump, which their notes say
 
     def __len__(self) -> int:
         return len(self.z)

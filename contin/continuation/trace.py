@@ -182,6 +182,7 @@ def _assemble(
     labels = [(row, point) for row, point, _ in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
     changes = [] if told else unexplained(unstable, labels, born, rows.jumps, exact)
+    unlabelled = 0 if told else len(unexplained(unstable, labels, born, (), exact))  # with those where equations jump
     notes += [*_changes(changes, unstable, z, problem), *unrecorded(columns, z, problem)]
     notes += _remarks(rows.labelled, problem)
     if seed.scale is None:
@@ -203,6 +204,7 @@ def _assemble(
         steps=effort["steps"], seconds=computing_time() - started, effort=effort, problem=problem,
         locus=problem.locus, free=problem.free_names,
         parent=seed.parent, notes=_distinct(notes), symmetries=seed.symmetries,
+        jumped=max(unlabelled - len(changes), 0),
         unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
 

@@ -44,7 +44,7 @@ class _State:
     def add(self, branch: Branch) -> None:
         self.branches[branch.name] = branch
         self.stopped |= any(end.reason == "stopped" for end in branch.ends)
-        if branch.unexplained or any(end.reason in ANNOUNCED_FAILURES for end in branch.ends):
+        if branch.unexplained or branch.jumped or any(end.reason in ANNOUNCED_FAILURES for end in branch.ends):
             self.complete = False
 
     def stop(self) -> None:
