@@ -27,7 +27,8 @@ UNLABELLED = {
 def line_of(tmp_path, rate):
     model = {"contin": 1, "name": "line", "states": {"x": 0.0}, "parameters": {"p": -1.0}, "equations": {"x": rate}}
     out = tmp_path / "out.json"
-    code = call("run", run_file(tmp_path, model, {"name": "line", "parameter": "p", "range": [-1, 1.07]}), "--json", out)
+    run = {"name": "line", "parameter": "p", "range": [-1, 1.07]}
+    code = call("run", run_file(tmp_path, model, run), "--json", out)
     [branch] = results(out)["branches"]
     return code, branch
 
