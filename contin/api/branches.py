@@ -18,6 +18,7 @@ from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import InputError
+from contin.problems.conditioned.asked import with_columns
 from contin.records import Fields, Record
 from contin.symbolic.passes.conserved import conserved_notes
 
@@ -31,6 +32,8 @@ def continuation(
     direction: str = "both",
     values: Mapping[str, Sequence[float]] | None = None,
     extrema: Sequence[str] = (),
+    columns: Sequence[str] = (),
+    shown: Sequence[str] = (),
     conditions: Sequence[str] = (),
     free: Sequence[str] = (),
     settings: Settings | Record | None = None,
@@ -46,14 +49,20 @@ def continuation(
     direction : 'up' or 'down' follows one arm only, in the sense in which the parameter changes on leaving the start.
     values : {column: [values]} marks these values of the parameter, a state or an observable as UZ points.
     extrema : columns that are labelled EX where they turn along the branch.
+    columns : of families of orbits, formulas that become columns: 'mean(x^2)', 'integral(v*i)', 'max(x) - min(y)', on
+        top of the amplitude, norm and frequency. What `values` and `extrema` name so needs no mention here.
+    shown : the same, for a picture of several branches: on a branch that has no orbits they say nothing.
     conditions, free : equations such as 'period = 5' that the solutions meet, and as many parameters, which are solved
         for beside the one that varies.
     watch : called with a mapping (parameter, value, fraction, rows, labels) after every chunk.
     journal : keeps every chunk, and answers with those of an earlier, killed run (see `contin.continuation.journal`).
     """
     seed, bounds = placed(start, parameter, range)
+    asked = [*columns, *shown, *(values or {}), *extrema]
     if conditions or free:
         seed = lazy.module("conditions").under_conditions(seed, conditions, free)
+    if seed.problem.kind == "orbit":
+        seed = with_columns(seed, asked)
     chosen = Settings.of(settings)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:
@@ -71,6 +80,8 @@ def continuation(
     )
     totals = conserved_notes(getattr(getattr(seed.problem, "system", None), "model", None))
     words = [f"start: {start.words}"] if isinstance(start, FoundByItself) else []
+    if columns and seed.problem.kind != "orbit":
+        words.append(f"columns: {', '.join(columns)}: of periodic orbits, which this branch has none of")
     return replace(branch, notes=(*words, *totals, *branch.notes)) if totals or words else branch
 
 

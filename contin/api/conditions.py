@@ -13,7 +13,7 @@ from contin.model.model import Model
 from contin.model.relations import relations
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.conditioned.equilibria import ConditionedEquilibria
-from contin.problems.conditioned.functionals import OrbitConditions
+from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.conditioned.orbits import ConditionedOrbits
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem

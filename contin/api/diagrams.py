@@ -52,6 +52,7 @@ def diagram(
     parameters: Record | None = None,
     orbits: bool = True,
     values: Mapping[str, Sequence[float]] | None = None,
+    columns: Sequence[str] = (),
     settings: Settings | Record | None = None,
     budget: Any = None,
     watch: Watcher | None = None,
@@ -65,6 +66,7 @@ def diagram(
         has a start of this name) looks for all equilibria in `box` (see `find_equilibria`), at the parameter's value
         and at some others in the range, so that disconnected branches are found.
     orbits : follow families of periodic orbits from Hopf points too.
+    columns : of these families, formulas such as 'mean(x^2)' that become columns (see `continuation`).
     budget : {branches, steps, seconds}: the exploration stops there and says what it left.
     """
     model = for_branches(model)
@@ -92,7 +94,9 @@ def diagram(
     problem = (seeds[0][1] if seeds else reserve[0]).problem
     bounds = bounds_of(problem, parameter, range)
     targets = targets_of(problem, values)
-    explorer = Explorer(parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal)
+    explorer = Explorer(
+        parameter, bounds, Settings.of(settings), Budget.of(budget), targets, orbits, watch, journal, columns=columns
+    )
     result = explorer.explore(seeds, reserve)
     result.notes[:0] = [*conserved_notes(model), *_of_group(problem), *notes]
     return result

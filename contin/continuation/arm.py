@@ -282,8 +282,9 @@ def _without_last(chunk: Chunk) -> Chunk:
 
 
 def _is_event(code: str) -> bool:
-    """True for types that the march sees by a change of its tests."""
-    return code != "UZ" and special_type(code).test is None
+    """True for types that the march sees by a change of its tests: not user values and extrema."""
+    row = special_type(code)
+    return row.codimension > 0 and row.test is None
 
 
 def _behind(chunk: Chunk, piece: Piece, scale: Array) -> Behind | None:

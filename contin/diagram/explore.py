@@ -22,6 +22,7 @@ from contin.diagram.identity import is_known
 from contin.diagram.orbits import family_through, generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
+from contin.problems.conditioned.asked import with_columns
 from contin.problems.contracts import InOneParameter
 from contin.problems.images import images, images_through
 from contin.problems.symmetry import apply_symmetry
@@ -78,6 +79,7 @@ class Explorer:
     doublings: int = 64  # how many period doublings in a row are followed
     generations: int = 64  # how many families of orbits in a row that are born on others
     unstable_births: bool = True  # families born on others where those are unstable already
+    columns: Sequence[str] = ()  # of families of orbits, on request
 
     def explore(self, starts: Sequence[tuple[str, Seed]], reserve: Sequence[Seed] = ()) -> Diagram:
         """`starts` are named seeds; a start that lies on a branch already found is noted and not followed again.
@@ -154,7 +156,7 @@ class Explorer:
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
         branch = trace(
-            seed,
+            with_columns(seed, self.columns),
             self.bounds,
             name=name,
             settings=self.settings,

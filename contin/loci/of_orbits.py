@@ -17,7 +17,7 @@ from contin.loci.of_points import onto, places
 from contin.loci.orbits import CRITICAL, OrbitBase
 from contin.model.model import Model
 from contin.model.relations import relations
-from contin.problems.conditioned.functionals import OrbitConditions
+from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 from contin.problems.orbits.problem import OrbitProblem
 

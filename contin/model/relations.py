@@ -92,6 +92,21 @@ def relations(model: Model, texts: Sequence[str], on_orbits: bool) -> tuple[Rela
     return found
 
 
+def measure(model: Model, text: str) -> Relation:
+    """A number of an orbit as a column: a relation whose residual is it; raises InputError."""
+    if "=" in text:
+        raise InputError(f"a column is a formula such as mean(x^2) or max(x) - min(x), not an equation; got {text!r}")
+    problems = Problems(CallSource(""))
+    (found,) = relations_on_orbits(model, [f"{text} = 0"], problems)
+    try:
+        problems.raise_if_any()
+    except InputError as error:
+        raise InputError(str(error).splitlines()[0].removeprefix(": ").removeprefix("[0]: ")) from None
+    if not found.functionals and PERIOD not in symbols_in([found.residual]):
+        raise InputError(f"a column of orbits has a functional such as mean(x^2), max(x), or `period`; got {text!r}")
+    return found
+
+
 def _sides(text: str, problems: Problems, path: Path) -> tuple[str, str, str]:
     left, sign, right = text.partition("=")
     if not sign or right.startswith("=") or "=" in right or left.endswith(("<", ">", "!")):
@@ -114,6 +129,8 @@ def _written_out(text: str, model: Model) -> str:
     squares = " + ".join(f"{name}^2" for name in model.state_names)
     if "amplitude" not in own:
         text = re.sub(r"(?<![\w.])amplitude\b(?!\s*\()", PARTS["amplitude"].format(model.state_names[0]), text)
+    if "frequency" not in own:
+        text = re.sub(r"(?<![\w.])frequency\b(?!\s*\()", "(1/period)", text)
     if "norm" not in own:
         text = re.sub(r"(?<![\w.])norm\b(?!\s*\()", f"sqrt(mean({squares}))", text)
     return text

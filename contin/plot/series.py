@@ -40,6 +40,7 @@ class Source:
     columns: Mapping[str, Vector]
     marks: tuple[Mark, ...]
     image_of: str | None = None
+    forced: bool = False  # the responses of a forced flow
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +90,7 @@ def from_branches(branches: Iterable[Branch]) -> list[Source]:
                 for point in branch.points
             ),
             branch.image_of.branch if branch.image_of else None,
+            bool(getattr(getattr(branch.problem, "system", None), "is_forced", False)),
         )
         for branch in branches
     ]
@@ -103,12 +105,13 @@ def from_document(document: Record) -> list[Source]:
         A branch lacks what a picture needs.
     """
     try:
-        return [_from_json(branch) for branch in document["branches"]]
+        forced = bool(document.get("model", {}).get("forced"))
+        return [_from_json(branch, forced) for branch in document["branches"]]
     except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
         raise InputError(f"the document is not a contin result of format 1: {error!r} in a branch") from None
 
 
-def _from_json(branch: Record) -> Source:
+def _from_json(branch: Record, forced: bool) -> Source:
     columns = {
         str(name): np.array(column, dtype=bool if name == "stable" else float)  # None becomes NaN
         for name, column in branch["columns"].items()
@@ -125,8 +128,9 @@ def _from_json(branch: Record) -> Source:
     image = branch.get("image_of")
     parameters = tuple(branch["parameters"])
     return Source(
-        branch["name"], branch["kind"], branch["locus"], parameters, columns, marks, image["branch"] if image else None
-    )
+        branch["name"], branch["kind"], branch["locus"], parameters, columns, marks,
+        image["branch"] if image else None, forced,
+    )  # fmt: skip
 
 
 def _note(normal_form: Record) -> str:
@@ -203,7 +207,12 @@ def ordinates(source: Source) -> list[str]:
 
 
 def _default_ordinate(sources: Sequence[Source]) -> str:
-    """The first state that varies on some branch; the period, which follows a forcing, only where no state does."""
+    """The first state that varies on some branch; the period, which follows a forcing, only where no state does.
+
+    Of the responses to a forcing, their amplitude.
+    """
+    if all(source.forced and "amplitude" in source.columns for source in sources):
+        return "amplitude"
     names = [
         name
         for source in sources

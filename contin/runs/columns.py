@@ -3,32 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from contin.errors import ContinError
 from contin.model.advice import closest
+from contin.model.model import Model
+from contin.model.relations import measure
 from contin.model.source import Path, Problems
-
-if TYPE_CHECKING:
-    from contin.model.model import Model
 
 OF_BRANCHES: Final = frozenset(
     {
         "period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle",
-        "amplitude", "norm",
+        "amplitude", "norm", "frequency",
     }
 )  # beside parameters, states and observables: what problems record of themselves
+STANDARD: Final = ("amplitude", "norm", "frequency")  # of orbits
+MEASURES: Final = ("norm",)  # a column of some families, and of others where it is asked for
 OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
+
+
+def formulas(names: Iterable[str], model: Model, others: Iterable[str] = ()) -> list[str]:
+    """Those names that are no columns by themselves but formulas, such as mean(x^2), which families of orbits record."""
+    named = [*model.parameter_names, *model.state_names, *model.observables, *others]
+    found = dict.fromkeys(name for name in names if name in MEASURES or not _is_known(name, named))
+    return [name for name in found if isinstance(model, Model) and not _mistake(name, model)]
 
 
 def check_columns(
     written: Iterable[tuple[Path, str | None]], model: Model, problems: Problems, others: Iterable[str] = ()
 ) -> None:
-    """Note each name that can be no column of this model's branches, nor one of `others`; `s.min` counts as s."""
+    """Note each name that can be no column of this model's branches, nor one of `others`; `s.min` counts as s.
+
+    Formulas such as mean(x^2) can be columns.
+    """
     named = [*model.parameter_names, *model.state_names, *model.observables, *others]
     for path, name in written:
-        if name is not None and not _is_known(name, named):
-            advice = closest(name, [*named, "period"]) or f"there are {', '.join(named[:30])}"
+        if name is None or _is_known(name, named):
+            continue
+        if _mistake(name, model):
+            advice = closest(name, [*named, "period"]) or column_mistake(name, model)
+            advice = advice or f"there are {', '.join(named[:30])}"
             problems.add(path, f"there is no column {name!r}: {advice}")
+
+
+def column_mistake(name: str, model: object) -> str:
+    """What is wrong with what looks like a formula; '' for anything else, and where nothing is."""
+    return _mistake(name, model) if "(" in name else ""
+
+
+def _mistake(formula: str, model: object) -> str:
+    """Why a formula is no number of an orbit; '' where it is one."""
+    if not isinstance(model, Model) or model.kind != "flow":
+        return "formulas such as mean(x^2) are columns of periodic orbits"
+    try:
+        measure(model, formula)
+    except ContinError as error:
+        return str(error)
+    return ""
 
 
 def _is_known(name: str, named: list[str]) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from contin.model.relations import relations, relations_on_orbits
 from contin.model.source import PartSource, Path, Problems, Source, Span
 from contin.model.yaml_loader import model_from_mapping
 from contin.records import Fields, Json, Record
-from contin.runs.columns import check_columns
+from contin.runs.columns import STANDARD, check_columns, column_mistake, formulas
 from contin.runs.outputs import output_paths
 from contin.runs.references import check_references, is_stored
 from contin.runs.samples import Samples, read_samples
@@ -61,6 +61,8 @@ class RunPlan:
     free: tuple[str, ...] = ()  # parameters that are solved for beside those that vary
     extrema: tuple[str, ...] = ()  # columns to be labelled where they turn
     conditions: tuple[str, ...] = ()  # equations that the solutions meet
+    columns: tuple[str, ...] = ()  # formulas that families of orbits record
+    recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class DiagramPlan:
     settings: Record = field(default_factory=dict)
     budget: Record = field(default_factory=dict)
     box: Mapping[str, Sequence[float]] | None = None  # where `start: all` looks for equilibria
+    columns: tuple[str, ...] = ()  # formulas that families of orbits record
 
 
 @dataclass(frozen=True)
@@ -156,6 +159,9 @@ def make_plan_for(
     shown = [(("outputs", "x"), look.get("x")), *((("outputs", "y"), name) for name in look.get("y") or [])]
     check_columns(shown, model, problems, quantities)
     problems.raise_if_any()
+    recorded = tuple(formulas([name for _, name in shown if name is not None], model, quantities))
+    runs = [replace(run, recorded=recorded) for run in runs]
+    diagram = diagram and replace(diagram, columns=(*diagram.columns, *recorded))
     return Plan(model, planner.overrides, runs, diagram, phase, outputs, look, entry.title or model.title)
 
 
@@ -251,7 +257,8 @@ class _Planner:
                 self.inside(start, entry.parameter, bounds, (*path, "range"))
         budget = entry.budget.model_dump(exclude_none=True)
         settings = self.settings(entry, ("diagram",))
-        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, settings, budget, box)
+        columns = self.columns(entry, path)
+        return DiagramPlan(entry.parameter, bounds, starts, entry.orbits, values, settings, budget, box, columns)
 
     def phase(self, entry: PhaseEntry) -> PhasePlan | None:
         path: Path = ("phase",)
@@ -305,7 +312,7 @@ class _Planner:
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
         return RunPlan(
             name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
-            free, tuple(entry.extrema), tuple(entry.conditions),
+            free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
         )  # fmt: skip
 
     def stored(self, text: str, file: FilePath, varying: tuple[str, ...], path: Path) -> StoredStart | None:
@@ -361,6 +368,11 @@ class _Planner:
         """Columns that are to be labelled where they turn."""
         places = [((*path, "extrema", k), name) for k, name in enumerate(columns)]
         check_columns(places, self.model, self.problems)
+
+    def columns(self, entry: ContinuationEntry | DiagramEntry, path: Path) -> tuple[str, ...]:
+        """Formulas to be recorded on families of orbits."""
+        check_columns([((*path, "columns", k), name) for k, name in enumerate(entry.columns)], self.model, self.problems)
+        return tuple(entry.columns)
 
     # Parts of an entry ------------------------------------------------------------------------------------------------
 
@@ -484,11 +496,13 @@ class _Planner:
 
     def targets(self, written: Mapping[str, Sequence[Number]], path: Path) -> dict[str, list[float]]:
         """User values by column."""
-        columns = [*self.names, *self.model.state_names, *self.model.observables, "period"]
+        columns = [*self.names, *self.model.state_names, *self.model.observables, "period", *STANDARD]
         found: dict[str, list[float]] = {}
         for name, entries in written.items():
-            if name not in columns and name.rpartition(".")[0] not in columns:
-                advice = closest(name, columns) or f"there are {', '.join(columns)}"
+            known = name in columns or name.rpartition(".")[0] in columns
+            if not known and not formulas([name], self.model):
+                advice = closest(name, columns) or column_mistake(name, self.model)
+                advice = advice or f"there are {', '.join(columns)}"
                 self.problems.add((*path, "values", name), f"there is no column {name!r}: {advice}", key=True)
                 continue
             numbers = [self.formula(value, (*path, "values", name)) for value in entries]

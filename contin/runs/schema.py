@@ -103,6 +103,7 @@ class ContinuationEntry(Section):
     free: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
     conditions: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
     extrema: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
+    columns: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
     settings: SettingsEntry = SettingsEntry()
 
     @model_validator(mode="after")
@@ -141,6 +142,7 @@ class DiagramEntry(Section):
     start: Starts | None = None
     box: dict[str, Range] | None = None
     orbits: bool = True
+    columns: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text])] = []
     values: dict[str, Formulas] = {}
     settings: SettingsEntry = SettingsEntry()
     budget: BudgetEntry = BudgetEntry()

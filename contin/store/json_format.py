@@ -128,6 +128,8 @@ def describe_model(model: Model, overrides: Record | None = None) -> Fields:
     fields = getattr(model, "fields", ())
     if fields:
         described.update({"fields": list(fields), "axes": list(model.axes), "unknowns": model.n})  # type: ignore[attr-defined]
+    if getattr(model, "forcing", None) is not None:
+        described["forced"] = True
     totals = getattr(model, "totals", ())
     if totals:
         described["conserved"] = {t.name: {"states": list(t.law), "eliminated": t.state.name} for t in totals}

@@ -43,7 +43,8 @@ PARTS: Final[Mapping[str, Part]] = {
     # under conditions
     "ConditionedEquilibria": Part("contin.problems.conditioned.equilibria"),
     "ConditionedOrbits": Part("contin.problems.conditioned.orbits"),
-    "OrbitConditions": Part("contin.problems.conditioned.functionals"),
+    "OrbitConditions": Part("contin.problems.orbits.functionals"),
+    "Measures": Part("contin.problems.orbits.measures"),
     # curves of points of equilibria and maps
     "LocusProblem": Part("contin.problems.loci.problem"),
     "ExtendedCurve": Part("contin.problems.loci.extended"),

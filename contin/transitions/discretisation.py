@@ -98,7 +98,10 @@ class OnNodes:
 def shot(orbits: OrbitProblem, count: int) -> ShootingProblem:
     """The same orbits by shooting, in `count` segments."""
     winding = np.asarray(orbits.winding, dtype=float)
-    return ShootingProblem(orbits.system, orbits.base, orbits.active, winding, count, orbits.multiple)
+    measures = orbits.measures
+    return ShootingProblem(
+        orbits.system, orbits.base, orbits.active, winding, count, orbits.multiple, measures=measures
+    )
 
 
 def scaled(raw: Array, bend: Array | None, scale: Array) -> tuple[Array, Array | None]:

@@ -20,7 +20,7 @@ from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.model.model import Model
 from contin.model.relations import Relation
 from contin.problems.conditioned.problem import Conditioned, product_of
-from contin.problems.conditioned.quantities import Quantities
+from contin.problems.quantities import Quantities
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import dense_linearisation
 

@@ -15,12 +15,13 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.conditioned.functionals import OrbitConditions
+from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.conditioned.problem import Conditioned, product_of
 from contin.problems.orbits.birth import cut_at_birth, has_shrunk
 from contin.problems.orbits.bordered import factors
 from contin.problems.orbits.homoclinic.linear import Factorised
 from contin.problems.orbits.layout import Profile, make_scale
+from contin.problems.orbits.measures import standard_names
 from contin.problems.orbits.linear import OrbitLinear, branch_tangents
 from contin.problems.orbits.move import Move
 from contin.problems.orbits.multipliers import nontrivial
@@ -217,29 +218,19 @@ class ConditionedOrbits(Conditioned):
             point = _trimmed(row)
             inner, bare = self.at(self.free_values(point)), self.inner_vector(point)
             found = {name: float(column[0]) for name, column in inner.columns(bare[None]).items()}
-            found |= self._sizes_of(found, self.profile(point))
             found |= dict(zip(self.free_names, self.free_values(point).tolist(), strict=True))
             numbers = self.conditions.numbers(self.profile(point), inner.full_parameters(bare))
             rows.append(found | {name: numbers[name] for name in self.conditions.functionals})
         return {name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}
-
-    def _sizes_of(self, known: dict[str, float], profile: Profile) -> dict[str, float]:
-        """Half the range of the first state, and the root mean square of all states."""
-        first = self.system.state_names[0]
-        found = {
-            "amplitude": 0.5 * (known[f"{first}.max"] - known[f"{first}.min"]),
-            "norm": float(np.sqrt(profile.weights @ np.sum(profile.u * profile.u, axis=1))),
-        }
-        taken = (*self.system.state_names, *self.system.parameter_names, *self.system.observable_names)
-        return {name: value for name, value in found.items() if name not in taken}
 
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives."""
         inner = self.inner
         names = [*inner.system.state_names, *inner.system.observable_names]
         parts = [f"{name}.{end}" for name in names for end in ("min", "max")]
-        own = ("period", "amplitude", "norm", *parts)
-        return (inner.parameters[0], *self.free_names, *own, *self.conditions.functionals)
+        asked = () if inner.measures is None else inner.measures.texts
+        own = ("period", *parts, *standard_names(inner.system), *asked)
+        return tuple(dict.fromkeys((inner.parameters[0], *self.free_names, *own, *self.conditions.functionals)))
 
     @property
     def winding(self) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.layout import Profile, extrema
 
 if TYPE_CHECKING:
@@ -53,6 +54,23 @@ def periods(z: Array, profile: Callable[[Array], Profile]) -> Array:
     found = np.empty(len(z))
     for chosen, rows in of_one_size(z):
         found[chosen] = rows[:, profile(rows[0]).u.size]
+    return found
+
+
+def norms(z: Array, profile: Callable[[Array], Profile]) -> Array:
+    """Root mean square of all states over the orbits of rows z."""
+    found = np.empty(len(z))
+    for chosen, rows in of_one_size(z):
+        first = profile(rows[0])
+        place = first.u.size
+        u = rows[:, :place].reshape(len(rows), -1, first.n)
+        squares = np.einsum("rkn,rkn->rk", u, u)
+        h = rows[:, place + 1 : place + 1 + len(first.h)]
+        local = squares[:, :-1].reshape(len(rows), len(first.h), first.m)
+        weights = basis(first.m).node_weights
+        ends = squares[:, first.m :: first.m]
+        means = np.einsum("rij,j,ri->r", local, weights[:-1], h) + np.einsum("ri,ri->r", ends, h) * weights[-1]
+        found[chosen] = np.sqrt(means)
     return found
 
 

@@ -16,6 +16,7 @@ from contin.continuation.settings import Settings
 from contin.problems.massless import finite_multipliers
 from contin.problems.orbits.columns import names_of
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.measures import Measures, standard_names
 from contin.problems.scales import parameter_width
 from contin.simulate.reach import first_to_leave, has_reach
 from contin.special.table import test_on_branch
@@ -65,6 +66,13 @@ class FamilyOfOrbits(Problem):
     kind = "orbit"
     adaptive = True
     locus = None
+    meshed = True  # integrals over an orbit need no further flight
+
+    if TYPE_CHECKING:  # a field of each family
+
+        @property
+        def measures(self) -> Measures | None:
+            """Columns that are asked for beside those of every family."""
 
     @cached_property
     def n(self) -> int:
@@ -169,4 +177,7 @@ class FamilyOfOrbits(Problem):
 
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""
-        return (self.parameters[0], "period", *(f"{f}.{e}" for f in names_of(self.system) for e in ("min", "max")))
+        extremes = (f"{f}.{e}" for f in names_of(self.system) for e in ("min", "max"))
+        own = (self.parameters[0], "period", *extremes, *standard_names(self.system, self.meshed))
+        asked = () if self.measures is None else self.measures.texts
+        return tuple(dict.fromkeys((*own, *asked)))

@@ -19,7 +19,7 @@ from contin.kernels.collocation import Equations
 from contin.kernels.collocation_basis import basis
 from contin.problems.neutral import remarks_on_orbits
 from contin.problems.orbits import marched_in_kernel
-from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
+from contin.problems.orbits.columns import names_of, norms, orbit_columns, periods, with_observables
 from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.events import explain, verify, verify_compound
 from contin.problems.orbits.family import FamilyOfOrbits
@@ -28,6 +28,7 @@ from contin.problems.orbits.in_phase import apart, cut_at_start, in_phase
 from contin.problems.orbits.layout import Profile, make_scale, profile_of, sizes_of
 from contin.problems.orbits.linear import branch_tangents
 from contin.problems.orbits.marched_in_kernel import PROBE_TOLERANCE
+from contin.problems.orbits.measures import Measures, standard_columns
 from contin.problems.orbits.mesh import estimate
 from contin.problems.orbits.renewal import renew
 from contin.problems.orbits.sizes import state_sizes
@@ -56,6 +57,7 @@ class OrbitProblem(FamilyOfOrbits):
     forcing: ForcingPeriod | None = None
     origin: tuple[float, Array] | None = None  # parameter and period, states of the Hopf point it was born at
     angle_periods: Array = field(default_factory=lambda: np.zeros(0))  # the engine's wrapping is not used
+    measures: Measures | None = None  # columns that are asked for beside those of every family
 
     def __post_init__(self) -> None:
         if self.system.is_forced and self.forcing is None:
@@ -177,7 +179,12 @@ class OrbitProblem(FamilyOfOrbits):
             return with_observables(self.system, u, p)
 
         columns = {self.parameters[0]: z[:, -1].copy(), "period": periods(z, self.profile)}
-        return columns | orbit_columns(z, names_of(self.system), self.profile, functions)
+        columns |= orbit_columns(z, names_of(self.system), self.profile, functions)
+        columns |= standard_columns(self.system, columns, lambda: norms(z, self.profile))
+        if self.measures is not None:
+            asked = self.measures.beside_standard
+            columns |= asked.columns([self.profile(row) for row in z], lambda k: self.full_parameters(z[k]))
+        return columns
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings

@@ -33,6 +33,7 @@ from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.events import explain
 from contin.problems.orbits.family import FamilyOfOrbits
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.measures import Measures, standard_columns
 from contin.problems.orbits.sizes import state_sizes
 from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
 from contin.problems.shooting.events import verify, verify_compound
@@ -41,7 +42,7 @@ from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
 from contin.problems.shooting.linear import BorderedShooting, family_tangents
 from contin.problems.shooting.renewal import cut_where_oblique, renew
 from contin.problems.shooting.rest import has_shrunk
-from contin.problems.shooting.sampling import extremes, sampled, why_not
+from contin.problems.shooting.sampling import extremes, measured, sampled, why_not
 from contin.problems.shooting.segments import Segments
 from contin.problems.shooting.signature import signature
 from contin.symbolic.calculus.derivatives import derivative
@@ -71,8 +72,10 @@ class ShootingProblem(FamilyOfOrbits):
     budget: int = BUDGET
     held: Mapping[int, Any] = field(default_factory=dict)
     fixed: FixedSpace | None = None
+    measures: Measures | None = None  # columns that are asked for beside those of every family
 
     maximum_chunk = 20
+    meshed = False
 
     @cached_property
     def angle_periods(self) -> Array:
@@ -235,6 +238,9 @@ class ShootingProblem(FamilyOfOrbits):
         low, high = extremes(self, z)
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
+        columns |= standard_columns(self.system, columns)
+        if self.measures is not None:
+            columns |= self.measures.columns([measured(self, row) for row in z], lambda k: self.full_parameters(z[k]))
         return columns
 
     def renew(

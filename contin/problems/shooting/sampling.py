@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 INTERVALS, POINTS = 64, 4  # of a profile: enough to draw, to find slow places and symmetries
 SAMPLES = 400  # times an extreme is looked for at
+NARROW = 1e-12  # (scaled time) between two times that are one
 FINER = 33  # ... and times around it
 RTOL = 1e-10
 BESIDE = 1e-5  # distance (relative) of trajectories beside an orbit that cannot be followed further
@@ -63,6 +64,17 @@ def sampled(problem: ShootingProblem, z: Array) -> Profile:
     nodes = Nodes.of(z, problem.n)
     h = np.full(INTERVALS, 1.0 / INTERVALS)
     empty = Profile(POINTS, np.empty((INTERVALS * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
+    return Profile(POINTS, states(problem, z, empty.times), nodes.period, h, nodes.parameter)
+
+
+def measured(problem: ShootingProblem, z: Array) -> Profile:
+    """The orbit on a mesh whose ends of intervals are all crossings of surfaces: integrals over it are smooth."""
+    nodes = Nodes.of(z, problem.n)
+    ends = np.unique(np.concatenate([np.arange(INTERVALS + 1) / INTERVALS, crossings(problem, z)]))
+    h = np.diff(ends)
+    h = h[h > NARROW]
+    h /= h.sum()
+    empty = Profile(POINTS, np.empty((len(h) * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
     return Profile(POINTS, states(problem, z, empty.times), nodes.period, h, nodes.parameter)
 
 
