@@ -13,10 +13,10 @@ from contin.model.model import Model
 from contin.model.relations import relations
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.conditioned.equilibria import ConditionedEquilibria
-from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.conditioned.orbits import ConditionedOrbits
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.loci.problem import LocusProblem
+from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.orbits.loci.problem import OrbitLocusProblem
 from contin.problems.orbits.problem import OrbitProblem
 

@@ -13,8 +13,8 @@ from contin.model.model import Model
 from contin.model.relations import Relation
 from contin.problems.codim2.functions import function_of
 from contin.problems.codim2.matrices import eigenvalues
-from contin.problems.quantities import Quantities
 from contin.problems.loci.problem import LocusProblem
+from contin.problems.quantities import Quantities
 
 
 @dataclass(frozen=True)

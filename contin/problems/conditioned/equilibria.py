@@ -20,9 +20,9 @@ from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.model.model import Model
 from contin.model.relations import Relation
 from contin.problems.conditioned.problem import Conditioned, product_of
-from contin.problems.quantities import Quantities
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import dense_linearisation
+from contin.problems.quantities import Quantities
 
 PAIR: Final = 2  # of the tests of a spectrum: the sums (flows) or products (maps) of pairs
 FLIP: Final = 3

@@ -15,14 +15,14 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
-from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.conditioned.problem import Conditioned, product_of
 from contin.problems.orbits.birth import cut_at_birth, has_shrunk
 from contin.problems.orbits.bordered import factors
+from contin.problems.orbits.functionals import OrbitConditions
 from contin.problems.orbits.homoclinic.linear import Factorised
 from contin.problems.orbits.layout import Profile, make_scale
-from contin.problems.orbits.measures import standard_names
 from contin.problems.orbits.linear import OrbitLinear, branch_tangents
+from contin.problems.orbits.measures import standard_names
 from contin.problems.orbits.move import Move
 from contin.problems.orbits.multipliers import nontrivial
 from contin.problems.orbits.problem import OrbitProblem

@@ -18,8 +18,8 @@ from contin.model.expression import Expression, number, power
 from contin.model.model import Model
 from contin.model.parts import Functional
 from contin.model.relations import PERIOD, Relation
-from contin.problems.quantities import Quantities, evaluated
 from contin.problems.orbits.layout import Profile
+from contin.problems.quantities import Quantities, evaluated
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 
 SAMPLES: Final = 33  # of an interval, in which the largest value is looked for
