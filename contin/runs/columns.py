@@ -23,7 +23,7 @@ OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
 
 
 def formulas(names: Iterable[str], model: Model, others: Iterable[str] = ()) -> list[str]:
-    """Those names that are no columns by themselves but formulas, such as mean(x^2), which families of orbits record."""
+    """Those names that are no columns by themselves but formulas, such as mean(x^2), which orbits record."""
     named = [*model.parameter_names, *model.state_names, *model.observables, *others]
     found = dict.fromkeys(name for name in names if name in MEASURES or not _is_known(name, named))
     return [name for name in found if isinstance(model, Model) and not _mistake(name, model)]

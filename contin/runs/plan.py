@@ -371,7 +371,8 @@ class _Planner:
 
     def columns(self, entry: ContinuationEntry | DiagramEntry, path: Path) -> tuple[str, ...]:
         """Formulas to be recorded on families of orbits."""
-        check_columns([((*path, "columns", k), name) for k, name in enumerate(entry.columns)], self.model, self.problems)
+        places = [((*path, "columns", k), name) for k, name in enumerate(entry.columns)]
+        check_columns(places, self.model, self.problems)
         return tuple(entry.columns)
 
     # Parts of an entry ------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@
 
 The norm takes another flight where orbits are shot: there it is a column on request, as formulas are.
 A name that the model uses itself keeps the model's meaning. Formulas are those of `contin.model.relations`:
-`integral(x^2)` over one period in model time, `mean(x^2)` divided by it, `max(x) - min(y)`; they are columns on request.
+`integral(x^2)` over one period in model time, `mean(x^2)` divided by it, `max(x) - min(y)`; columns on request.
 """
 
 from __future__ import annotations

@@ -82,7 +82,8 @@ def test_integrals_of_piecewise_smooth_orbits_are_as_exact_as_the_orbits():
 
 def test_names_of_the_model_win_and_mistakes_are_told(circle, birth):
     own = contin.Model(
-        "own", states={"x": 0.0, "y": 0.0}, parameters={"mu": -1.0, "norm": 1.0}, observables={"amplitude": "x^2 + y^2"},
+        "own", states={"x": 0.0, "y": 0.0}, parameters={"mu": -1.0, "norm": 1.0},
+        observables={"amplitude": "x^2 + y^2"},
         equations={"x": "mu*x - y - x*(x^2 + y^2)", "y": "x + mu*y - norm*y*(x^2 + y^2)"},
     )  # fmt: skip
     line = contin.continuation(contin.equilibrium(own), "mu", (-1, 1))
