@@ -68,6 +68,13 @@ class SpecialPoint:
         return seeds
 
     @property
+    def errors(self) -> dict[str, float]:
+        """Estimated errors of the varying parameters by name: the first one's, and that of the second where known."""
+        names = tuple(getattr(self.problem, "parameters", ()))
+        known = (self.error, self.vectors.get("second"))
+        return {name: float(error) for name, error in zip(names, known, strict=False) if error is not None}
+
+    @property
     def orbit(self) -> Orbit:
         """The periodic orbit here: `t`, `columns`, `multipliers`; InputError where the point is no orbit."""
         return orbit_of(self.problem, self.z, self.eigenvalues, f"{self.branch}.{self.label}")

@@ -107,6 +107,8 @@ def _point(branch: Branch, point: SpecialPoint, orbit: OrbitSampler | None) -> F
         "multipliers" if branch.multiplier_kind else "eigenvalues": plain(np.asarray(point.eigenvalues, complex)),
         "normal_form": plain(point.normal_form),
     }
+    if len(point.errors) > 1:
+        document["errors"] = plain(point.errors)
     if point.also:
         document["also"] = ", ".join(point.also)
     if orbit is not None and (profile := orbit(branch, point)) is not None:

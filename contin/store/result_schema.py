@@ -26,6 +26,7 @@ POINT: Final[Fields] = {
         "values": {"type": "object", "additionalProperties": {"type": ["number", "boolean", "null"]}},
         "residual": _NUMBER,
         "error": _NUMBER,
+        "errors": {"type": "object", "additionalProperties": _NUMBER},
         "eigenvalues": _PAIRS,
         "multipliers": _PAIRS,
         "normal_form": {"type": "object"},

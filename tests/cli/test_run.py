@@ -5,6 +5,7 @@ import json
 import jsonschema
 import pytest
 
+import contin
 from contin.store.result_schema import RESULT_SCHEMA
 from tests.cli.calls import FOLD, PITCHFORK, call, results, run_file
 
@@ -164,3 +165,25 @@ def test_outputs_are_written_beside_the_run_file(tmp_path, monkeypatch):
 def test_an_output_folder_that_is_missing_is_found_before_computing(tmp_path, capsys):
     assert call("run", run_file(tmp_path, FOLD, LINE), "--json", tmp_path / "absent" / "out.json") == 2
     assert "there is no folder" in capsys.readouterr().err
+
+
+def test_points_of_codimension_two_state_the_errors_of_both_parameters(tmp_path):
+    """x' = p - 0.1 + (q - 0.2) x - x^3 has its cusp at (0.1, 0.2)."""
+    model = {
+        "contin": 1, "name": "cusp", "states": {"x": 1.0}, "parameters": {"p": 0.1, "q": 1.2},
+        "equations": {"x": "p - 0.1 + (q - 0.2)*x - x^3"},
+    }  # fmt: skip
+    line = {"name": "line", "parameter": "p", "range": [-1, 1]}
+    folds = {"name": "folds", "from": "line.LP1", "parameter": ["p", "q"], "range": {"p": [-1, 1], "q": [-1, 2]}}
+    out, saved = tmp_path / "out.json", tmp_path / "case.contin"
+    assert call("run", run_file(tmp_path, model, line, folds, outputs={"save": saved.name}), "--json", out) == 0
+    document = results(out)
+    jsonschema.validate(document, RESULT_SCHEMA)
+    assert all("errors" not in point for point in points(document, "line").values())
+    cusp = points(document, "folds")["CP1"]
+    assert set(cusp["errors"]) == {"p", "q"}
+    assert cusp["errors"]["p"] == cusp["error"]
+    for name, exact in (("p", 0.1), ("q", 0.2)):
+        assert abs(cusp["values"][name] - exact) <= cusp["errors"][name] < 1e-9
+    stored = contin.read(saved)["folds"]["CP1"]
+    assert stored.errors == cusp["errors"]

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from mpmath import mp
 from numpy.typing import NDArray
 
 import contin
@@ -128,6 +129,13 @@ class Hidden:
         """(p, q) on the curve."""
         x = self.numbers
         return np.asarray(x.at + np.linalg.solve(x.slopes, np.array(self.core.curve(s))))
+
+    def exact_place(self, s: float) -> Array:
+        """(p, q) at which A and B are as planted, by 40 digits from the numbers that the model was written with."""
+        x = self.numbers
+        with mp.workdps(40):
+            away = mp.lu_solve(mp.matrix(x.slopes.tolist()), mp.matrix([mp.mpf(v) for v in self.core.curve(s)]))
+            return np.array([float(mp.mpf(a) + d) for a, d in zip(x.at.tolist(), away, strict=True)])
 
     def expected(self) -> list[Event]:
         """The events between the ends of the curve's part in the box on which `begin` lies."""

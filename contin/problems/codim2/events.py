@@ -159,10 +159,13 @@ def _point(problem: LocusProblem, type_: str, solved: Solution, frame: Frame) ->
     plane = type_ == "ZH" and problem.locus != "LP" and crossing.is_forced(problem, z, frame.scale, crossing.EXACT)
     drift = None if solved.drift is None or plane else solved.drift * frame.scale
     described_point = described(problem, point, values[critical], plane, drift)
-    if solved.drift is None:
-        return described_point
-    reach = float(np.linalg.norm(solved.drift[problem.identifying]))
-    return replace(described_point, vectors={**described_point.vectors, "reach": reach})
+    known: dict[str, float] = {}
+    if np.isfinite(solved.second):
+        rounding = 0.5 * np.finfo(float).eps * abs(float(z[-2]))
+        known["second"] = solved.second * float(frame.scale[-2]) + rounding
+    if solved.drift is not None:
+        known["reach"] = float(np.linalg.norm(solved.drift[problem.identifying]))
+    return replace(described_point, vectors={**described_point.vectors, **known})
 
 
 def _is_double_zero(problem: LocusProblem, z: Array) -> bool:

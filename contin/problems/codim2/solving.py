@@ -31,12 +31,14 @@ class Solution:
     """Scaled unknowns, residual (maximum norm) and the estimated error of the first parameter, scaled too.
 
     drift : estimated errors of all unknowns, scaled, as a multiple of the curve's tangent; None where not known.
+    second : the estimated error of the second parameter, scaled; NaN where not known.
     """
 
     y: Array
     residual: float
     error: float
     drift: Array | None = None
+    second: float = float("nan")
     alone: bool = True  # the function has two signs at `DIFFERENCE` on both sides: no second zero lies as near
 
 
@@ -93,8 +95,9 @@ def solve(
     if approximate > 0.0:
         sizes = np.append(np.abs(jacobian).max(axis=1), 1.0)
         scatter = scatter + approximate * max(1.0, float(np.abs(y).max())) * (np.abs(inverse) @ sizes)
-    drift = (float(np.max(scatter)) + lacking) * along
-    return Solution(y, float(np.max(np.abs(g))), float(scatter[-1]) + lacking, drift, not after * before > 0.0)
+    drift = (float(np.max(scatter)) + float(lacking[-1])) * along
+    second, first = (scatter + lacking)[-2:].tolist()
+    return Solution(y, float(np.max(np.abs(g))), first, drift, second, not after * before > 0.0)
 
 
 def _scatter(residuals: Callable[[Array], Array], matrix: Array, inverse: Array, y: Array) -> Array:
@@ -111,9 +114,9 @@ def _scatter(residuals: Callable[[Array], Array], matrix: Array, inverse: Array,
     return np.asarray(np.maximum(SAFETY * estimates, np.abs(inverse) @ odd))
 
 
-def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tuple[Array, float] | None:
-    """The solution, until rounding decides, and what is still lacking of its last unknown where Newton stalls."""
-    before, lacking = np.inf, 0.0
+def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tuple[Array, Array] | None:
+    """The solution, until rounding decides, and what is still lacking of each unknown where Newton stalls."""
+    before, lacking = np.inf, np.zeros(len(y))
     for _ in range(defining.NEWTON_BUDGET):
         g, jacobian = residual(y)
         matrix = np.vstack([jacobian, gradient])
@@ -126,7 +129,8 @@ def _newton(residual: Residual, gradient: Array, y: Array, turning: bool) -> tup
         length = float(np.linalg.norm(step))
         if length >= 0.5 * before and length < defining.STALLED:
             ratio = min(length / before, 0.9)
-            lacking = 2.0 * abs(float(step[-1])) * ratio / (1.0 - ratio) if length > 1e3 * defining.SETTLED else 0.0
+            if length > 1e3 * defining.SETTLED:
+                lacking = 2.0 * np.abs(step) * ratio / (1.0 - ratio)
             break
         if length > 1e3 or (length >= before and before < defining.STALLED):
             return None
