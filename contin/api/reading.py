@@ -99,15 +99,14 @@ def _point(branch: Record, stored: Record, solutions: Solutions | None) -> Speci
     if solutions is not None:
         solution = partial(solutions.point, branch["name"], stored["label"], where)
     problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"), solution)
-    errors = stored.get("errors", {})
-    second = {"second": _number(errors[name]) for name in branch["parameters"][1:2] if name in errors}
+    errors = [_number(stored["errors"][n]) for n in branch["parameters"][1:2] if n in stored.get("errors", {})]
     return SpecialPoint(
         type=stored["type"], label=stored["label"], index=stored["index"], z=np.empty(0), tangent=np.empty(0),
         values={name: _number(value) for name, value in stored["values"].items()},
         residual=_number(stored["residual"]), error=_number(stored["error"]),
         eigenvalues=_complex(stored.get("multipliers", stored.get("eigenvalues", []))),
         normal_form=stored["normal_form"], also=tuple(filter(None, stored.get("also", "").split(", "))),
-        branch=branch["name"], problem=problem, vectors=second,
+        branch=branch["name"], problem=problem, vectors=dict(zip(("second",), errors, strict=False)),
     )  # fmt: skip
 
 
