@@ -22,6 +22,7 @@ WORK: Final = {
     "plot_file": "contin.cli.plot",
     "import_model": "contin.cli.import_model",
     "export_file": "contin.cli.export",
+    "show_orbit": "contin.cli.orbit",
     "write_templates": "contin.cli.new",
     "derive_model": "contin.cli.derive",
     "show_model": "contin.cli.show",

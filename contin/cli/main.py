@@ -378,6 +378,18 @@ def export(
     raise typer.Exit(work("export_file")(file, out))
 
 
+@app.command()
+def orbit(
+    file: Annotated[Path, typer.Argument(help="Results: .contin, or .json written with --orbits.")],
+    point: Annotated[str, typer.Argument(help="BRANCH.LABEL, such as cycles.LPC1.")],
+    csv: Annotated[
+        str | None, typer.Option("--csv", help="Write time and states over one period; - for standard output.")
+    ] = None,
+) -> None:
+    """Tell the orbit at a labelled point: period, multipliers, extremes, samples."""
+    raise typer.Exit(work("show_orbit")(file, point, csv))
+
+
 @app.command("import")
 def import_(
     file: Annotated[Path, typer.Argument(help="A model in the format of another program.")],

@@ -11,10 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from contin import lazy
+from contin.cli.multipliers import multiplier_words
 from contin.diagram.phase.report import region_lines
 from contin.plot.vocabulary import KINDS, locus_words, style_of
 from contin.records import Record
 
+MOST_MULTIPLIERS: Final = 6  # told of a point; the JSON has all of them
 MOST_STATES: Final = 4  # columns of states in a table; the JSON has all of them
 UNBOUNDED: Final = 10_000  # columns of a console in which no table is shortened
 _COEFFICIENTS: Final = ("l1", "l2", "a", "b", "c", "d")  # the first that there is decides
@@ -49,10 +51,22 @@ def _print_branch(branch: Record, states: Iterable[str], console: Console) -> No
         console.print(_fitting(branch, list(states), console))
     else:
         console.print("  no special points", highlight=False)
+    _print_multipliers(branch, console)
     for which, end in zip(("first row", "last row"), branch["ends"], strict=True):
         if end["reason"] != "start":
             style = "yellow" if end["reason"] in ("corrector", "steps", "stopped") else ""
             console.print(Text(f"  {which}: {end['text']}", style=style))
+
+
+def _print_multipliers(branch: Record, console: Console) -> None:
+    """The multipliers at the labels of orbits and of maps, the largest in modulus first."""
+    if branch["kind"] == "locus":
+        return
+    for point in branch["points"]:
+        known = [complex(*pair) for pair in point.get("multipliers", []) if None not in pair]
+        if known:
+            words = multiplier_words(known, MOST_MULTIPLIERS)
+            console.print(Text(f"  {point['label']:<5}  multipliers {words}", style="dim"))
 
 
 def _print_regions(phase: Record, console: Console) -> None:

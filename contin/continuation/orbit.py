@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from contin import lazy
 from contin.abi import Array
+from contin.continuation.stored import StoredProblem
 from contin.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,6 +42,26 @@ class Orbit:
     t: Array
     columns: Mapping[str, Array]
     multipliers: NDArray[np.complex128]
+    solve: Callable[[], NDArray[np.complex128]] | None = None  # for the eigenfunctions, when they are asked for
+
+    @cached_property
+    def eigenfunctions(self) -> NDArray[np.complex128]:
+        """(multipliers, times, n): v(t) with v' = f_u v, v(T) = multiplier v(0), |v(0)| = 1, at `t`.
+
+        The component of v(0) of largest modulus is real and positive. InputError where nothing is known but numbers.
+        """
+        if self.solve is None:
+            raise InputError("eigenfunctions are of periodic orbits of flows with their equations")
+        return self.solve()
+
+    def to_csv(self, file: str | Path) -> None:
+        """Write the columns with their names in the first line, numbers with all their digits."""
+        Path(file).write_text(self.csv(), encoding="utf-8")
+
+    def csv(self) -> str:
+        """The columns as lines of text, which `samples:` of a run file reads again."""
+        rows = zip(*(np.asarray(column).tolist() for column in self.columns.values()), strict=True)
+        return "\n".join([",".join(self.columns), *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
     @property
     def period(self) -> float:
@@ -74,4 +97,17 @@ def orbit_of(problem: object, z: Array, multipliers: NDArray[np.complex128], whe
     names = problem.system.state_names  # type: ignore[attr-defined]
     if not names:  # a large system
         names = [f"u{k}" for k in range(profile.u.shape[1])]
-    return Orbit(t, {"t": t, **dict(zip(names, profile.u.T, strict=True))}, multipliers)
+    solve = _eigenfunctions(problem, z, multipliers)
+    return Orbit(t, {"t": t, **dict(zip(names, profile.u.T, strict=True))}, multipliers, solve)
+
+
+def _eigenfunctions(
+    problem: object, z: Array, multipliers: NDArray[np.complex128]
+) -> Callable[[], NDArray[np.complex128]] | None:
+    """How they are found: of a point from a file by what it was computed with."""
+    if isinstance(problem, StoredProblem):
+        if problem.kind != "orbit":
+            return None
+        return lambda: problem.computed().orbit.eigenfunctions
+    found = getattr(problem, "eigenfunctions", None)
+    return None if found is None else partial(found, z, multipliers)

@@ -41,6 +41,15 @@ class StoredProblem:
     orbit: Mapping[str, Sequence[float | None]] | None
     solution: Callable[[], SpecialPoint] | None = None  # reads the point as it was computed, with its equations
 
+    def computed(self) -> SpecialPoint:
+        """The point as it was computed; InputError where the file does not have it."""
+        if self.solution is None:
+            raise InputError(
+                f"{self.where} was read from a file that holds numbers and no equations: save to a .contin file, or "
+                "compute its branch again (contin.continuation)"
+            )
+        return self.solution()
+
     @property
     def system(self) -> StoredSystem:
         return StoredSystem(tuple(name for name in self.orbit or {} if name != "t"))
@@ -60,9 +69,4 @@ def as_computed(point: SpecialPoint) -> SpecialPoint:
     problem = point.problem
     if not isinstance(problem, StoredProblem):
         return point
-    if problem.solution is None:
-        raise InputError(
-            f"{problem.where} was read from a file that holds numbers and no equations: save to a .contin file, or "
-            "compute its branch again (contin.continuation)"
-        )
-    return problem.solution()
+    return problem.computed()

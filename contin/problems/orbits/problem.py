@@ -20,6 +20,7 @@ from contin.kernels.collocation_basis import basis
 from contin.problems.neutral import remarks_on_orbits
 from contin.problems.orbits import marched_in_kernel
 from contin.problems.orbits.columns import names_of, norms, orbit_columns, periods, with_observables
+from contin.problems.orbits.eigenfunctions import eigenfunctions
 from contin.problems.orbits.ends import foretold
 from contin.problems.orbits.events import explain, verify, verify_compound
 from contin.problems.orbits.family import FamilyOfOrbits
@@ -141,6 +142,10 @@ class OrbitProblem(FamilyOfOrbits):
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         """Multipliers of an orbit, the trivial one of an autonomous system first; NaN where they cannot be computed."""
         return marched_in_kernel.multipliers(self, z)
+
+    def eigenfunctions(self, z: Array, multipliers: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """(k, times, n) at the times of `profile`."""
+        return eigenfunctions(self, z, multipliers)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         fixed = np.zeros_like(scale)

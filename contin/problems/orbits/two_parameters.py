@@ -136,6 +136,10 @@ class OfPeriodicOrbits(OrbitCurveProblem):
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         return np.asarray(self.curve.at(z).multipliers(self.curve.orbit(z)))
 
+    def eigenfunctions(self, z: Array, multipliers: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """(k, times, n) at the times of `profile`."""
+        return np.asarray(self.curve.at(z).eigenfunctions(self.curve.orbit(z), multipliers))
+
     def has_shrunk(self, z: Array, scale: Array) -> bool:
         """True where the orbit is its Hopf point, but for an amplitude that does not matter."""
         return bool(self.curve.orbits.autonomous) and birth.has_shrunk(self, z, scale)

@@ -36,6 +36,7 @@ from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.measures import Measures, standard_columns
 from contin.problems.orbits.sizes import state_sizes
 from contin.problems.shooting.corners import at_corner, cross_corner, verify_corner
+from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.fixed_space import FixedSpace, fixed_space
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
@@ -230,6 +231,10 @@ class ShootingProblem(FamilyOfOrbits):
 
     def cross_corner(self, last: Sample, frame: Frame, settings: Settings) -> tuple[Sample, Verified | None] | None:
         return cross_corner(self, last, frame, settings)
+
+    def eigenfunctions(self, z: Array, multipliers: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """(k, times, n) at the times of `profile`."""
+        return eigenfunctions(self, z, multipliers)
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
