@@ -91,7 +91,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
-            if len(companions) == 1 and _is_plain(stretch, verified, types[0]):
+            if len(companions) == 1 and _is_plain(stretch, companions[0], types[0]):
                 yield from _with_rest(stretch, a, b, companions[0], depth)
             else:
                 yield from companions

@@ -27,6 +27,7 @@ RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below 
 CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
 COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
+NEXT = 1e-4  # scaled: how far from it a multiple zero may be found
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
 SETTLED = 1e-14  # scaled: a step this short is rounding
@@ -270,7 +271,7 @@ def _accept(
     others = np.delete(values, chosen)
     beyond = np.abs(others) - 1.0 if problem.is_map else others.real
     sizes = 1.0 if problem.is_map else np.delete(noises(values, rates), chosen)
-    crowded = bool(np.any(np.abs(beyond) < COINCIDENT * sizes))
+    crowded = bool(np.any(np.abs(beyond) < SINGULAR * sizes))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     if is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)
@@ -301,7 +302,11 @@ def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fr
     slopes = there / BESIDE  # a singular value counts that may vanish between a and b
     width = float(np.linalg.norm((b.z - a.z) / frame.scale))
     corank = int(np.sum(here < np.maximum(SINGULAR * size, 2.0 * width * slopes)))
-    if corank >= 1:
+    at_most = int(np.sum(here < CRITICAL * size))  # beside a multiple zero signs of tests are rounding
+    multiple = _multiple(problem, local, y, frame, at_most, tangent) if at_most > max(corank, 1) else None
+    if multiple is not None:
+        found.append(multiple)
+    elif corank >= 1:
         found.append(_branch_point(problem, local, y, frame, corank, tangent))
     elif a.tests[0] * b.tests[0] < 0.0:
         found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
@@ -311,6 +316,15 @@ def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fr
     for pair, count in _pairs_on_boundary(*spectrum(problem.linear_part(y * frame.scale)), problem.is_map):
         found.append(_oscillatory(problem, local, y, frame, pair, tangent, count))
     return _merge(found, frame)
+
+
+def _multiple(
+    problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame, corank: int, tangent: Array
+) -> Verified | None:
+    """A branch point at which this many eigenvalues vanish together, as near to y as they are to zero there."""
+    found = _branch_point(problem, local, y, frame, corank, tangent)
+    near = isinstance(found, Verified) and float(np.linalg.norm(found.z / frame.scale - y)) < NEXT
+    return found if isinstance(found, Verified) and near else None
 
 
 def _pairs_on_boundary(values: Vector, rates: Array, is_map: bool) -> list[tuple[complex, int]]:
