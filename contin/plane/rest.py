@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.api.searches import find_equilibria
 from contin.model.model import Model
 from contin.plane.field import PlanarField
+from contin.plane.types import PlaneType, flow_type
 from contin.problems.start import Equilibrium
 
 ROUNDED: Final = 1e-9  # of the largest eigenvalue: a smaller real part (distance from the unit circle) may be none
@@ -26,6 +27,7 @@ class Rest:
     vectors: NDArray[np.complex128]  # columns
     type: str
     stability: str
+    note: str = ""  # what decided the type, or what is left open, where the eigenvalues do not
 
     def __str__(self) -> str:
         values = ", ".join(f"{v.real:.6g}" + (f"{v.imag:+.6g}i" if v.imag else "") for v in self.eigenvalues)
@@ -39,11 +41,9 @@ def rests(field: PlanarField, window: Array) -> tuple[list[Rest], list[str]]:
     }
     planar = field.planar.replace(events=()) if isinstance(field.planar, Model) else field.planar
     found = find_equilibria(planar, box, field.parameters)
-    notes = []
-    if any(not one.isolated for one in found):
-        notes.append("an equilibrium is not isolated: a line of them, or a bifurcation at these parameters")
     inside = [one.equilibrium for one in found if _inside(one.u, window)]
-    return [described(field, one) for one in inside], notes
+    known = [described(field, one, window) for one in inside]
+    return known, [f"{rest.type} at ({rest.u[0]:.6g}, {rest.u[1]:.6g}): {rest.note}" for rest in known if rest.note]
 
 
 def _inside(u: Array, window: Array) -> bool:
@@ -51,17 +51,24 @@ def _inside(u: Array, window: Array) -> bool:
     return bool(np.all((u >= window[:, 0] - slack) & (u <= window[:, 1] + slack)))
 
 
-def described(field: PlanarField, one: Equilibrium) -> Rest:
-    """With the eigenvalues of the Jacobian of the planar field."""
+def described(field: PlanarField, one: Equilibrium, window: Array) -> Rest:
+    """With the eigenvalues of the Jacobian of the planar field, and the type that they and their errors give."""
     matrix = np.asarray(one.system.jacobian(one.u, one.p)[1])[:, :2]
     values, vectors = np.linalg.eig(matrix)
     order = np.argsort(values.real, kind="stable")
     values, vectors = values[order].astype(complex), vectors[:, order].astype(complex)
-    kind, stability = (_map_type if field.is_map else _flow_type)(values)
-    return Rest(one.u.copy(), values, vectors, kind, stability)
+    model = one.system.model
+    if field.is_map:
+        found = PlaneType(*_map_type(values))
+    elif isinstance(model, Model):
+        found = flow_type(one, model.replace(events=()), window)
+    else:
+        found = PlaneType(*_type_of_function(values))
+    return Rest(one.u.copy(), values, vectors, found.words, found.stability, found.note)
 
 
-def _flow_type(values: NDArray[np.complex128]) -> tuple[str, str]:
+def _type_of_function(values: NDArray[np.complex128]) -> tuple[str, str]:
+    """Of a flow whose formulas, and so whose rounding, are not known."""
     size = float(np.abs(values).max())
     if values[0].imag != 0.0:
         growth = float(values[0].real)
