@@ -9,7 +9,9 @@ with L_s, L_u bases of the left stable and unstable subspaces (Beyn 1990; Champn
 length T of the time interval is fixed: the error is of the order of the squared distances of the ends from the saddles.
 Where x0 = x1 is a saddle-node, one eigenvalue is zero, there is one projection less, and the fold takes its place: the
 orbit leaves along the centre-unstable directions and arrives along the centre-stable ones.
-z = (u at the nodes, x0, [x1], T, h_1 .. h_N, q, p); T and the mesh are carried along, not solved for.
+z = (u at the nodes, x0, [x1], T, h_1 .. h_N, q, p); T and the mesh are carried along, not solved for. Which of q and p
+are unknowns is said by `slots`: with one projection less (n + 1 directions in which the orbit may leave and arrive)
+connections persist, and q is not one.
 """
 
 from __future__ import annotations
@@ -23,13 +25,12 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
+from contin.problems.orbits.homoclinic.projections import linearised_projections
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.orbits.saddle_node import borders, fold_scalar
+from contin.problems.orbits.saddle_node import borders
 from contin.problems.orbits.two_parameters import CurveOfOrbits
-
-STEP = 1e-6  # of the differences of the projections, relative
 
 
 @dataclass(eq=False)
@@ -47,7 +48,7 @@ class Gauge:
 class ConnectionCurve(CurveOfOrbits):
     """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1.
 
-    They add up to n, at a saddle-node (`node`) to n - 1.  winding : whole turns of angles, by which u(1) is farther.
+    They add up to n, to n - 1 at a saddle-node (`node`) and where only p is free.  winding : whole turns of angles, by which u(1) is farther.
     """
 
     orbits: OrbitProblem
@@ -57,6 +58,9 @@ class ConnectionCurve(CurveOfOrbits):
     unstable_count: int
     node: bool = False
     winding: Array | None = None
+    slots: tuple[int, ...] = (-2, -1)  # of q and p those that are unknowns
+    aim: Array | None = None  # of a homotopy, whose parameter stands in the place of q: see `projections`
+    truncation: float | None = None  # distance of the ends from the saddles, relative to the orbit's extent
     gauge: Gauge = field(default_factory=Gauge)
 
     type = "HOM"
@@ -94,12 +98,13 @@ class ConnectionCurve(CurveOfOrbits):
         return ends[0], ends[-1] if self.winding is None else ends[-1] + self.winding
 
     def unknowns(self, z: Array) -> NDArray[np.intp]:
-        """Places of (u, saddles, q, p) in z."""
-        return np.append(np.arange(self.nodes(z) + self.saddles * self.n), [z.size - 2, z.size - 1])
+        """Places of (u, saddles, those of q and p that are free) in z."""
+        return np.append(np.arange(self.nodes(z) + self.saddles * self.n), [z.size + slot for slot in self.slots])
 
     def full_parameters(self, z: Array) -> Array:
         p = self.orbits.full_parameters(z)
-        p[self.second] = z[-2]
+        if self.aim is None:
+            p[self.second] = z[-2]
         return p
 
     def matrix(self, u: Array, z: Array) -> Array:
@@ -112,8 +117,8 @@ class ConnectionCurve(CurveOfOrbits):
         """Phase reference and bases at z."""
         first, last = self.equilibria(z)[0], self.equilibria(z)[-1]
         self.gauge.reference = z.copy()
-        self.gauge.stable = self._basis(first, z, sizes, True, None)
-        self.gauge.unstable = self._basis(last, z, sizes, False, None)
+        self.gauge.stable = left_subspace(self.scaled_matrix(first, z, sizes), self.stable_count, True)
+        self.gauge.unstable = left_subspace(self.scaled_matrix(last, z, sizes), self.unstable_count, False)
         if self.node:
             self.gauge.borders = borders(self.scaled_matrix(first, z, sizes))
 
@@ -121,26 +126,10 @@ class ConnectionCurve(CurveOfOrbits):
         """f_u at a state, of states relative to their sizes."""
         return np.asarray(self.matrix(u, z) * sizes / sizes[:, None])
 
-    def _basis(self, u: Array, z: Array, sizes: Array, stable: bool, reference: Array | None) -> Array:
-        matrix = self.scaled_matrix(u, z, sizes)
-        return left_subspace(matrix, self.stable_count if stable else self.unstable_count, stable, reference)
-
     def offsets(self, z: Array, sizes: Array) -> tuple[Array, Array]:
         """Of both ends of the orbit from the saddles, relative to the states' sizes."""
         u, (first, last) = z[: self.nodes(z)], self.termini(z)
         return (u[: self.n] - first) / sizes, (u[-self.n :] - last) / sizes
-
-    def projections(self, z: Array, sizes: Array) -> Array:
-        """The n boundary conditions (scaled); at a saddle-node the last one is its fold."""
-        ends = self.equilibria(z)
-        start, finish = self.offsets(z, sizes)
-        stable = self._basis(ends[0], z, sizes, True, self.gauge.stable)
-        unstable = self._basis(ends[-1], z, sizes, False, self.gauge.unstable)
-        conditions = [stable.T @ start, unstable.T @ finish]
-        if self.node:
-            assert self.gauge.borders is not None
-            conditions.append(np.array([fold_scalar(self.scaled_matrix(ends[0], z, sizes), *self.gauge.borders)]))
-        return np.concatenate(conditions)
 
     def linearise(self, z: Array, scale: Array, sizes: Array) -> tuple[Array, Any]:
         """Scaled equations (k,) and their sparse Jacobian (k, k + 1) by `unknowns`."""
@@ -149,8 +138,7 @@ class ConnectionCurve(CurveOfOrbits):
         n, m = self.n, self.orbits.points
         profile, ends = self.profile(z), self.equilibria(z)
         count, nu, period = profile.intervals, profile.u.size, profile.period
-        where = self.unknowns(z)
-        units = scale[where]
+        units = np.append(scale[: nu + self.saddles * n], scale[-2:])
         f, fu, slopes = self._at_gauss(profile, z)
         scheme = basis(m)
         nodes = np.arange(count)[:, None] * m + np.arange(m + 1)
@@ -171,7 +159,10 @@ class ConnectionCurve(CurveOfOrbits):
         columns = sparse.csr_matrix(by_parameters.reshape(-1, 2) * units[-2:])
         top = top.tocsr() + sparse.hstack([sparse.csr_matrix((count * m * n, total - 2)), columns]).tocsr()
         rest, dense = self._rest(z, profile, ends, sizes, units)
-        return np.concatenate([defect.ravel(), rest]), sparse.vstack([top, sparse.csr_matrix(dense)], format="csc")
+        jacobian = sparse.vstack([top, sparse.csr_matrix(dense)], format="csc")
+        if len(self.slots) < 2:
+            jacobian = jacobian[:, [*range(total - 2), *(total + slot for slot in self.slots)]]
+        return np.concatenate([defect.ravel(), rest]), jacobian
 
     def _at_gauss(self, profile: Profile, z: Array) -> tuple[Array, Array, Array]:
         """f (N, m, n), f_u (N, m, n, n) and by (q, p) (N, m, n, 2) at the Gauss points."""
@@ -185,6 +176,8 @@ class ConnectionCurve(CurveOfOrbits):
         for k, u in enumerate(states):
             f[k], whole = system.jacobian(u, p)
             jacobian[k] = whole[:, chosen]
+        if self.aim is not None:
+            jacobian[:, :, n] = 0.0
         shape = (count, m, n)
         return f.reshape(shape), jacobian[:, :, :n].reshape(*shape, n), jacobian[:, :, n:].reshape(*shape, 2)
 
@@ -199,22 +192,16 @@ class ConnectionCurve(CurveOfOrbits):
             row = np.zeros((n, total))
             row[:, nu + k * n : nu + (k + 1) * n] = whole[:, :n]
             row[:, -2:] = whole[:, [n + self.second, n + self.first]]
+            if self.aim is not None:
+                row[:, -2] = 0.0
             size = np.maximum(np.abs(row * units).max(axis=1), 1e-300)
             values.append(f / size)
             rows.append(row * units / size[:, None])
-        values.append(self.projections(z, sizes))
-        row = np.zeros((n, total))
-        row[: self.stable_count, :n] = self._basis(ends[0], z, sizes, True, self.gauge.stable).T / sizes
-        arriving = slice(self.stable_count, self.stable_count + self.unstable_count)
-        row[arriving, nu - n : nu] = self._basis(ends[-1], z, sizes, False, self.gauge.unstable).T / sizes
-        small = [*range(nu, nu + self.saddles * n), total - 2, total - 1]
-        where = self.unknowns(z)
-        for column in small:
-            step = STEP * float(sizes[column % n] if column < total - 2 else units[column])
-            plus, minus = z.copy(), z.copy()
-            plus[where[column]] += step
-            minus[where[column]] -= step
-            row[:, column] = (self.projections(plus, sizes) - self.projections(minus, sizes)) / (2.0 * step)
+        found = linearised_projections(self, z, sizes, units[-2:])
+        row = np.zeros((len(found.values), total))
+        row[:, :n], row[:, nu - n : nu] = found.by_first, found.by_last
+        row[:, nu : nu + self.saddles * n], row[:, -2:] = found.by_saddles, found.by_parameters
+        values.append(found.values)
         rows.append(row * units)
         phase = self._phase(z, sizes)
         gap = float(phase @ (z[:nu] - self.gauge.reference[:nu]))  # type: ignore[index]
