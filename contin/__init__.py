@@ -30,6 +30,7 @@ _EXPORTS = {
     "load": "contin.model.registry",
     "periodic_orbit": "contin.api",
     "connecting_orbit": "contin.api",
+    "connection": "contin.api",
     "phase": "contin.api",
     "plane": "contin.plane.portrait",
     "read": "contin.api.reading",

@@ -7,10 +7,11 @@ if TYPE_CHECKING:
     from contin.api.auto_start import find_start
     from contin.api.boundary import boundary_problem
     from contin.api.branches import continuation, walk
+    from contin.api.connections import connecting_orbit, connection
     from contin.api.deflations import deflated
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
-    from contin.api.orbit_starts import connecting_orbit, periodic_orbit
+    from contin.api.orbit_starts import periodic_orbit
     from contin.api.pictures import draw
     from contin.api.searches import find_equilibria
     from contin.api.solutions import solution
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "boundary_problem": "boundary",
     "compiled": "machine_code",
-    "connecting_orbit": "orbit_starts",
+    "connecting_orbit": "connections",
+    "connection": "connections",
     "continuation": "branches",
     "deflated": "deflations",
     "diagram": "diagrams",
@@ -40,6 +42,7 @@ __all__ = [
     "boundary_problem",
     "compiled",
     "connecting_orbit",
+    "connection",
     "continuation",
     "deflated",
     "diagram",

@@ -1,4 +1,4 @@
-"""Periodic and connecting orbits at fixed parameters, where branches may start."""
+"""Periodic orbits at fixed parameters, where branches may start."""
 
 from __future__ import annotations
 
@@ -11,17 +11,13 @@ from contin.abi import Array
 from contin.api.fixed_totals import for_branches, is_auto, named_start, named_table
 from contin.api.machine_code import for_orbits
 from contin.api.requirements import need_parameters
-from contin.api.starts import equilibrium
 from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.model.model import Model
-from contin.problems.orbits.frame import system_of_orbits
-from contin.problems.orbits.homoclinic.shooting import ConnectingOrbit
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
-from contin.problems.start import Equilibrium
 from contin.records import Fields, Record
 from contin.simulate.consistent import consistent_start
 from contin.symbolic.passes.corotating import frame_for, of_orbits
@@ -107,24 +103,3 @@ def _auto_orbit(model: Any, parameters: Record | None) -> PeriodicOrbit | ShotOr
     if not isinstance(found.solution, PeriodicOrbit | ShotOrbit):
         raise NoSolutionError(f"no periodic orbit from the given state: {found.words}, at {found.solution}")
     return found.solution
-
-
-def connecting_orbit(
-    model: Model,
-    first: str | Record,
-    last: str | Record | None = None,
-    parameters: Record | None = None,
-) -> ConnectingOrbit:
-    """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
-
-    first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
-    return to the first one (homoclinic). At the parameters a trajectory that leaves the first saddle must pass near the
-    second one. `continuation(..., (p, q), ranges)` then solves for the orbit at the present value of q.
-    """
-    need_time(model, "connecting orbits")
-    saddles = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
-    written = isinstance(model, Model) and all(isinstance(saddle, Equilibrium) for saddle in saddles)
-    if not written or saddles[0].system.kind == "map":
-        raise InputError("connecting orbits need a flow given by formulas")
-    system = system_of_orbits(saddles[0].system)
-    return ConnectingOrbit(system, saddles[0].p, np.array([saddle.u for saddle in saddles]))

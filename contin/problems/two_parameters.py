@@ -94,18 +94,18 @@ class TwoParameterProblem(Problem):
 
     def widths(self, z: Array, first: tuple[float, float]) -> tuple[float, float]:
         """Scales of the first and the second parameter: the widths of their ranges; of an endless one, their size."""
-        ranges = zip(self.parameters, (z[-1], z[-2]), (first, self.second_bounds), strict=True)
+        names = [self.system.parameter_names[k] for k in (self.curve.first, self.curve.second)]
+        ranges = zip(names, (z[-1], z[-2]), (first, self.second_bounds), strict=True)
         one, two = (parameter_width(self.system.model, name, float(value), ends) for name, value, ends in ranges)
         return one, two
 
     def place(self, z: Array) -> str:
-        """Both parameters at z, in words."""
-        return ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, z[[-1, -2]], strict=True))
+        """The parameters that vary at z, in words."""
+        return ", ".join(f"{k} = {v:.8g}" for k, v in zip(self.parameters, z[[-1, -2]], strict=False))
 
     def parameter_columns(self, z: Array) -> dict[str, Array]:
         """The parameters of rows of unknowns."""
-        first, second = self.parameters
-        return {first: z[:, -1].copy(), second: z[:, -2].copy()}
+        return {name: z[:, -1 - k].copy() for k, name in enumerate(self.parameters)}
 
     # -- solving with one parameter fixed -----------------------------------------------------------------------------
 

@@ -94,13 +94,16 @@ class ContinEngine:
                 return api.periodic_orbit(model, run.samples.states, parameters, times=run.samples.times, **mesh)
             return api.periodic_orbit(model, run.start, parameters, **mesh)
         if run.as_ == "connection":
-            return api.connecting_orbit(model, run.start, run.to, parameters)
+            along = _table(run.samples)
+            return api.connection(model, run.start, run.to, parameters, samples=along, truncation=run.truncation)
         if run.as_ is None:
             return api.solution(model, run.start, parameters)
         return api.equilibrium(model, run.start, parameters)
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         point: Any = branch[label]
+        if run.as_ == "connection":
+            return _verbs().connection(point, run.start, run.to, truncation=run.truncation)
         if len(run.parameters) > 1:
             return point.locus(run.parameters)
         if _goes_on(branch, point, run):

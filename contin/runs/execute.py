@@ -128,7 +128,8 @@ def _skipping(what: str, state: _State, as_written: bool = True) -> Iterator[Non
 
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
-    with _skipping(run.name, state, as_written=run.reference is None and run.as_ is None):
+    written = run.as_ is None or (run.as_ == "connection" and len(run.parameters) == 1)  # whether one is enough
+    with _skipping(run.name, state, as_written=run.reference is None and written):
         if run.stored is not None:
             start = engine.start_at_point(run.stored.read(), run.stored.label, run)
         elif run.reference is None:

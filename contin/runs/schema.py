@@ -93,9 +93,10 @@ class ContinuationEntry(Section):
     name: RunName | None = None
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
-    samples: File | None = None  # a CSV file with one period of an orbit
+    samples: File | None = None  # a CSV file with one period of an orbit, or with a connecting orbit
     as_: Literal["equilibrium", "orbit", "locus", "connection"] | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
+    truncation: Annotated[Positive, Field(ge=1e-8, le=0.1)] | None = None  # distance of its ends from them, relative
     parameter: Annotated[Texts, Field(max_length=6)]
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
@@ -109,17 +110,25 @@ class ContinuationEntry(Section):
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
         origins = [name for name, place in ORIGINS.items() if getattr(self, place) is not None]
+        connects = self.as_ == "connection"
+        if connects and "start" in origins:
+            origins.remove("start")  # names the saddle that the orbit, whatever it comes from, leaves
         if len(origins) > 1:
             raise wrong(f"has both `{origins[0]}` and `{origins[1]}`; keep one of them")
-        if self.samples is not None and self.as_ not in (None, "orbit"):
-            raise wrong("has `samples`, one period of an orbit; write `as: orbit`, or nothing")
+        if self.samples is not None and self.as_ not in (None, "orbit", "connection"):
+            raise wrong("has `samples` of an orbit; write `as: orbit`, `as: connection`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
             raise wrong(f"names {self.parameter[0]!r} twice in `parameter`")
-        if self.as_ == "connection" and (self.start is None or len(self.parameter) != 2):
-            raise wrong("is a connection: give `start`, the saddle that it leaves, and two parameters")
-        if self.to is not None and self.as_ != "connection":
-            raise wrong("has `to`, the saddle that a connecting orbit leads to; write `as: connection`")
-        if len(self.parameter) > 1 and self.from_ is None and self.as_ != "connection":
+        enough = len(self.parameter) == 2 or (len(self.parameter) == 1 and self.to is not None)
+        if connects and (self.start is None or not enough):
+            one = " (one is enough where connections to a second saddle, `to`, persist)"
+            raise wrong(f"is a connection: give `start`, the saddle that it leaves, and two parameters{one}")
+        if not connects and (self.to is not None or self.truncation is not None):
+            key, what = ("to", "the saddle that a connecting orbit leads to") if self.to is not None else (
+                "truncation", "how near to its saddles a connecting orbit is cut"
+            )  # fmt: skip
+            raise wrong(f"has `{key}`, {what}; write `as: connection`")
+        if len(self.parameter) > 1 and self.from_ is None and not connects:
             many = {2: "two", 3: "three"}.get(len(self.parameter), str(len(self.parameter)))
             raise wrong(f"{many} parameters need a point to start from; write `from: NAME.LABEL`")
         return self

@@ -33,7 +33,10 @@ def test_a_run_follows_a_front_from_one_saddle_to_another(tmp_path):
     ("change", "message"),
     [
         ({"as": None}, "write `as: connection`"),
-        ({"parameter": ["c"]}, "two parameters"),
+        ({"parameter": ["c"], "to": None}, "two parameters"),
+        ({"parameter": ["c"], "range": {"c": [-1, 1]}}, "name two parameters"),
+        ({"truncation": 2.0}, "truncation"),
+        ({"samples": "nothing.csv"}, "nothing.csv"),
         ({"to": "nowhere"}, "no start 'nowhere'"),
     ],
 )
@@ -43,7 +46,58 @@ def test_mistakes_are_named(tmp_path, capsys, change, message):
     assert message in capsys.readouterr().err
 
 
-def test_a_front_that_no_trajectory_comes_near_is_skipped_in_words(tmp_path, capsys):
-    path = run_file(tmp_path, NAGUMO, parameters={"c": -0.9}, continuations=[FRONT])
+def test_a_front_far_from_its_speed_is_found_by_homotopy(tmp_path):
+    path = run_file(tmp_path, NAGUMO, parameters={"c": -0.9}, continuations=[FRONT], outputs={"json": "out.json"})
+    assert call("run", path, "--quiet") == 0
+    (branch,) = results(tmp_path / "out.json")["branches"]
+    c = [(1 - 2 * a) / math.sqrt(2) for a in branch["columns"]["a"]]
+    assert branch["columns"]["c"] == pytest.approx(c, abs=1e-7)
+
+
+def test_what_is_not_found_is_skipped_in_words_and_other_runs_go_on(tmp_path, capsys):
+    """Where c does nothing, no front from u = 1 to u = 0 exists at a = 1/4: the bistable front has one speed."""
+    fixed = NAGUMO | {"equations": {"u": "v", "v": "-0.9*v - u*(1 - u)*(u - a/(1 + c^2)/100)"}}
+    line = {"name": "line", "start": "ahead", "parameter": "a", "range": [0.1, 0.4]}
+    path = run_file(tmp_path, fixed, continuations=[FRONT, line], outputs={"json": "out.json"})
     assert call("run", path) == 1
-    assert "front skipped: no connecting orbit nearby" in capsys.readouterr().out
+    assert "front skipped: no connecting orbit" in capsys.readouterr().out
+    assert [branch["name"] for branch in results(tmp_path / "out.json")["branches"]] == ["line"]
+
+
+def test_a_loop_from_samples_and_from_a_long_orbit(tmp_path):
+    """x'' = x - k x^3 + m y: homoclinic for m = 0; x = sqrt(2/k)/cosh(t)."""
+    model = {
+        "contin": 1, "name": "duffing", "states": {"x": 0.0, "y": 0.0}, "parameters": {"m": 0.0, "k": 1.0},
+        "equations": {"x": "y", "y": "x - k*x^3 + m*y"},
+    }  # fmt: skip
+    rows = [(t, math.sqrt(2) / math.cosh(t), -math.sqrt(2) * math.sinh(t) / math.cosh(t) ** 2) for t in range(-6, 7)]
+    (tmp_path / "loop.csv").write_text("t,x,y\n" + "\n".join(",".join(map(str, row)) for row in rows))
+    entry = {
+        "name": "loop", "as": "connection", "start": {"x": 0}, "samples": "loop.csv", "parameter": ["m", "k"],
+        "range": {"m": [-1, 1], "k": [0.5, 2]}, "truncation": 1e-4,
+    }  # fmt: skip
+    path = run_file(tmp_path, model, continuations=[entry], outputs={"json": "out.json"})
+    assert call("run", path, "--quiet") == 0
+    (branch,) = results(tmp_path / "out.json")["branches"]
+    assert branch["columns"]["m"] == pytest.approx([0] * len(branch["columns"]["m"]), abs=1e-9)
+    amplitudes = [math.sqrt(2 / k) for k in branch["columns"]["k"]]
+    assert branch["columns"]["x.max"] == pytest.approx(amplitudes, abs=1e-6)
+
+
+def test_fronts_that_persist_are_followed_in_one_parameter(tmp_path):
+    """Fisher's equation: fronts from u = 1 to u = 0 at every speed; u = (1 + exp(s/sqrt(6)))^-2 at c = 5/sqrt(6).
+
+    Its steepest slope is -(8/27)/sqrt(6).
+    """
+    fisher = NAGUMO | {"name": "fisher", "parameters": {"c": 2.5}, "equations": {"u": "v", "v": "-c*v - u*(1 - u)"}}
+    entry = {
+        "name": "front", "as": "connection", "start": "behind", "to": "ahead", "parameter": "c", "range": [1, 4],
+        "values": {"c": [5 / math.sqrt(6)]},
+    }  # fmt: skip
+    path = run_file(tmp_path, fisher, continuations=[entry], outputs={"json": "out.json", "plot": "out.png"})
+    assert call("run", path, "--quiet") == 0
+    (branch,) = results(tmp_path / "out.json")["branches"]
+    assert (branch["kind"], branch["locus"], branch["parameters"]) == ("connection", None, ["c"])
+    assert [end["reason"] for end in branch["ends"]] == ["bound", "bound"]
+    (point,) = branch["points"]
+    assert point["values"]["v.min"] == pytest.approx(-8 / 27 / math.sqrt(6), abs=1e-6)

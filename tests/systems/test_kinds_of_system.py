@@ -97,7 +97,7 @@ VERBS = {
     "plane": lambda m: contin.plane(m, "x", "y", x_range=(0.7, 1.3), y_range=(0.1, 1.3)),
     "plot": lambda m: line(m).plot(),
     "average": contin.average,
-    "connecting_orbit": lambda m: contin.connecting_orbit(m, {"x": 1.0, "y": 1.0}),
+    "connection": lambda m: contin.connection(m, {"x": 1.0, "y": 1.0}),
     "boundary_problem": contin.boundary_problem,
 }
 

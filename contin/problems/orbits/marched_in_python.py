@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Sample
+from contin.continuation.problem import Chunk, Failure, Frame, Sample, is_planar
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
@@ -55,7 +56,10 @@ class MarchedInPython(OrbitCurveProblem):
     ) -> Chunk:  # fmt: skip
         self.settle(origin.z, frame.scale)
         limit = min(limit, self.maximum_chunk)
-        return python_march.march(self, origin, before, length, frame, step, limit, bounds, settings, None, planar=self)
+        planar = self if is_planar(self) else replace(self, first_bounds=bounds)  # then there is no `within`
+        return python_march.march(
+            self, origin, before, length, frame, step, limit, bounds, settings, None, planar=planar
+        )
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         return python_march.probe(self, base, length, guess, frame, settings)

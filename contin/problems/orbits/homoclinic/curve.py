@@ -103,7 +103,7 @@ class ConnectionCurve(CurveOfOrbits):
 
     def full_parameters(self, z: Array) -> Array:
         p = self.orbits.full_parameters(z)
-        if self.aim is None:
+        if self.aim is None and -2 in self.slots:
             p[self.second] = z[-2]
         return p
 

@@ -55,8 +55,10 @@ def tests_at(
     size = abs(slow_in.value) + abs(slow_out.value)
     tests = np.full(len(tests_of_connections()), np.nan)
     sum_of_rates = (slow_in.value.real + slow_out.value.real) / size
-    tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     tests[1] = min(-slow_in.value.real, slow_out.value.real) / size
+    if len(curve.slots) == 1:  # resonances and flips are no bifurcations of connections that persist
+        return tests, values
+    tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
     memory = curve.gauge.vectors
     first = last = None  # of the adjoint solution where it is accurate
     if adjoint is not None and curve.saddles == 1:

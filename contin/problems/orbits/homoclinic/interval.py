@@ -38,6 +38,8 @@ def farther(curve: ConnectionCurve) -> Reach:
 
 
 def reach_of(curve: ConnectionCurve) -> Reach:
+    if curve.truncation is not None:
+        return Reach(curve.truncation, 3.0 * curve.truncation, 1e-2 * curve.truncation)
     return SADDLE_NODE if curve.node else HYPERBOLIC
 
 

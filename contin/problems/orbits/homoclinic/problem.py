@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,6 +46,30 @@ class ConnectionProblem(MarchedInPython):
     _last: Fields = field(default_factory=dict)
 
     maximum_chunk = 5  # a step takes some 20 ms
+
+    @property
+    def isolated(self) -> bool:
+        """True where connections persist at fixed parameters: one parameter varies along a branch of them."""
+        return len(self.curve.slots) == 1
+
+    @property
+    def kind(self) -> str:  # type: ignore[override]
+        return "connection" if self.isolated else "locus"
+
+    @property
+    def locus(self) -> str | None:  # type: ignore[override]
+        return None if self.isolated else str(self.curve.type)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        names = self.system.parameter_names
+        both = names[self.curve.first], names[self.curve.second]
+        return both[:1] if self.isolated else both
+
+    def at_held(self, z: Array, scale: Array) -> Array | None:
+        """Solved with the second parameter as it is; where that is no unknown, the first one."""
+        slot = -1 if self.isolated else -2
+        return self.at_unknown(slot, z, float(z[slot]), scale)
 
     # -- metric -------------------------------------------------------------------------------------------------------
 
@@ -109,7 +134,7 @@ class ConnectionProblem(MarchedInPython):
 
     def _adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
-        if self.curve.node:
+        if self.curve.node or self.isolated:
             return None
         n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)
         inside = nu - n

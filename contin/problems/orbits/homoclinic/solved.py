@@ -21,7 +21,7 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
     source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
     problem = ConnectionProblem(curve)
     orbits = curve.orbits
-    if curve.stable_count + curve.unstable_count != curve.n - curve.node:
+    if curve.stable_count + curve.unstable_count != curve.n - int(curve.node or len(curve.slots) == 1):
         raise InputError(
             f"{source}: {curve.stable_count} stable directions of the first and {curve.unstable_count} unstable ones "
             f"of the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"
@@ -34,11 +34,11 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         profile = curve.profile(z)
         scale = problem.scale_for(profile.h, sizes, first, second)
         curve.settle(z, sizes)
-        solved = problem.at_unknown(-2, z, q, scale)
+        solved = problem.at_held(z, scale)
         if solved is None and curve.node:  # folds that the first parameter does not move
             solved = problem.at_unknown(-1, z, piece.parameter, scale)
         if solved is None:
-            raise InputError(f"{source}: Newton for the connecting orbit did not converge")
+            raise InputError(f"{source}: Newton's method for the connecting orbit on its whole interval did not converge")
         z, fitting = solved, fits(curve, solved, sizes)
         if rounds_left == 0 or (fitting and own_mesh):
             break

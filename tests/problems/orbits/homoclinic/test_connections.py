@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contin
-from contin.errors import InputError
 from contin.model.model import Model
 from tests.problems.loci.planes import BOGDANOV_TAKENS, curves_through
 
@@ -107,8 +106,3 @@ def test_a_loop_of_the_nagumo_equation_is_conservative(nagumo):
     turning = (2 * (1 + a) - np.sqrt(4 * (1 + a) ** 2 - 18 * a)) / 3
     np.testing.assert_allclose(loops.columns["c"], 0, atol=1e-8)
     np.testing.assert_allclose(loops.columns["u.max"], turning, atol=1e-6)
-
-
-def test_a_connection_needs_trajectories_that_come_near(nagumo):
-    with pytest.raises(InputError, match="no connecting orbit nearby"):
-        contin.connecting_orbit(nagumo, {"u": 1}, {"u": 0}, {"c": -0.9}).locus(("c", "a"))

@@ -1,0 +1,98 @@
+"""Connecting orbits, where curves and branches of them may start."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.api.starts import equilibrium
+from contin.continuation.branch import SpecialPoint
+from contin.errors import InputError
+from contin.lowering.system import CompiledSystem
+from contin.model.kinds import need_time
+from contin.model.model import Model
+from contin.problems.orbits.frame import system_of_orbits
+from contin.problems.orbits.homoclinic.start import ConnectingOrbit
+from contin.problems.orbits.homoclinic.table import Path
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.start import Equilibrium
+from contin.records import Record
+
+LARGEST_TRUNCATION: Final = 0.1
+
+
+def connection(
+    origin: Model | SpecialPoint,
+    first: str | Record | None = None,
+    last: str | Record | None = None,
+    parameters: Record | None = None,
+    *,
+    samples: tuple[Array, Array] | None = None,
+    truncation: float | None = None,
+) -> ConnectingOrbit:
+    """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
+
+    origin : a model; or a point of a family of periodic orbits, whose long orbit passes the saddle.
+    first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
+        return to the first one (homoclinic).
+    samples : (times (K,), states (K, n)) along the orbit. Without them (and a periodic orbit) trajectories in the
+        unstable manifold of the first saddle are tried: one that misses the second saddle is brought to it by a homotopy
+        in the first parameter.
+    truncation : distance of the orbit's ends from the saddles, relative to its extent (default 1e-5, where rounding and
+        mesh allow it); the error is of the order of its square.
+
+    `continuation(..., (p, q), ranges)` solves for the orbit at the present value of q. Where the dimensions of the two
+    manifolds add up to n + 1, the connection persists, and `continuation(..., p, range)` follows it in one parameter.
+
+    Raises InputError or NoSolutionError, in `continuation`, with the step that failed.
+    """
+    if truncation is not None and not 1e-8 <= truncation <= LARGEST_TRUNCATION:
+        raise InputError(
+            f"truncation: a relative distance from 1e-8 to {LARGEST_TRUNCATION:g} of the ends from the saddles; got "
+            f"{truncation:g}"
+        )
+    if isinstance(origin, SpecialPoint):
+        return _of_orbit(origin, first, last, samples, truncation)
+    need_time(origin, "connecting orbits")
+    found = _saddles(origin, first, last, parameters)
+    path = None if samples is None else Path(np.asarray(samples[0], float), np.asarray(samples[1], float))
+    system = system_of_orbits(found[0].system)
+    if not isinstance(system, CompiledSystem):
+        raise InputError("connecting orbits need a flow given by formulas")
+    return ConnectingOrbit(system, found[0].p, np.array([saddle.u for saddle in found]), path, truncation)
+
+
+connecting_orbit = connection
+
+
+def _saddles(
+    model: Model, first: str | Record | None, last: str | Record | None, parameters: Record | None
+) -> list[Equilibrium]:
+    ends = [equilibrium(model, one, parameters) for one in (first, first if last is None else last)]
+    found = [saddle for saddle in ends if isinstance(saddle, Equilibrium)]
+    if not isinstance(model, Model) or len(found) < 2 or found[0].system.kind == "map":
+        raise InputError("connecting orbits need a flow given by formulas")
+    return found
+
+
+def _of_orbit(
+    point: SpecialPoint, first: str | Record | None, last: str | Record | None, samples: Any, truncation: float | None
+) -> ConnectingOrbit:
+    """Along a long periodic orbit, from its saddle back to it (from the first one to the second one)."""
+    where = f"{point.branch}.{point.label}"
+    problem = point.problem
+    if samples is not None:
+        raise InputError(f"{where}: give a periodic orbit, or samples, not both")
+    if not isinstance(problem, OrbitProblem):
+        raise InputError(f"{where} is no periodic orbit by collocation: a connecting orbit starts from a long one")
+    model = problem.system.model
+    if first is None:
+        raise InputError(f"{where}: name the saddle that the orbit passes (`start`)")
+    p = problem.full_parameters(point.z)
+    values = dict(zip(problem.system.parameter_names, (float(x) for x in p), strict=False))
+    found = _saddles(model, first, last, values)
+    profile = problem.profile(point.z)
+    path = Path(profile.times * profile.period, profile.u)
+    return ConnectingOrbit(problem.system, p, np.array([saddle.u for saddle in found]), path, truncation)

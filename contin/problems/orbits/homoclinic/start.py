@@ -1,0 +1,117 @@
+"""A connecting orbit between two given saddles: what a curve, or a branch, of them starts from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.departure import Seed
+from contin.errors import ContinError, InputError, NoSolutionError
+from contin.problems.orbits.homoclinic.curve import ConnectionCurve
+from contin.problems.orbits.homoclinic.homotopy import brought_home
+from contin.problems.orbits.homoclinic.solved import solved_connection
+from contin.problems.orbits.homoclinic.table import Path, as_profile
+from contin.problems.orbits.homoclinic.trajectories import Between, approaches, trajectory, turns
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.problem import OrbitProblem
+from contin.problems.two_parameters import indices
+from contin.simulate.natural import natural_metric
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
+ONE_SADDLE: Final = 1e-8  # of the states' sizes: saddles this near are one
+
+
+@dataclass(frozen=True, eq=False)
+class ConnectingOrbit:
+    """Two saddles (the same one for a homoclinic orbit) at parameters near those of an orbit that connects them.
+
+    path : samples of the orbit, where there are any; otherwise trajectories in the unstable manifold are tried.
+    truncation : distance of the orbit's ends from the saddles, relative to its extent; by default what digits need.
+    """
+
+    system: CompiledSystem
+    p: Array
+    saddles: Array  # (2, n)
+    path: Path | None = None
+    truncation: float | None = None
+
+    def locus(self, parameters: tuple[str, str]) -> list[Seed]:
+        """The curve of connecting orbits in two parameters, which starts at the present value of the second one."""
+        first, second = indices(self.system, parameters)
+        return [self._found(first, second)]
+
+    def seed(self, parameter: str) -> Seed:
+        """The branch of connecting orbits in one parameter, which starts at its present value."""
+        first = list(self.system.parameter_names).index(parameter)
+        return self._found(first, first)
+
+    def _found(self, first: int, second: int) -> Seed:
+        """The first guess that leads to a connecting orbit; one parameter where they are the same."""
+        n, persists = self.system.n, first == second
+        rates = [np.linalg.eigvals(self._matrix(u)).real for u in self.saddles]
+        stable, unstable = int(np.sum(rates[0] < 0.0)), int(np.sum(rates[1] > 0.0))
+        self._check_count(n - stable, n - unstable, persists)
+        orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(n), 4)
+        failures: list[str] = []
+        for piece in self._guesses(float(self.p[first])):
+            winding = turns(self.periods, piece.u[-1] - self.saddles[1])
+            loop = self.between.is_loop
+            curve = ConnectionCurve(
+                orbits, second, 1 if loop else 2, stable, unstable, slots=(-1,) if persists else (-2, -1),
+                winding=winding if loop and winding.any() else None, truncation=self.truncation,
+            )  # fmt: skip
+            ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
+            q = 0.0 if persists else float(self.p[second])
+            try:
+                home, ends = brought_home(curve, piece, ends, q)
+                return solved_connection(curve, home, ends, q, None)
+            except ContinError as error:
+                failures.append(str(error))
+        tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""
+        raise NoSolutionError(f"no connecting orbit was found: {failures[0]}{tried}")
+
+    def _check_count(self, leaving: int, arriving: int, persists: bool) -> None:
+        """Dimensions of both manifolds decide how many parameters a connection needs."""
+        n, free = self.system.n, leaving + arriving - self.system.n
+        if free == int(persists):
+            return
+        where = f"the unstable manifold of the first saddle has dimension {leaving}, the stable one of the second"
+        words = f"{where} {arriving}, in {n} dimensions: "
+        if free == 1:
+            raise InputError(words + "such orbits persist; name one parameter, in which they are followed")
+        if free == 0:
+            raise InputError(words + "such orbits exist on curves in the plane of two parameters; name two parameters")
+        if free < 0:
+            raise InputError(words + f"such orbits need {1 - free} special parameters; these are not followed")
+        raise InputError(words + "such orbits form families at fixed parameters, none of which is told from the others")
+
+    def _guesses(self, parameter: float) -> list[Profile]:
+        if self.path is not None:
+            return [as_profile(self.path, self.between, parameter)]
+        return [trajectory(self.between, one, parameter) for one in approaches(self.between)]
+
+    @cached_property
+    def between(self) -> Between:
+        apart = self.saddles[0] - self.saddles[1]
+        near = np.abs(apart - turns(self.periods, apart)) <= ONE_SADDLE * self.sizes
+        return Between(self.system, self.p, self.saddles, self.sizes, self.periods, bool(np.all(near)))
+
+    @cached_property
+    def periods(self) -> Array:
+        values = dict(zip(self.system.parameter_names, (float(x) for x in self.p), strict=False))
+        return np.asarray(self.system.model.periods(values), dtype=float)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Of the states (n,), in which all lengths are measured: natural ones at the first saddle, or the saddles'."""
+        natural = natural_metric(self.system, self.saddles[0], self.p).states
+        return np.asarray(np.maximum(natural, np.abs(self.saddles).max(axis=0)))
+
+    def _matrix(self, u: Array) -> Array:
+        return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
