@@ -61,6 +61,7 @@ class ConnectionCurve(CurveOfOrbits):
     slots: tuple[int, ...] = (-2, -1)  # of q and p those that are unknowns
     aim: Array | None = None  # of a homotopy, whose parameter stands in the place of q: see `projections`
     truncation: float | None = None  # distance of the ends from the saddles, relative to the orbit's extent
+    doubting: bool = False  # for the error of its tests: the adjoint solution is followed less far
     gauge: Gauge = field(default_factory=Gauge)
 
     type = "HOM"

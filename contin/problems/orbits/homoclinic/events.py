@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
-ABOVE_ROUNDING: Final = 1e-7  # of its largest value: where the adjoint solution, which decays, has a direction
+ABOVE_ROUNDING: Final = 1e-8  # of its largest value: where the adjoint solution, which decays, has a direction
+NOT_AS_FAR: Final = 5.0  # ... times this where the error that is left there is estimated
 JUMP: Final = 1e-4  # of a test at its zero
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 
@@ -63,8 +64,9 @@ def tests_at(
     first = last = None  # of the adjoint solution where it is accurate
     if adjoint is not None and curve.saddles == 1:
         turned = _same_sense(memory, adjoint)
+        least = ABOVE_ROUNDING * (NOT_AS_FAR if curve.doubting else 1.0)
         sizes_of_rows = np.linalg.norm(turned, axis=1)
-        first, last = turned[sizes_of_rows > ABOVE_ROUNDING * float(sizes_of_rows.max())][[0, -1]]
+        first, last = turned[sizes_of_rows > least * float(sizes_of_rows.max())][[0, -1]]
     if arrive > 1:  # with one direction, none is stronger
         tests[2] = _component(memory, "OFS", slow_in, slow_in.left, arriving)
         tests[4] = _component(memory, "IFS", slow_in, slow_in.right, first)

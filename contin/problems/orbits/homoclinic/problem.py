@@ -157,7 +157,7 @@ class ConnectionProblem(MarchedInPython):
 
     def discretisation(self, found: Sample, frame: Frame, index: int) -> float | None:
         """How far the zero of a test (either parameter) moves on a longer interval with a mesh of half the lengths."""
-        curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)))
+        curve = replace(self.curve, gauge=Gauge(vectors=dict(self.curve.gauge.vectors)), doubting=True)
         sizes = self.sizes(found.z, frame.scale)
         z = fitted(curve, found.z, sizes, farther(curve))
         h = np.repeat(0.5 * curve.profile(z).h, 2)

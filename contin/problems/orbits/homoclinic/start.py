@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
@@ -13,6 +14,7 @@ from contin.continuation.departure import Seed
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.homotopy import brought_home
+from contin.problems.orbits.homoclinic.interval import distances
 from contin.problems.orbits.homoclinic.solved import solved_connection
 from contin.problems.orbits.homoclinic.table import Path, as_profile
 from contin.problems.orbits.homoclinic.trajectories import Between, approaches, trajectory, turns
@@ -24,6 +26,7 @@ from contin.simulate.natural import natural_metric
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
+NEAR: Final = 0.3  # distance of the ends from the saddles, of the orbit's extent, at which Newton's method is tried first
 ONE_SADDLE: Final = 1e-8  # of the states' sizes: saddles this near are one
 
 
@@ -69,8 +72,7 @@ class ConnectingOrbit:
             ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
             q = 0.0 if persists else float(self.p[second])
             try:
-                home, ends = brought_home(curve, piece, ends, q)
-                return solved_connection(curve, home, ends, q, None)
+                return _solved(curve, piece, ends, q)
             except ContinError as error:
                 failures.append(str(error))
         tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""
@@ -115,3 +117,13 @@ class ConnectingOrbit:
 
     def _matrix(self, u: Array) -> Array:
         return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
+
+
+def _solved(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) -> Seed:
+    """By Newton's method where the guess is near, and by homotopy where that fails or the guess is not near."""
+    z = curve.join(piece, ends, q)
+    if max(distances(curve, z, curve.orbits.state_sizes(piece))) <= NEAR:
+        with suppress(InputError):
+            return solved_connection(curve, piece, ends, q, None)
+    home, ends = brought_home(curve, piece, ends, q)
+    return solved_connection(curve, home, ends, q, None)

@@ -23,7 +23,7 @@ LONGEST: Final = 60.0  # times of the slowest unstable rate
 SAMPLES: Final = 4000
 INTERVALS: Final = 60
 FARTHEST: Final = 0.9  # relative distance from the second saddle at which a connection is looked for
-LATER: Final = 0.05  # by which a later approach must be nearer than an earlier one
+LATER: Final = 0.2  # by which a later approach must be nearer than an earlier one
 MOST: Final = 4  # guesses
 
 
