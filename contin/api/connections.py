@@ -38,8 +38,8 @@ def connection(
     first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
         return to the first one (homoclinic).
     samples : (times (K,), states (K, n)) along the orbit. Without them (and a periodic orbit) trajectories in the
-        unstable manifold of the first saddle are tried: one that misses the second saddle is brought to it by a homotopy
-        in the first parameter.
+        unstable manifold of the first saddle are tried: one that misses the second saddle is brought to it by a
+        homotopy in the first parameter.
     truncation : distance of the orbit's ends from the saddles, relative to its extent (default 1e-5, where rounding and
         mesh allow it); the error is of the order of its square.
 

@@ -48,7 +48,8 @@ class Gauge:
 class ConnectionCurve(CurveOfOrbits):
     """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1.
 
-    They add up to n, to n - 1 at a saddle-node (`node`) and where only p is free.  winding : whole turns of angles, by which u(1) is farther.
+    They add up to n, to n - 1 at a saddle-node (`node`) and where only p is free.
+    winding : whole turns of angles, by which u(1) is farther.
     """
 
     orbits: OrbitProblem

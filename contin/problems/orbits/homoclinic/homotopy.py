@@ -70,7 +70,8 @@ def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) ->
     base = curve.orbits.base.copy()
     if not persists:
         base[curve.second] = z[-2]
-    moving = replace(curve, orbits=replace(curve.orbits, base=base), aim=missed, slots=(-2,) if persists else (-2, -1), gauge=Gauge())
+    own, slots = replace(curve.orbits, base=base), (-2,) if persists else (-2, -1)
+    moving = replace(curve, orbits=own, aim=missed, slots=slots, gauge=Gauge())
     q, z = float(z[-2]), z.copy()
     z[-2] = 1.0
     problem = ConnectionProblem(moving)

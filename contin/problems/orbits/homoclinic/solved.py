@@ -38,7 +38,7 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
         if solved is None and curve.node:  # folds that the first parameter does not move
             solved = problem.at_unknown(-1, z, piece.parameter, scale)
         if solved is None:
-            raise InputError(f"{source}: Newton's method for the connecting orbit on its whole interval did not converge")
+            raise InputError(f"{source}: Newton's method for the connecting orbit, whole, did not converge")
         z, fitting = solved, fits(curve, solved, sizes)
         if rounds_left == 0 or (fitting and own_mesh):
             break

@@ -26,7 +26,7 @@ from contin.simulate.natural import natural_metric
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
-NEAR: Final = 0.3  # distance of the ends from the saddles, of the orbit's extent, at which Newton's method is tried first
+NEAR: Final = 0.3  # distance of the ends from the saddles, of the extent, at which Newton's method is tried first
 ONE_SADDLE: Final = 1e-8  # of the states' sizes: saddles this near are one
 
 
