@@ -61,12 +61,9 @@ class RunPlan:
     free: tuple[str, ...] = ()  # parameters that are solved for beside those that vary
     extrema: tuple[str, ...] = ()  # columns to be labelled where they turn
     conditions: tuple[str, ...] = ()  # equations that the solutions meet
-<<<<<<< HEAD
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
     recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
-=======
     truncation: float | None = None  # of a connecting orbit: distance of its ends from the saddles, relative
->>>>>>> 7cee821 (Connecting orbits from afar: homotopy along the unstable manifold, samples, long periodic orbits, and connections that persist in one parameter)
 
 
 @dataclass(frozen=True)
@@ -316,11 +313,8 @@ class _Planner:
             samples = read_samples(entry.samples, file, self.model.state_names, self.problems, (*path, "samples"))
         return RunPlan(
             name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
-<<<<<<< HEAD
             free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
-=======
-            free, tuple(entry.extrema), tuple(entry.conditions), entry.truncation,
->>>>>>> 7cee821 (Connecting orbits from afar: homotopy along the unstable manifold, samples, long periodic orbits, and connections that persist in one parameter)
+            truncation=entry.truncation,
         )  # fmt: skip
 
     def stored(self, text: str, file: FilePath, varying: tuple[str, ...], path: Path) -> StoredStart | None:
