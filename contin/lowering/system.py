@@ -221,6 +221,8 @@ class CompiledSystem:
             return self.value(u, p)
         vectors = [self._direction(v) for v in directions]
         call = self._call(f"form{len(vectors)}", 3 + len(vectors))
+        if not any(v.dtype.kind == "c" for v in vectors):
+            return self._calls.form(call, u, p, vectors)
         return _multilinear(lambda parts: self._calls.form(call, u, p, parts), vectors)
 
     def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:

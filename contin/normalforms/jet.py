@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
@@ -39,6 +40,10 @@ class Jet(Protocol):
     def scale(self) -> Real | None:
         """Typical sizes of the states, (n,), all positive, where they are known: null vectors are computed in them."""
 
+    @property
+    def second_sizes(self) -> Real:
+        """|D^2 F_i(u0, p0)[e_j, e_k]| in the states, (n, n, n)."""
+
     def form(self, *directions: Vector) -> Vector: ...
 
 
@@ -66,7 +71,20 @@ class DerivativeJet:
     def form(self, *directions: Vector) -> Vector:
         if any(d.dtype.kind == "c" for d in directions):
             return expand_complex(self._evaluate, directions, self.n)
-        return self._evaluate([directions])[0]
+        key = tuple(sorted([d.tobytes() for d in directions]))
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = np.array(self.derivative(directions), dtype=float)
+        return known
+
+    @cached_property
+    def second_sizes(self) -> Real:
+        n, eye = self.n, np.eye(self.n + self.parameters)
+        places = [(j, k) for j in range(n) for k in range(j + 1)]
+        sizes = np.empty((n, n, n))
+        for (j, k), value in zip(places, self._evaluate([(eye[j], eye[k]) for j, k in places]), strict=True):
+            sizes[:, j, k] = sizes[:, k, j] = np.abs(value)
+        return sizes
 
     def _evaluate(self, wanted: Sequence[tuple[Real, ...]]) -> list[Real]:
         keys = [tuple(sorted(d.tobytes() for d in directions)) for directions in wanted]

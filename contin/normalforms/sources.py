@@ -29,15 +29,25 @@ def compiled_jet(
 
     `scale` (n,): typical sizes of the states, where they are known.
     """
+    matrix = np.array(system.jacobian(u, p)[1])[:, : len(u)]
+    return jet_of(matrix, system, u, p, active, kind, scale)
+
+
+def jet_of(
+    matrix: Real, system: Compiled, u: Real, p: Real, active: Sequence[int] = (), kind: Kind = "flow",
+    scale: Real | None = None,
+) -> DerivativeJet:  # fmt: skip
+    """The same where F_u is known, (n, n)."""
     n, m = len(u), len(p)
-    columns = [*range(n), *(n + i for i in active)]
 
     def derivative(directions: tuple[Real, ...]) -> Real:
         full = np.zeros((len(directions), n + m))
-        full[:, columns] = directions
+        for row, direction in zip(full, directions, strict=True):
+            row[:n] = direction[:n]
+            for k, place in enumerate(active, n):
+                row[n + place] = direction[k]
         return np.asarray(system.derivative(u, p, *full), dtype=float)
 
-    matrix = np.array(system.jacobian(u, p)[1])[:, :n]
     return DerivativeJet(matrix, derivative, len(active), kind, scale, at_once(system, u, p, active))
 
 
@@ -46,12 +56,14 @@ def at_once(
 ) -> Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]]:
     """`DerivativeJet.several` of a system at (u, p)."""
     n, m = len(u), len(p)
-    columns = [*range(n), *(n + i for i in active)]
 
     def several(wanted: Sequence[tuple[Real, ...]]) -> Sequence[Real]:
         count, order = len(wanted), len(wanted[0])
+        given = np.concatenate([tuples[k] for k in range(order) for tuples in wanted]).reshape(order, count, -1)
         full = np.zeros((order, count, n + m))
-        full[:, :, columns] = np.array(wanted).swapaxes(0, 1)
+        full[:, :, :n] = given[:, :, :n]
+        for k, place in enumerate(active, n):
+            full[:, :, n + place] = given[:, :, k]
         states, parameters = np.empty((count, n)), np.empty((count, m))
         states[:], parameters[:] = u, p
         return list(system.derivatives(states, parameters, *full).real)

@@ -71,19 +71,15 @@ def form_size(jet: Jet, p: Vector, v: Vector, w: Vector) -> float:
     Up to n = 12 every entry of B enters; beyond, sums over one index (n evaluations) stand for them.
     """
     n = jet.n
-    eye = np.eye(n)
     weights = np.abs(p)
     v, w = _filled(jet, v), _filled(jet, w)
     if n > 12:
+        eye = np.eye(n)
         rows = [np.abs(jet.form(state(jet, eye[j]), state(jet, w))) * abs(v[j]) for j in range(n) if v[j] != 0]
         return float(sum(weights @ row for row in rows))
-    total = 0.0
-    for j in range(n):
-        for k in range(j + 1):
-            size = abs(v[j] * w[k]) + (abs(v[k] * w[j]) if k < j else 0.0)
-            if size > 0.0:
-                total += size * float(weights @ np.abs(jet.form(state(jet, eye[j]), state(jet, eye[k]))))
-    return total
+    products, terms = np.outer(v, w), np.zeros((n, n, n))
+    np.multiply(jet.second_sizes, products, out=terms, where=products > 0.0)  # what does not enter may be infinite
+    return float(weights @ terms.sum(axis=(1, 2)))
 
 
 def _filled(jet: Jet, v: Vector) -> Real:

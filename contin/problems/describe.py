@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contin.abi import Array, Vector
+from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.normalforms.branching import branch_point
 from contin.normalforms.directions import any_branch_point
@@ -16,7 +16,7 @@ from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet, Kind
 from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
-from contin.normalforms.sources import at_once
+from contin.normalforms.sources import jet_of
 from contin.problems.branching import degenerate
 from contin.problems.massless import in_own_units, unit_mass, with_units
 
@@ -32,17 +32,9 @@ SEVERAL_PAIRS = (
 
 def jet_at(problem: EquilibriumProblem, z: Array, scale: Array | None = None) -> DerivativeJet:
     """Derivatives at z of f in the states and the varying parameter, in the user's units."""
-    u, p, width = z[: problem.n], problem.full_parameters(z), problem.n + len(problem.base)
-
-    def derivative(directions: tuple[Array, ...]) -> Vector:
-        wide = np.zeros((len(directions), width))
-        wide[:, : problem.n] = [d[:-1] for d in directions]
-        wide[:, problem.n + problem.active] = [d[-1] for d in directions]
-        return problem.system.derivative(u, p, *wide)
-
-    several = at_once(problem.system, u, p, [problem.active])
+    u, p = z[: problem.n], problem.full_parameters(z)
     kind: Kind = "map" if problem.is_map else "flow"
-    return DerivativeJet(problem.linear_part(z), derivative, 1, kind, scale, several)
+    return jet_of(problem.linear_part(z), problem.system, u, p, [problem.active], kind, scale)
 
 
 def with_normal_form(problem: EquilibriumProblem, point: Verified, scale: Array) -> Verified:

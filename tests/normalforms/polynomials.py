@@ -7,7 +7,8 @@ polynomial change of coordinates; the Taylor coefficients of the result are exac
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import permutations, product
+from functools import cached_property
+from itertools import combinations_with_replacement, permutations, product
 
 import numpy as np
 
@@ -81,6 +82,14 @@ class PolynomialJet:
     @property
     def A(self) -> np.ndarray:
         return np.array([self.form(d) for d in np.eye(self.n + self.parameters)[: self.n]]).T
+
+    @cached_property
+    def second_sizes(self) -> np.ndarray:
+        n, eye = self.n, np.eye(self.n + self.parameters)
+        sizes = np.empty((n, n, n))
+        for j, k in combinations_with_replacement(range(n), 2):
+            sizes[:, j, k] = sizes[:, k, j] = np.abs(self.form(eye[j], eye[k]))
+        return sizes
 
     def form(self, *directions):
         self.calls += 1
