@@ -15,6 +15,7 @@ from contin.errors import InputError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
 from contin.model.model import Model
+from contin.problems.hybrid.start import HybridOrbit, hybrid_orbit
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.orbits.start import PeriodicOrbit
 from contin.problems.shooting.start import ShotOrbit, orbit_from_return, settled_orbit, shooting_chosen
@@ -34,8 +35,10 @@ def periodic_orbit(
     intervals: int | None = None,
     points: int = 4,
     method: str | None = None,
-) -> PeriodicOrbit | ShotOrbit:
+) -> PeriodicOrbit | ShotOrbit | HybridOrbit:
     """A periodic orbit at fixed parameters: the start of a continuation.
+
+    Of a flow with `events`: the orbit, with its jumps, that the simulation from `start` settles on.
 
     method : 'collocation' or 'shooting'; by default collocation, shooting where the flow is piecewise smooth.
 
@@ -53,6 +56,8 @@ def periodic_orbit(
     Raises NoSolutionError where the trajectory comes to rest or does not return, NotFiniteError where it escapes.
     """
     need_time(model, "periodic orbits")
+    if isinstance(model, Model) and model.events:
+        return _with_events(model, start, parameters, transient)
     if isinstance(start, str) and is_auto(model, start):
         return _auto_orbit(model, parameters)
     reduced = for_branches(model)
@@ -77,6 +82,23 @@ def periodic_orbit(
         with suppress(NoSolutionError, NotFiniteError):  # a rotating wave is an orbit at rest in its frame
             return settled(of_orbits(turning), turned)
     return settled(of_orbits(model), u)
+
+
+def _with_events(model: Model, start: Any, parameters: Record | None, transient: float) -> HybridOrbit:
+    """The orbit that a simulation with jumps settles on."""
+    need_parameters(model)
+    if isinstance(start, np.ndarray) or is_auto(model, start):
+        raise InputError(
+            f"model {model.name!r} has `events`: its orbits start from a simulation. Give a named start or a mapping "
+            "of states, and perhaps transient"
+        )
+    if model.uses_time:
+        raise InputError(
+            f"model {model.name!r} uses the time t without `forcing`, so it can only be simulated: declare "
+            "`forcing: {period: ...}` where it is periodic in t"
+        )
+    u, p = model.start_point(named_start(model, start), dict(parameters or {}))
+    return hybrid_orbit(model, u, p, transient)
 
 
 def _through_samples(

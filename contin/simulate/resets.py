@@ -92,7 +92,7 @@ def fly_with_events(
 ) -> tuple[Flight, tuple[Jump, ...]]:
     """The flight from 0 to the last of `times`, and its jumps. At the time of a jump the state is the one before it."""
     duration = float(times[-1])
-    system = compile_in_time(_clocked(model))
+    system = compile_in_time(clocked(model))
     errors, boxes = np.append(atol, 1e-3 * rtol * duration), np.append(np.full(u.size, box), np.inf)
     watched = _Watched(model, system, p, rtol, errors, boxes)
     y, t, length = np.append(u, 0.0), 0.0, duration / PIECES
@@ -138,7 +138,7 @@ def fly_with_events(
     return whole, tuple(jumps)
 
 
-def _clocked(model: Model) -> Model:
+def clocked(model: Model) -> Model:
     """The flow with a state whose rate changes where a `when` changes its sign, and what is watched."""
     rates = dict(zip(model.state_names, model.equations, strict=True))
     watched = {}

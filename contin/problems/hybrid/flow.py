@@ -1,0 +1,131 @@
+"""A flow with events, made autonomous, with what its orbits are computed from: surfaces, jumps and their derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.lowering.system import CompiledSystem, compile_in_time
+from contin.model.expression import ZERO, Expression, div, mul, number, substitute, symbol
+from contin.model.parts import TIME, Event, State
+from contin.model.printing import to_text
+from contin.symbolic.calculus.derivatives import derivative
+
+if TYPE_CHECKING:
+    from contin.model.model import Model
+
+PHASE: Final = "phase of the forcing"  # no name in a model contains a blank
+ONE: Final = number(1)
+
+
+def autonomous(model: Model) -> Model:
+    """A forced flow with the phase s of the forcing, s' = 1/period, as a last state, an angle of period 1."""
+    if model.forcing is None:
+        return model
+    period = model.forcing.period
+    time = {symbol(TIME): mul(symbol(PHASE), period)}
+
+    def change(*formulas: Expression) -> list[Expression]:
+        return substitute(formulas, time)
+
+    events = tuple(
+        Event(change(e.when)[0], e.direction, dict(zip(e.jumps, change(*e.jumps.values()), strict=True)))
+        for e in model.events
+    )
+    return model.replace(
+        states=(*model.states, State(PHASE, ZERO, period=ONE)),
+        equations=(*change(*model.equations), div(ONE, period)), events=events, forcing=None,
+        observables=dict(zip(model.observables, change(*model.observables.values()), strict=True)),
+        definitions={}, symmetries=(), starts=(), averaging=None, rotation={}, expect=(), labels={},
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """At one state: h (`when`), its gradient by (u, p), (n + m,), and its rate along the flow."""
+
+    value: float
+    gradient: Array
+    rate: float
+
+
+@dataclass(frozen=True, eq=False)
+class HybridFlow:
+    """The flow of `given`, a model with events; states are those of the model, and of a forced one the phase."""
+
+    given: Model
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return HybridFlow, (self.given,)
+
+    @cached_property
+    def model(self) -> Model:
+        return autonomous(self.given)
+
+    @property
+    def forced(self) -> bool:
+        return self.given.forcing is not None
+
+    @property
+    def n(self) -> int:
+        return len(self.model.states)
+
+    @property
+    def m(self) -> int:
+        return len(self.model.parameters)
+
+    @cached_property
+    def described(self) -> CompiledSystem:
+        """The model as it was given, without its events: names, observables."""
+        return compile_in_time(self.given.replace(events=()))
+
+    @cached_property
+    def system(self) -> CompiledSystem:
+        """The flow; observables are the model's, then h of every event and its gradient, and the values it sets."""
+        names = [*self.model.state_names, *self.model.parameter_names]
+        seen = dict(self.model.observables)
+        for k, event in enumerate(self.model.events):
+            for j, formula in enumerate((event.when, *event.jumps.values())):
+                seen[f"event {k} {j}"] = formula
+                seen |= {f"event {k} {j} by {i}": derivative(formula, name) for i, name in enumerate(names)}
+        return compile_in_time(self.model.replace(events=(), observables=seen))
+
+    @cached_property
+    def _places(self) -> tuple[int, ...]:
+        """Where among the observables each event's begin."""
+        width, counts = 1 + self.n + self.m, [1 + len(e.jumps) for e in self.model.events]
+        return tuple(len(self.model.observables) + width * sum(counts[:k]) for k in range(len(counts)))
+
+    def seen(self, u: Array, p: Array) -> Array:
+        """All observables at states (T, n)."""
+        rows = np.tile(p, (len(u), 1))
+        return np.asarray(self.system.observables(np.ascontiguousarray(u), rows)).reshape(len(u), -1)
+
+    def heights(self, k: int, u: Array, p: Array) -> Array:
+        """h of event k at states (T, n)."""
+        return self.seen(u, p)[:, self._places[k]]
+
+    def surface(self, k: int, u: Array, p: Array) -> Surface:
+        """The surface of event k at a state."""
+        row = self.seen(u[None], p)[0][self._places[k] :]
+        gradient = row[1 : 1 + self.n + self.m]
+        return Surface(float(row[0]), gradient, float(gradient[: self.n] @ self.system.value(u, p)))
+
+    def jumped(self, k: int, u: Array, p: Array) -> tuple[Array, Array]:
+        """The state after event k, and its derivatives by (u, p), (n, n + m)."""
+        width = 1 + self.n + self.m
+        row = self.seen(u[None], p)[0][self._places[k] :]
+        after, matrix = u.copy(), np.eye(self.n, self.n + self.m)
+        for j, name in enumerate(self.model.events[k].jumps):
+            at = self.model.state_names.index(name)
+            entry = row[(1 + j) * width : (2 + j) * width]
+            after[at], matrix[at] = entry[0], entry[1:]
+        return after, matrix
+
+    def named(self, k: int) -> str:
+        """An event in words."""
+        return f"event {k + 1} ({to_text(self.given.events[k].when)[:60]})"

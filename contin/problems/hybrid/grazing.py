@@ -1,0 +1,146 @@
+"""Where a family ends because its cycle of events changes: a solution touches the surface of an event.
+
+Either an event that is not in the cycle comes in (its surface is touched from the side on which it does not happen), or
+one of the cycle does not come any more (its own crossing becomes tangent: the rate of h on landing falls to zero like
+the square root of the distance in the parameter, and the map's derivative grows without bound).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.continuation.branch import End
+from contin.continuation.problem import Chunk, Frame, Sample, Stop
+from contin.continuation.settings import Settings
+from contin.problems.hybrid.landing import first_landing
+from contin.problems.hybrid.sampling import arc_samples
+from contin.simulate.resets import SENSES
+
+if TYPE_CHECKING:
+    from contin.problems.hybrid.passage import Flown
+    from contin.problems.hybrid.problem import HybridOrbits
+
+BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there happens with the arc's event
+CLOSED: Final = 1e-7  # of the states' sizes: an orbit closes to this
+HALVINGS: Final = 60
+LOCATED: Final = 1e-12  # (arclength, relative to the step)
+TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit, of an orbit that touches its surface
+TANGENT: Final = 0.05  # rate on landing, relative to its largest along the arc, that may be on its way to zero
+
+
+def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
+    """(event, arc) of the first event on the orbit that its cycle does not have."""
+    passage = problem.passage(z)
+    if passage is None:
+        return None
+    flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
+    if not float(np.max(np.abs(passage.value - z[:-1]) / sizes)) < CLOSED:  # an event of the cycle came too early
+        return passage.flown[0].arc.event, 0
+    for number, flown in enumerate(passage.flown):
+        for k in range(len(flow.model.events)):
+            horizon = (1.0 - BEFORE_END) * flown.time
+            if k != flown.arc.event and first_landing(flow, k, flown.begin, p, sizes, flown.time, horizon) is not None:
+                return k, number
+            if k not in (flown.arc.event, *flown.arc.then) and _carried(problem, flown, k, p):
+                return k, number
+    return None
+
+
+def _carried(problem: HybridOrbits, flown: Flown, k: int, p: Array) -> bool:
+    """True where the jump at the end of an arc carries h of event k through zero, in its direction."""
+    before, after = problem.flow.heights(k, np.array([flown.before, flown.after]), p)
+    small = BEFORE_END * flown.time * abs(problem.flow.surface(k, flown.before, p).rate)
+    crossed = before * after < 0.0 and min(abs(before), abs(after)) > small
+    return bool(crossed and np.sign(after) in SENSES[problem.flow.model.events[k].direction])
+
+
+def cut_where_events_change(problem: HybridOrbits, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+    """The chunk up to the orbit at which another event comes in, which is its last row then."""
+    row = next((r for r in range(1, len(chunk)) if unexpected(problem, chunk.z[r]) is not None), None)
+    if row is None:
+        return chunk
+    base = chunk.sample(row - 1)
+    last = _last_with_cycle(problem, base, chunk.z[row], float(chunk.lengths[row]), frame, settings)
+    cut = chunk.cut(row, Stop.CORRECTOR, float(chunk.lengths[row]))
+    return cut if last is None else _appended(cut, *last)
+
+
+def _last_with_cycle(
+    problem: HybridOrbits, base: Sample, beyond: Array, length: float, frame: Frame, settings: Settings
+) -> tuple[Sample, float] | None:
+    """The last orbit of the family, within a step of this length from `base`, that has its cycle; and how far it is."""
+    low, high, found = 0.0, length, None
+    for _ in range(HALVINGS):
+        if high - low <= LOCATED * length:
+            break
+        middle = 0.5 * (low + high)
+        sample = problem.probe(base, middle, base.z + middle / length * (beyond - base.z), frame, settings)
+        if sample is not None and unexpected(problem, sample.z) is None:
+            low, found = middle, sample
+        else:
+            high = middle
+    return None if found is None else (found, low)
+
+
+def _appended(chunk: Chunk, sample: Sample, length: float) -> Chunk:
+    """The chunk with one row more."""
+    return Chunk(
+        np.vstack([chunk.z, sample.z]), np.vstack([chunk.tangents, sample.tangent]),
+        np.vstack([chunk.tests, sample.tests]), np.append(chunk.unstable, sample.unstable),
+        np.vstack([chunk.eigenvalues, sample.eigenvalues]), np.append(chunk.lengths, length), chunk.stop,
+        chunk.next_step, chunk.reference, chunk.dipped, chunk.evaluations, chunk.detail,
+    )  # fmt: skip
+
+
+def ending(problem: HybridOrbits, origin: Sample, before: Sample | None) -> End | None:
+    """The grazing orbit at or just beyond the last point of a family; None where there is no sign of one."""
+    return _new_event(problem, origin.z) or (None if before is None else _lost_event(problem, origin.z, before.z))
+
+
+def _new_event(problem: HybridOrbits, z: Array) -> End | None:
+    """The surface that an orbit touches without crossing it."""
+    passage = problem.passage(z)
+    if passage is None:
+        return None
+    flow, p, name = problem.flow, problem.inner.full_parameters(z), problem.parameters[0]
+    for k in range(len(flow.model.events)):
+        heights = [flow.heights(k, arc_samples(problem, z, f), p) for f in passage.flown]
+        range_ = float(np.ptp(np.concatenate(heights)))
+        for flown, h in zip(passage.flown, heights, strict=True):
+            inner = h[1:-1] if flown.arc.event == k else h
+            if len(inner) > 2 and _clearance(inner) < TOUCHES * range_:
+                text = f"at {name} = {z[-1]:.10g} the orbit touches the surface of {flow.named(k)}: beyond, it crosses it"
+                return End("grazing", text, {"at": {name: float(z[-1])}, "event": k + 1})
+    return None
+
+
+def _clearance(h: Array) -> float:
+    """Smallest |h| at a turn of h inside; between samples by a parabola."""
+    best = np.inf
+    for i in range(1, len(h) - 1):
+        a, b, c = abs(h[i - 1]), abs(h[i]), abs(h[i + 1])
+        if b <= a and b <= c and h[i - 1] * h[i + 1] > 0.0:
+            bend = a - 2.0 * b + c
+            best = min(best, abs(b - (0.125 * (c - a) ** 2 / bend if bend > 0.0 else 0.0)))
+    return best
+
+
+def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
+    """The event of the cycle whose crossing becomes tangent, and where: the square of its rate falls to zero."""
+    passages = problem.passage(z), problem.passage(before)
+    if passages[0] is None or passages[1] is None:
+        return None
+    name = problem.parameters[0]
+    for now, then in zip(passages[0].flown, passages[1].flown, strict=True):
+        heights = problem.flow.heights(now.arc.event, arc_samples(problem, z, now), problem.inner.full_parameters(z))
+        usual = float(np.ptp(heights)) / now.time
+        fallen = now.rate**2 - then.rate**2
+        if abs(now.rate) < TANGENT * usual and fallen < 0.0:
+            at = float(z[-1] - now.rate**2 * (z[-1] - before[-1]) / fallen)
+            text = f"near {name} = {at:.8g} the orbit becomes tangent to the surface of {problem.flow.named(now.arc.event)}"
+            data = {"at": {name: at}, "event": now.arc.event + 1, "error": abs(at - float(z[-1]))}
+            return End("grazing", f"{text}: beyond, the event does not come", data)
+    return None

@@ -1,0 +1,146 @@
+"""Where a solution meets the surface of an event for the first time, in the event's direction.
+
+h along the solution is sampled, for the integrator's steps know nothing of it; between two samples it may touch zero,
+or cross it twice: where a parabola through three samples says so, the extremum is located and looked at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.simulate.flight import fly
+from contin.simulate.resets import SENSES
+
+if TYPE_CHECKING:
+    from contin.problems.hybrid.flow import HybridFlow
+
+ACCURACY: Final = 1e-12  # relative tolerance of trajectories
+SMALLER: Final = 1e-3  # ... of it, in the states' sizes: their absolute tolerance
+BUDGET: Final = 200_000  # steps
+FIRST, LONGEST = 1.25, 16.0  # how long to wait for an event, in multiples of how long it took before
+SAMPLES: Final = 256  # of that time
+ON_SURFACE: Final = 0.02  # part of that time within which a solution that starts beside its surface may leave it
+AT_ONCE: Final = 1e-9  # ... and one that starts on it
+NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
+ROUNDS: Final = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """States (K, n) of the solution at times (K,), and h of an event there."""
+
+    flow: HybridFlow
+    event: int
+    p: Array
+    sizes: Array
+    t: Array
+    u: Array
+    h: Array
+
+    def at(self, i: int, later: float) -> tuple[float, float]:
+        """(h, rate) some time after sample i."""
+        states = _fly(self.flow, self.u[i], self.p, self.sizes, np.array([later]))
+        if not len(states):
+            return np.nan, np.nan
+        found = self.flow.surface(self.event, states[-1], self.p)
+        return found.value, found.rate
+
+
+def first_landing(
+    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, length: float, horizon: float | None = None
+) -> float | None:
+    """The time at which event k happens first after the state u; None within the horizon.
+
+    length : how long this takes nearby. A solution that starts on the surface, or beside it by less than it moves in a
+    small part of that time, leaves it first: a jump that ends on its own surface ends there only to rounding.
+    """
+    begun, leave = flow.surface(k, u, p), AT_ONCE * length
+    if begun.rate != 0.0 and abs(begun.value) < ON_SURFACE * length * abs(begun.rate):
+        leave = max(leave, 4.0 * abs(begun.value / begun.rate))
+    start, state = 0.0, u
+    last = FIRST * length if horizon is None else horizon
+    while True:
+        t = np.linspace(max(start, leave), last, SAMPLES + 1)
+        states = _fly(flow, state, p, sizes, t - start)
+        path = Path(flow, k, p, sizes, t[: len(states)], states, flow.heights(k, states, p))
+        found = _first(path)
+        if found is not None or horizon is not None or len(states) < len(t) or last > LONGEST * length:
+            return found
+        start, state, last, leave = last, states[-1], 2.0 * last, 0.0
+
+
+def _fly(flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array) -> Array:
+    """States at times; fewer where the solution ends before."""
+    if times[-1] == 0.0:
+        return np.tile(u, (len(times), 1))
+    flight = fly(
+        flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=SMALLER * ACCURACY * sizes, budget=BUDGET
+    )
+    return flight.u
+
+
+def _first(path: Path) -> float | None:
+    """The first crossing in the event's direction."""
+    wanted = SENSES[path.flow.model.events[path.event].direction]
+    h = path.h
+    product = h[:-1] * h[1:]
+    inner = h[1:-1] * h[:-2] > 0.0
+    turns = inner & (h[1:-1] * h[2:] > 0.0) & (np.abs(h[1:-1]) <= np.abs(h[:-2])) & (np.abs(h[1:-1]) <= np.abs(h[2:]))
+    for i in np.flatnonzero((product <= 0.0) | np.append(turns, False)).tolist():
+        if product[i] <= 0.0:
+            if h[i + 1] != 0.0 and np.sign(h[i + 1]) in wanted and h[i] != 0.0:
+                return float(path.t[i] + _root(path, i, 0.0, float(path.t[i + 1] - path.t[i])))
+            continue
+        beyond = _touch(path, i)
+        if beyond is None:
+            continue
+        low, high = beyond, float(path.t[i + 2] - path.t[i])
+        if -np.sign(h[i]) in wanted:
+            return float(path.t[i] + _root(path, i, 0.0, low))
+        return float(path.t[i] + _root(path, i, low, high))
+    return None
+
+
+def _touch(path: Path, i: int) -> float | None:
+    """How long after sample i h is farthest beyond zero, of which samples i to i + 2 see nothing; None: it is not."""
+    a, b, c = np.abs(path.h[i : i + 3]).tolist()
+    bend = a - 2.0 * b + c
+    if bend <= 0.0 or b - 0.125 * (c - a) ** 2 / bend > NEAR * max(a - b, c - b):
+        return None
+    side, low, high = np.sign(path.h[i]), 0.0, float(path.t[i + 2] - path.t[i])
+    for _ in range(ROUNDS):
+        middle = 0.5 * (low + high)
+        value, rate = path.at(i, middle)
+        if value * side < 0.0:
+            return middle
+        if rate * side < 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 4.0 * np.spacing(path.t[i + 2]):
+            return None
+    return None
+
+
+def _root(path: Path, i: int, low: float, high: float) -> float:
+    """The zero of h between two times after sample i, where its signs differ: Newton's method, kept in the bracket."""
+    first = path.at(i, low)[0] if low > 0.0 else float(path.h[i])
+    side, tau = np.sign(first), 0.5 * (low + high)
+    for _ in range(ROUNDS):
+        value, rate = path.at(i, tau)
+        if value * side > 0.0:
+            low = tau
+        else:
+            high = tau
+        step = -value / rate if rate != 0.0 else np.inf
+        if abs(step) <= 4.0 * np.spacing(path.t[i] + tau):
+            break
+        newton = tau + step
+        tau = newton if low < newton < high else 0.5 * (low + high)
+        if high - low <= 4.0 * np.spacing(path.t[i] + tau):
+            break
+    return tau

@@ -1,0 +1,231 @@
+"""Families of periodic orbits of a flow with events, in one parameter, with a fixed cycle of events.
+
+Unknowns are the state u after the last event of the cycle, and the parameter: u is a fixed point of the map that takes
+it to the state after the next such event (`passage`), so there is no phase to fix. Special points and normal forms are
+those of the map; the family ends where the cycle of events changes (`grazing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contin.abi import Array
+from contin.continuation import march as generic
+from contin.continuation.branch import SpecialPoint
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Renewal, Sample, Verified
+from contin.continuation.settings import Settings
+from contin.problems import special
+from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.functions.march import DenseLinearisation, dense_linearisation
+from contin.problems.hybrid.grazing import cut_where_events_change, ending
+from contin.problems.hybrid.multipliers import stability
+from contin.problems.hybrid.sampling import HybridProfile, extremes, sampled
+from contin.problems.polish import at_parameter
+from contin.problems.scales import parameter_width
+from contin.special.table import test_on_branch
+
+from contin.continuation.halting import HALF_PERIOD
+from contin.problems.hybrid.passage import pass_through
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+    from contin.problems.hybrid.flow import HybridFlow
+    from contin.problems.hybrid.passage import Passage
+    from contin.problems.hybrid.system import ReturnSystem
+
+OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points, and what they are of orbits
+OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
+SAME: Final = 1e-6  # of the states' sizes: two halves of an orbit are one
+OPPOSITE: Final = 1e-3  # ... and move oppositely
+COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those of orbits have other units
+
+
+@dataclass(frozen=True, eq=False)
+class HybridOrbits(Problem):
+    """Fixed points (`inner`) of the map of a cycle of events, as periodic orbits."""
+
+    inner: EquilibriumProblem
+
+    kind = "orbit"
+    locus = None
+    is_map = True
+    maximum_chunk = 10
+
+    @property
+    def map(self) -> ReturnSystem:
+        found: ReturnSystem = self.inner.system  # type: ignore[assignment]
+        return found
+
+    @property
+    def flow(self) -> HybridFlow:
+        return self.map.flow
+
+    @property
+    def system(self) -> CompiledSystem:
+        """The flow without its events."""
+        return self.flow.described
+
+    @property
+    def n(self) -> int:
+        return self.inner.n
+
+    @property
+    def base(self) -> Array:
+        return self.inner.base
+
+    @property
+    def active(self) -> int:
+        return self.inner.active
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return self.inner.parameters
+
+    @property
+    def angle_periods(self) -> Array:
+        return self.inner.angle_periods
+
+    def with_active(self, name: str, z: Array | None = None) -> Self:
+        """The same orbits with another parameter free."""
+        return replace(self, inner=self.inner.with_active(name, z))
+
+    def doubled(self) -> HybridOrbits:
+        """Orbits with the cycle of events twice."""
+        twice = replace(self.map, arcs=2 * self.map.arcs, winding=2.0 * self.map.winding)
+        return HybridOrbits(replace(self.inner, system=twice))
+
+    def constants(self) -> dict[str, float]:
+        return self.inner.constants()
+
+    def default_range(self, parameter: str) -> tuple[float, float] | None:
+        return self.inner.default_range(parameter)
+
+    def passage(self, z: Array) -> Passage | None:
+        """The cycle from the solution z."""
+        return self.map.passage(z[:-1], self.inner.full_parameters(z))
+
+    def profile(self, z: Array) -> HybridProfile:
+        """The orbit over one period."""
+        return sampled(self, z)
+
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Multipliers of the orbit, of an autonomous system the trivial one first."""
+        return stability(self, z)[2]
+
+    # the engine's contract --------------------------------------------------------------------------------------------
+
+    def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
+        width = parameter_width(self.flow.given, self.parameters[0], float(z[-1]), bounds)
+        return np.append(np.sqrt(self.n) * self.map.sizes, width)
+
+    def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
+        return self.inner.tangents(z, scale)
+
+    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
+        """Of the map's fixed points, as `contin.continuation.march` takes it."""
+        return dense_linearisation(*self.inner.linearise(z), tangent, scale)
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        """Tests, count and multipliers."""
+        return stability(self, z)
+
+    def march(
+        self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
+        bounds: tuple[float, float], settings: Settings, loop: Sample | None,
+    ) -> Chunk:  # fmt: skip
+        chunk = generic.march(self, origin, before, length, frame, step, limit, bounds, settings, loop)
+        return cut_where_events_change(self, chunk, frame, settings)
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        return generic.probe(self, base, length, guess, frame, settings)
+
+    def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
+        return at_parameter(self.inner, guess, value, scale)
+
+    def foretold(self, origin: Sample, before: Sample | None, frame: Frame) -> Renewal | None:
+        end = ending(self, origin, before)
+        return None if end is None else Renewal(frame.scale, origin, before, None, end)
+
+    # special points ---------------------------------------------------------------------------------------------------
+
+    def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
+        found = special.explain(True, a, b)
+        return None if found is None else tuple(OF_ORBITS.get(type_, type_) for type_ in found)
+
+    def watch(self, type_: str) -> int | None:
+        return test_on_branch(type_)
+
+    def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
+        try:
+            return self._of_orbit(self.inner.verify(OF_MAPS.get(type_, type_), self._of_map(near), frame))
+        except np.linalg.LinAlgError:  # a point beside which an event of the cycle does not come
+            return Rejected("the events beside this point are others")
+
+    def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
+        found = self.inner.verify_compound(self._of_map(a), self._of_map(b), frame)
+        return [self._of_orbit(item) for item in found]
+
+    def _of_map(self, sample: Sample) -> Sample:
+        """With the map's eigenvalues: zero in place of the trivial multiplier."""
+        own = sample.eigenvalues if self.flow.forced else sample.eigenvalues[1:]
+        return replace(sample, eigenvalues=np.append(own, 0.0).astype(complex))
+
+    def _of_orbit(self, found: Outcome) -> Outcome:
+        if not isinstance(found, Verified):
+            return found
+        form = {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in found.normal_form.items()}
+        if isinstance(errors := form.get("errors"), dict):
+            form["errors"] = {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in errors.items()}
+        type_ = OF_ORBITS.get(found.type, found.type)
+        return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
+
+    def at_map(self, point: SpecialPoint) -> SpecialPoint:
+        """The point as a fixed point of the map."""
+        own = np.asarray(point.eigenvalues)
+        values = np.append(own if self.flow.forced else own[1:], 0.0)
+        return replace(point, type=OF_MAPS.get(point.type, point.type), eigenvalues=values)
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return HALF_PERIOD in symmetries and self._halves(z, tangent)
+
+    def _halves(self, z: Array, tangent: Array) -> bool:
+        """True where the second half of the orbit repeats the first, and `tangent` (raw) drives them apart."""
+        passage, arcs = self.passage(z), self.map.arcs
+        if passage is None or len(arcs) % 2 or arcs[: len(arcs) // 2] != arcs[len(arcs) // 2 :]:
+            return False
+        first = pass_through(
+            self.flow, arcs[: len(arcs) // 2], 0.5 * self.map.winding, z[:-1], self.inner.full_parameters(z),
+            self.map.sizes,
+        )  # fmt: skip
+        if first is None or float(np.max(np.abs(first.value - z[:-1]) / self.map.sizes)) > SAME:
+            return False
+        moved = (first.matrix[:, : self.n] @ tangent[:-1] + tangent[:-1]) / self.map.sizes
+        return float(np.abs(moved).max()) <= OPPOSITE * float(np.abs(tangent[:-1] / self.map.sizes).max())
+
+    # words and columns ------------------------------------------------------------------------------------------------
+
+    def column_names(self) -> tuple[str, ...]:
+        """Names that `columns` gives, for user values."""
+        names = (*self.system.state_names, *self.system.observable_names)
+        return (self.parameters[0], "period", *(f"{f}.{e}" for f in names for e in ("min", "max")))
+
+    def columns(self, z: Array) -> dict[str, Array]:
+        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+        passages = [self.passage(row) for row in z]
+        columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
+        columns["period"] = np.array([np.nan if p is None else p.period for p in passages])
+        names = (*self.system.state_names, *self.system.observable_names)
+        ranges = np.array([extremes(self, row) for row in z]).reshape(len(z), 2, len(names))
+        for k, name in enumerate(names):
+            columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
+        return columns
+
+    def describe_failure(self, z: Array) -> str:
+        why = self.map.explain(z[:-1], self.inner.full_parameters(z))
+        return f"Beyond, {why}." if why else self.inner.describe_failure(z)

@@ -1,0 +1,102 @@
+"""A periodic orbit with its jumps, sampled over one period; smallest and largest values on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+from contin.problems.hybrid.landing import ACCURACY, BUDGET, SMALLER
+from contin.simulate.extrema import extremes_between
+from contin.simulate.flight import fly
+
+if TYPE_CHECKING:
+    from contin.problems.hybrid.passage import Flown, Passage
+    from contin.problems.hybrid.problem import HybridOrbits
+
+SAMPLES = 240  # of an orbit
+LEAST = 24  # ... and of each arc
+FINER = 32
+
+
+@dataclass(frozen=True, eq=False)
+class HybridProfile:
+    """States u (K, n) at the scaled times (K,), 0 to 1, of an orbit; a jump is two rows at one time."""
+
+    u: Array
+    times: Array
+    period: float
+    parameter: float
+
+
+def sampled(problem: HybridOrbits, z: Array) -> HybridProfile:
+    """The orbit through the solution z; NaN where it is none."""
+    names = len(problem.system.state_names)
+    passage = problem.passage(z)
+    if passage is None:
+        return HybridProfile(np.full((2, names), np.nan), np.array([0.0, 1.0]), np.nan, float(z[-1]))
+    times, states, begun = [], [], 0.0
+    for flown in passage.flown:
+        t = np.linspace(0.0, flown.time, _count(passage, flown))
+        states.append(_states(problem, z, flown, t)[:, :names])
+        times.append(begun + t)
+        begun += flown.time
+    times.append(np.array([begun]))
+    states.append(passage.flown[-1].after[None, :names])
+    return HybridProfile(np.vstack(states), np.concatenate(times) / begun, begun, float(z[-1]))
+
+
+def extremes(problem: HybridOrbits, z: Array) -> tuple[Array, Array]:
+    """Smallest and largest value of every state and observable on the orbit."""
+    flow, p, names = problem.flow, problem.inner.full_parameters(z), len(problem.system.state_names)
+    passage = problem.passage(z)
+    count = names + len(problem.system.observable_names)
+    if passage is None:
+        return np.full(count, np.nan), np.full(count, np.nan)
+
+    def seen(u: Array) -> Array:
+        return np.hstack([u[:, :names], flow.seen(u, p)[:, : count - names]])
+
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    for flown in passage.flown:
+        t = np.linspace(0.0, flown.time, _count(passage, flown))
+        states = _states(problem, z, flown, t)
+
+        def around(row: int, t: Array = t, states: Array = states) -> Array:
+            first, last = max(row - 1, 0), min(row + 1, len(t) - 1)
+            span = t[last] - t[first]
+            wanted = np.linspace(0.0, span, FINER * (last - first) + 1)[1:]
+            return seen(_flown_states(problem, p, states[first], wanted))
+
+        found = extremes_between(seen(states), around)
+        low, high = np.fmin(low, found[0]), np.fmax(high, found[1])
+    ends = seen(np.array([f.after for f in passage.flown]))
+    return np.fmin(low, ends.min(axis=0)), np.fmax(high, ends.max(axis=0))
+
+
+def _count(passage: Passage, flown: Flown) -> int:
+    return max(LEAST, int(SAMPLES * flown.time / passage.period))
+
+
+def arc_samples(problem: HybridOrbits, z: Array, flown: Flown) -> Array:
+    """States on an arc, (SAMPLES, n)."""
+    return _states(problem, z, flown, np.linspace(0.0, flown.time, SAMPLES))
+
+
+def _states(problem: HybridOrbits, z: Array, flown: Flown, t: Array) -> Array:
+    """The states of an arc at times from 0 to its end, before the jump."""
+    states = _flown_states(problem, problem.inner.full_parameters(z), flown.begin, t)
+    states[-1] = flown.before
+    return states
+
+
+def _flown_states(problem: HybridOrbits, p: Array, u: Array, t: Array) -> Array:
+    atol = SMALLER * ACCURACY * problem.map.sizes
+    flight = fly(
+        problem.flow.system, u, p, float(t[-1]), times=t, rtol=ACCURACY, atol=atol, budget=BUDGET
+    )
+    states = np.full((len(t), problem.n), np.nan)
+    states[: len(flight.u)] = flight.u
+    return states
