@@ -10,7 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.lowering.system import CompiledSystem, compile_in_time
-from contin.model.expression import ZERO, Expression, div, mul, number, substitute, symbol
+from contin.model.expression import ZERO, Expression, depends_on, div, mul, number, substitute, symbol
 from contin.model.parts import TIME, Event, State
 from contin.model.printing import to_text
 from contin.symbolic.calculus.derivatives import derivative
@@ -125,6 +125,27 @@ class HybridFlow:
             entry = row[(1 + j) * width : (2 + j) * width]
             after[at], matrix[at] = entry[0], entry[1:]
         return after, matrix
+
+    def entered(self, events: tuple[int, ...], u: Array, p: Array) -> tuple[Array, Array]:
+        """u with what these events set to values that no state enters, and its derivatives by (u, p), (n, n + m).
+
+        A cycle that ends with them begins there. What a state has before it is set counts for nothing, but may count
+        for very much in derivatives that are never used: those of a neuron's potential in its upstroke.
+        """
+        begun, matrix = np.array(u, dtype=float), np.eye(self.n, self.n + self.m)
+        for k in events:
+            after, jump = self.jumped(k, begun, p)
+            for at in np.flatnonzero(self.is_entered(events) & self.is_entered((k,))):
+                begun[at], matrix[at] = after[at], jump[at]
+        return begun, matrix
+
+    def is_entered(self, events: tuple[int, ...]) -> Array:
+        """(n,) true for the states that the last of these events to set them sets to such values."""
+        found = np.zeros(self.n, bool)
+        for k in events:
+            for name, formula in self.model.events[k].jumps.items():
+                found[self.model.state_names.index(name)] = not depends_on(formula, self.model.state_names)
+        return found
 
     def named(self, k: int) -> str:
         """An event in words."""

@@ -37,7 +37,8 @@ def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
     if passage is None:
         return None
     flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
-    if not float(np.max(np.abs(passage.value - z[:-1]) / sizes)) < CLOSED:  # an event of the cycle came too early
+    kept = problem.map.kept
+    if not float(np.max(np.abs(passage.value[kept] - z[:-1]) / sizes[kept])) < CLOSED:  # an event of the cycle came too early
         return passage.flown[0].arc.event, 0
     for number, flown in enumerate(passage.flown):
         for k in range(len(flow.model.events)):

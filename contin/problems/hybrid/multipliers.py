@@ -15,14 +15,19 @@ if TYPE_CHECKING:
 
 
 def quotient(problem: HybridOrbits, z: Array) -> Array:
-    """(n - 1, n - 1): DP on the quotient by f, which it maps to zero, in scaled states; NaN where there is none.
+    """DP on its quotient by one vector that it maps to zero, in scaled states; NaN where there is none.
 
-    In an orthonormal basis of which f is the first vector, DP = [[0, *], [0, Q]].
+    That vector is the axis of a state that the last jump sets, which is no unknown, or else f: in an orthonormal basis
+    of which it is the first vector, DP = [[0, *], [0, Q]].
     """
-    n, sizes = problem.n, problem.map.sizes
-    u, p = z[:-1], problem.inner.full_parameters(z)
-    matrix = problem.map.jacobian(u, p)[1][:, :n] * sizes / sizes[:, None]
-    field = problem.flow.system.value(u, p) / sizes
+    returns, p = problem.map, problem.inner.full_parameters(z)
+    sizes, n = returns.sizes[returns.kept], returns.n
+    if returns.entered.all():
+        return np.zeros((0, 0))
+    matrix = returns.jacobian(z[:-1], p)[1][:, :n] * sizes / sizes[:, None]
+    if returns.entered.any():
+        return matrix
+    field = problem.flow.system.value(z[:-1], p) / sizes
     length = float(np.linalg.norm(field))
     if not (np.isfinite(matrix).all() and length > 0.0):
         return np.full((n - 1, n - 1), np.nan)
@@ -34,10 +39,11 @@ def stability(problem: HybridOrbits, z: Array) -> tuple[Array, int, NDArray[np.c
     """(tests of pairs and flips, multipliers outside the unit circle, multipliers: first the trivial one, if any)."""
     matrix = quotient(problem, z)
     own = np.zeros(0) if problem.flow.forced else np.ones(1)
+    lost = np.zeros(problem.flow.n - 1 - len(matrix))  # of states that jumps set
     if not len(matrix):
-        return np.ones(2), 0, own.astype(complex)
+        return np.ones(2), 0, np.concatenate([own, lost]).astype(complex)
     if not np.isfinite(matrix).all():
-        return np.full(2, np.nan), 0, np.concatenate([own, np.full(len(matrix), np.nan)]).astype(complex)
+        return np.full(2, np.nan), 0, np.concatenate([own, np.full(len(matrix), np.nan), lost]).astype(complex)
     values, rates = spectrum(matrix)
     count, tests = count_and_tests(values, True, rates)
-    return tests[2:], count, np.concatenate([own, values]).astype(complex)
+    return tests[2:], count, np.concatenate([own, values, lost]).astype(complex)

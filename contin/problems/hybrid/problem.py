@@ -31,7 +31,6 @@ from contin.problems.scales import parameter_width
 from contin.special.table import test_on_branch
 
 from contin.continuation.halting import HALF_PERIOD
-from contin.problems.hybrid.passage import pass_through
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -122,7 +121,7 @@ class HybridOrbits(Problem):
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
         width = parameter_width(self.flow.given, self.parameters[0], float(z[-1]), bounds)
-        return np.append(np.sqrt(self.n) * self.map.sizes, width)
+        return np.append(np.sqrt(self.n) * self.map.sizes[self.map.kept], width)
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         return self.inner.tangents(z, scale)
@@ -172,9 +171,8 @@ class HybridOrbits(Problem):
         return [self._of_orbit(item) for item in found]
 
     def _of_map(self, sample: Sample) -> Sample:
-        """With the map's eigenvalues: zero in place of the trivial multiplier."""
-        own = sample.eigenvalues if self.flow.forced else sample.eigenvalues[1:]
-        return replace(sample, eigenvalues=np.append(own, 0.0).astype(complex))
+        """Without the trivial multiplier."""
+        return sample if self.flow.forced else replace(sample, eigenvalues=sample.eigenvalues[1:])
 
     def _of_orbit(self, found: Outcome) -> Outcome:
         if not isinstance(found, Verified):
@@ -188,7 +186,7 @@ class HybridOrbits(Problem):
     def at_map(self, point: SpecialPoint) -> SpecialPoint:
         """The point as a fixed point of the map."""
         own = np.asarray(point.eigenvalues)
-        values = np.append(own if self.flow.forced else own[1:], 0.0)
+        values = own if self.flow.forced else own[1:]
         return replace(point, type=OF_MAPS.get(point.type, point.type), eigenvalues=values)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
@@ -196,17 +194,16 @@ class HybridOrbits(Problem):
 
     def _halves(self, z: Array, tangent: Array) -> bool:
         """True where the second half of the orbit repeats the first, and `tangent` (raw) drives them apart."""
-        passage, arcs = self.passage(z), self.map.arcs
-        if passage is None or len(arcs) % 2 or arcs[: len(arcs) // 2] != arcs[len(arcs) // 2 :]:
+        arcs = self.map.arcs
+        if len(arcs) % 2 or arcs[: len(arcs) // 2] != arcs[len(arcs) // 2 :]:
             return False
-        first = pass_through(
-            self.flow, arcs[: len(arcs) // 2], 0.5 * self.map.winding, z[:-1], self.inner.full_parameters(z),
-            self.map.sizes,
-        )  # fmt: skip
-        if first is None or float(np.max(np.abs(first.value - z[:-1]) / self.map.sizes)) > SAME:
+        half = replace(self.map, arcs=arcs[: len(arcs) // 2], winding=0.5 * self.map.winding)
+        value, matrix = half.jacobian(z[:-1], self.inner.full_parameters(z))
+        sizes = self.map.sizes[self.map.kept]
+        if not float(np.max(np.abs(value - z[:-1]) / sizes)) <= SAME:
             return False
-        moved = (first.matrix[:, : self.n] @ tangent[:-1] + tangent[:-1]) / self.map.sizes
-        return float(np.abs(moved).max()) <= OPPOSITE * float(np.abs(tangent[:-1] / self.map.sizes).max())
+        moved = (matrix[:, : self.n] @ tangent[:-1] + tangent[:-1]) / sizes
+        return float(np.abs(moved).max()) <= OPPOSITE * float(np.abs(tangent[:-1] / sizes).max())
 
     # words and columns ------------------------------------------------------------------------------------------------
 

@@ -97,6 +97,6 @@ def _flown_states(problem: HybridOrbits, p: Array, u: Array, t: Array) -> Array:
     flight = fly(
         problem.flow.system, u, p, float(t[-1]), times=t, rtol=ACCURACY, atol=atol, budget=BUDGET
     )
-    states = np.full((len(t), problem.n), np.nan)
+    states = np.full((len(t), problem.flow.n), np.nan)
     states[: len(flight.u)] = flight.u
     return states

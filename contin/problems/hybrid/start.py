@@ -64,8 +64,9 @@ class HybridOrbit:
         return tuple(1 + k for arc in self.map.arcs for k in (arc.event, *arc.then))
 
     def __str__(self) -> str:
-        names = self.map.flow.given.state_names
-        states = ", ".join(f"{k} = {v:.6g}" for k, v in zip(names, self.u, strict=False))
+        names, found = self.map.flow.given.state_names, self.map.passage(self.u, self.p)
+        after = np.full(len(names), np.nan) if found is None else found.flown[-1].after
+        states = ", ".join(f"{k} = {v:.6g}" for k, v in zip(names, after, strict=False))
         noun = "event" if len(self.events) == 1 else "events"
         return f"periodic orbit of period {self.period:.10g} with {len(self.events)} {noun}, after the last at {states}"
 
@@ -163,10 +164,11 @@ def _closed(
     angles = _angles(flow, p)
     u = np.where(angles > 0.0, np.mod(cycle[0].after, np.where(angles > 0.0, angles, 1.0)), cycle[0].after)
     returning = ReturnSystem(flow, arcs, winding, sizes)
+    u, kept_sizes = u[returning.kept], sizes[returning.kept]
     problem = HybridOrbit(returning, u, p).problem(returning.parameter_names[0])
-    scale = np.append(np.sqrt(flow.n) * sizes, abs(p[0]) or 1.0)
+    scale = np.append(np.sqrt(len(u)) * kept_sizes, abs(p[0]) or 1.0)
     z = problem.at_parameter(np.append(u, p[0]), float(p[0]), scale)
-    far = z is None or float(np.max(np.abs(z[:-1] - u) / sizes)) > MOVED
+    far = z is None or float(np.max(np.abs(z[:-1] - u) / kept_sizes)) > MOVED
     if z is None or far or unexpected(problem, z) is not None:
         raise NoSolutionError(
             f"the simulation nearly repeats after {len(arcs)} events, but Newton's method does not close the orbit: "

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.normalforms.jet import expand_complex
@@ -19,6 +19,8 @@ from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
     from contin.systems.protocol import Limit, Named
+
+FIRST_LOOKS: Final = (1e-4, 1e-6, 1e-8)  # of the unknowns' sizes: steps that show how soon the Jacobian changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +49,16 @@ class Returning:
 class ReturnSystem:
     """u -> the state after the cycle `arcs` of events, with derivatives by variations and by differences of those.
 
-    sizes (n,) : of the states on the orbit.  winding (n,) : what the states gain in a cycle.
+    States that the last jump sets to values without states in them are no unknowns: `kept` are the others (one of
+    them, where there are no others).
+    sizes : of all states on the orbit.  winding : what they gain in a cycle.  stretch : of the differences' steps.
     """
 
     flow: HybridFlow
     arcs: tuple[Arc, ...]
     winding: Array
     sizes: Array
+    stretch: float = 1.0
 
     jacobian_address = NO_FUNCTION
     kind = "map"
@@ -66,9 +71,26 @@ class ReturnSystem:
     def model(self) -> Returning:
         return Returning(self.flow)
 
+    @cached_property
+    def entered(self) -> NDArray[np.bool_]:
+        """Of all states, those that begin a cycle with values without states in them."""
+        return self.flow.is_entered((self.arcs[-1].event, *self.arcs[-1].then))
+
+    @cached_property
+    def kept(self) -> NDArray[np.intp]:
+        """Places of the unknowns among all states."""
+        others = np.flatnonzero(~self.entered)
+        return others if len(others) else np.zeros(1, np.intp)
+
+    def full(self, u: ArrayLike) -> Array:
+        """All states; those that are no unknowns get their values when the cycle begins."""
+        states = np.zeros(self.flow.n)
+        states[self.kept] = u
+        return states
+
     @property
     def n(self) -> int:
-        return self.flow.n
+        return len(self.kept)
 
     @property
     def m(self) -> int:
@@ -80,7 +102,7 @@ class ReturnSystem:
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        return self.flow.model.state_names
+        return tuple(self.flow.model.state_names[k] for k in self.kept)
 
     @property
     def parameter_names(self) -> tuple[str, ...]:
@@ -95,7 +117,7 @@ class ReturnSystem:
         if key not in self._kept:
             if len(self._kept) > 64:
                 self._kept.clear()
-            self._kept[key] = pass_through(self.flow, self.arcs, self.winding, states, others, self.sizes)
+            self._kept[key] = pass_through(self.flow, self.arcs, self.winding, self.full(states), others, self.sizes)
         return self._kept[key]
 
     @cached_property
@@ -105,34 +127,63 @@ class ReturnSystem:
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """The state after the cycle, (n,)."""
         found = self.passage(u, p)
-        return np.full(self.n, np.nan) if found is None else found.value.copy()
+        return np.full(self.n, np.nan) if found is None else found.value[self.kept]
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """Value and derivatives, (n, n + m)."""
         found = self.passage(u, p)
         if found is None:
             return np.full(self.n, np.nan), np.full((self.n, self.n + self.m), np.nan)
-        return found.value.copy(), found.matrix.copy()
+        columns = np.concatenate([self.kept, self.flow.n + np.arange(self.m)])
+        return found.value[self.kept], found.matrix[np.ix_(self.kept, columns)]
 
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points."""
         return one_by_one(self.jacobian, u, p)
 
+    def _lines(self, u: Array, p: Array) -> Lines:
+        """Directional derivatives at (u, p) by differences of the Jacobian, of offsets from there.
+
+        Their steps are parts of the lengths over which the Jacobian changes by its own size: a burst's map may have a
+        fold within a thousandth of a state's size.
+        """
+        key = u.tobytes() + p.tobytes()
+        if key not in self._lengths:
+            self._lengths.clear()
+            self._lengths[key] = self._bending(u, p)
+        return Lines(
+            lambda a, b: self.value(u + a, p + b), self.stretch * self._lengths[key], False,
+            lambda a, b, v: self.jacobian(u + a, p + b)[1] @ v,
+        )  # fmt: skip
+
     @cached_property
-    def lines(self) -> Lines:
-        """Directional derivatives by differences of the Jacobian."""
-        values = np.array(list(self.flow.given.default_parameters().values()))
-        sizes = np.concatenate([self.sizes, np.where(values != 0.0, np.abs(values), 1.0)])
-        return Lines(lambda u, p: self.value(u, p), sizes, False, lambda u, p, v: self.jacobian(u, p)[1] @ v)
+    def _lengths(self) -> dict[bytes, Array]:
+        return {}
+
+    def _bending(self, u: Array, p: Array) -> Array:
+        """(n + m,): along every axis the length over which DP changes by its size, at most the unknown's own."""
+        sizes = np.concatenate([self.sizes[self.kept], np.where(p != 0.0, np.abs(p), 1.0)])
+        here, found = self.jacobian(u, p)[1] * sizes, sizes.copy()
+        for i, size in enumerate(sizes):
+            for part in FIRST_LOOKS:
+                step = np.where(np.arange(len(sizes)) == i, part * size, 0.0)
+                sides = [self.jacobian(u + s * step[: self.n], p + s * step[self.n :])[1] * sizes for s in (1.0, -1.0)]
+                change = max(float(np.abs(side - here).max()) for side in sides)
+                if np.isfinite(change) and change < 0.3 * float(np.abs(here).max()):
+                    bend = change / (part * float(np.abs(here).max()))
+                    found[i] = size * min(1.0, 1.0 / bend if bend > 0.0 else 1.0)
+                    break
+            else:
+                found[i] = FIRST_LOOKS[-1] * size
+        return found
 
     def derivative(self, u: ArrayLike, p: ArrayLike, *directions: ArrayLike) -> Vector:
         """D^k P[d1, .., dk], directions (n + m,), real or complex."""
-        states, others = np.array(u, dtype=float), np.array(p, dtype=float)
+        lines = self._lines(np.array(u, dtype=float), np.array(p, dtype=float))
+        nothing = np.zeros(self.n), np.zeros(self.m)
         vectors = tuple(np.asarray(d) for d in directions)
         with np.errstate(all="ignore"):
-            return expand_complex(
-                lambda wanted: [self.lines.form(states, others, parts) for parts in wanted], vectors, self.n
-            )
+            return expand_complex(lambda wanted: [lines.form(*nothing, parts) for parts in wanted], vectors, self.n)
 
     def derivatives(self, u: Array, p: Array, *directions: Vector) -> Vector:
         """`derivative` at N points."""
@@ -144,7 +195,10 @@ class ReturnSystem:
         if np.iscomplexobj(direction):
             return self.gradient(u, p, direction.real) + 1j * self.gradient(u, p, direction.imag)
         states, others = np.array(u, dtype=float), np.array(p, dtype=float)
-        return self.lines.along(lambda a, b: self.jacobian(a, b)[1], states, others, direction)
+        beside = self._lines(states, others)
+        return beside.along(
+            lambda a, b: self.jacobian(states + a, others + b)[1], np.zeros(self.n), np.zeros(self.m), direction
+        )
 
     # what a map of events does not have -----------------------------------------------------------------------------
 
@@ -170,7 +224,7 @@ class ReturnSystem:
             return None
         done = 0
         for count in range(1, len(self.arcs)):
-            if pass_through(self.flow, self.arcs[:count], 0.0 * self.winding, np.array(u), np.array(p), self.sizes) is None:
+            if pass_through(self.flow, self.arcs[:count], self.winding, self.full(u), np.array(p), self.sizes) is None:
                 break
             done = count
         return f"{self.flow.named(self.arcs[done].event)} does not come again from here"
