@@ -43,5 +43,6 @@ def for_orbits(model: Any) -> Any:
 def prepare(model: Model) -> None:
     """Make what every run of a model needs: its machine code, of large sparse ones their formulas by shapes."""
     model = for_branches(model)
-    if getattr(model, "interval", None) is None and not is_large(model):
+    jumps = bool(getattr(model, "events", ()))  # whose orbits make their own
+    if getattr(model, "interval", None) is None and not jumps and not is_large(model):
         compiled(model)

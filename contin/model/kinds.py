@@ -34,7 +34,7 @@ def need_states(model: Any, what: str) -> None:
 def need_autonomous(model: Any) -> None:
     """Raises InputError for what can be simulated only: a flow that uses the time without `forcing`, or no states."""
     name = repr(getattr(model, "name", "model"))
-    need_no_events(model, "branches and their points")
+    need_no_events(model, "equilibria and diagrams")
     if getattr(model, "uses_time", False):
         raise InputError(
             f"model {name} uses the time t without `forcing`, so it can only be simulated (`contin simulate`, "
@@ -54,7 +54,8 @@ def need_no_events(model: Any, what: str) -> None:
     """Raises InputError where states jump: `what` names what does not know of jumps."""
     if getattr(model, "events", ()):
         raise InputError(
-            f"model {model.name!r} has `events`, so it can only be simulated (`contin simulate`, contin.simulate); "
+            f"model {model.name!r} has `events`: it can be simulated (`contin simulate`, contin.simulate), and its "
+            "periodic orbits be followed (`as: orbit` in a run, contin.periodic_orbit); "
             f"{what} do not know of jumps: leave `events` out where the solutions of interest meet none"
         )
 

@@ -111,6 +111,8 @@ def fly_with_events(
         when, fired, sides, why = _next_event(watched, flight, y, t, sides)
         if fired:
             flight = _cut(watched, flight, y, t, when, wanted)
+            if is_last := when >= duration * (1.0 - AT_ONCE):  # no time is left beyond it but rounding
+                flight = _up_to_the_end(flight, wanted)
         kept_t.append(flight.t)
         kept_u.append(flight.u)
         steps, crossed = steps + flight.steps, crossed + flight.crossed
@@ -124,8 +126,8 @@ def fly_with_events(
         happened, y, sides, why = _jumped(watched, y, t, fired, t - begun)
         jumps += happened
         why = why or _accumulation(jumps)
-        if why or steps >= budget or t >= duration:
-            why = why or ("" if t >= duration else f"{budget} steps were not enough")
+        if why or steps >= budget or is_last:
+            why = why or ("" if is_last else f"{budget} steps were not enough")
             flight = replace(flight, end=y, end_time=t)
             break
         length = min(max(1.01 * (t - begun), 1e-9 * duration), duration / PIECES)
@@ -207,6 +209,14 @@ def _cut(watched: _Watched, flight: Flight, y: Array, t: float, when: float, wan
         flight, t=flight.t[:0], samples=flight.samples[:0], end_time=t, end=y.copy(), crossed=0, steps=0, outcome=DONE,
         why="",
     )  # fmt: skip
+
+
+def _up_to_the_end(flight: Flight, wanted: Array) -> Flight:
+    """With the wanted times that are later by rounding alone."""
+    late = wanted[len(flight.t) :]
+    return replace(
+        flight, t=np.concatenate([flight.t, late]), samples=np.vstack([flight.samples, np.tile(flight.end, (len(late), 1))])
+    )
 
 
 def _jumped(

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.halting import HALF_PERIOD
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
 from contin.problems.describe import jet_at
+from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.hybrid.problem import HybridOrbits
 from contin.transitions import births
 from contin.transitions.orbit_BPC_to_crossing import CROSSING
@@ -25,7 +25,11 @@ from contin.transitions.registry import born
 def crossing_family(problem: HybridOrbits, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches of fixed points that cross, as orbits."""
     seeds = births.switch(problem.inner, problem.at_map(point), parameter)
-    return [replace(seed, problem=replace(problem, inner=seed.problem)) for seed in seeds]
+    return [
+        replace(seed, problem=replace(problem, inner=seed.problem))
+        for seed in seeds
+        if isinstance(seed.problem, EquilibriumProblem)
+    ]
 
 
 @born(HybridOrbits, "PD", "the orbits of twice the period", explored=CASCADE)
@@ -38,10 +42,10 @@ def doubled_orbits(problem: HybridOrbits, point: SpecialPoint, parameter: str) -
     k = 2.0 * np.append(predictor.h2 + predictor.p2 * predictor.hp, predictor.p2) / point.scale
     size = float(np.linalg.norm(d))
     d, k = d / size, k / elementary.square(size)
-    measured: tuple[int, Array] = unstable_count(point), elementary.square(np.asarray(point.eigenvalues))
+    multipliers = np.asarray(elementary.square(np.asarray(point.eigenvalues)), dtype=complex)
     return [
         Seed(
             problem.doubled(), point.z, d, k - float(k @ d) * d, point.scale, (1,), Parent(point.branch, point.label),
-            (HALF_PERIOD,), measured=measured,
+            (HALF_PERIOD,), measured=(unstable_count(point), multipliers),
         )
     ]  # fmt: skip

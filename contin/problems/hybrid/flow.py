@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.lowering.system import CompiledSystem, compile_in_time
@@ -139,7 +140,7 @@ class HybridFlow:
                 begun[at], matrix[at] = after[at], jump[at]
         return begun, matrix
 
-    def is_entered(self, events: tuple[int, ...]) -> Array:
+    def is_entered(self, events: tuple[int, ...]) -> NDArray[np.bool_]:
         """(n,) true for the states that the last of these events to set them sets to such values."""
         found = np.zeros(self.n, bool)
         for k in events:

@@ -7,6 +7,7 @@ the square root of the distance in the parameter, and the map's derivative grows
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.problems.hybrid.connecting import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
 from contin.problems.hybrid.sampling import arc_samples
 from contin.simulate.resets import SENSES
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from contin.problems.hybrid.problem import HybridOrbits
 
 BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there happens with the arc's event
-CLOSED: Final = 1e-7  # of the states' sizes: an orbit closes to this
+CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
 HALVINGS: Final = 60
 LOCATED: Final = 1e-12  # (arclength, relative to the step)
 TOUCHES: Final = 1e-5  # clearance, relative to how far h changes over the orbit, of an orbit that touches its surface
@@ -37,17 +39,26 @@ def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
     if passage is None:
         return None
     flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
-    kept = problem.map.kept
-    if not float(np.max(np.abs(passage.value[kept] - z[:-1]) / sizes[kept])) < CLOSED:  # an event of the cycle came too early
+    if not _closes(problem, z):  # an event of the cycle came too early
         return passage.flown[0].arc.event, 0
     for number, flown in enumerate(passage.flown):
         for k in range(len(flow.model.events)):
             horizon = (1.0 - BEFORE_END) * flown.time
-            if k != flown.arc.event and first_landing(flow, k, flown.begin, p, sizes, flown.time, horizon) is not None:
-                return k, number
+            if k != flown.arc.event:
+                early = first_landing(flow, k, flown.begin, p, sizes, flown.time, horizon, exactly=True)
+                if early is not None:
+                    return k, number
             if k not in (flown.arc.event, *flown.arc.then) and _carried(problem, flown, k, p):
                 return k, number
     return None
+
+
+def _closes(problem: HybridOrbits, z: Array) -> bool:
+    """True where Newton's method, which may have stopped across a jump of the map, has no way to go from z."""
+    f, matrix = problem.inner.linearise(z)
+    states = matrix[:, :-1]
+    step = np.linalg.lstsq(states, f, rcond=None)[0] if np.isfinite(states).all() else np.array([np.inf])
+    return bool(np.max(np.abs(step) / problem.map.sizes[problem.map.kept]) < CLOSED)
 
 
 def _carried(problem: HybridOrbits, flown: Flown, k: int, p: Array) -> bool:
@@ -60,6 +71,8 @@ def _carried(problem: HybridOrbits, flown: Flown, k: int, p: Array) -> bool:
 
 def cut_where_events_change(problem: HybridOrbits, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the orbit at which another event comes in, which is its last row then."""
+    if chunk.stop is Stop.NOT_FINITE:  # beyond, an event of the cycle does not come
+        chunk = replace(chunk, stop=Stop.CORRECTOR)
     row = next((r for r in range(1, len(chunk)) if unexpected(problem, chunk.z[r]) is not None), None)
     if row is None:
         return chunk
@@ -97,8 +110,11 @@ def _appended(chunk: Chunk, sample: Sample, length: float) -> Chunk:
 
 
 def ending(problem: HybridOrbits, origin: Sample, before: Sample | None) -> End | None:
-    """The grazing orbit at or just beyond the last point of a family; None where there is no sign of one."""
-    return _new_event(problem, origin.z) or (None if before is None else _lost_event(problem, origin.z, before.z))
+    """The grazing or homoclinic orbit at or just beyond the last point of a family; None without a sign of one."""
+    found = _new_event(problem, origin.z)
+    if found is not None or before is None:
+        return found
+    return homoclinic_end(problem, origin.z, before.z) or _lost_event(problem, origin.z, before.z)
 
 
 def _new_event(problem: HybridOrbits, z: Array) -> End | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.simulate.flight import fly
+from contin.simulate.flight import DONE, Flight, fly
 from contin.simulate.resets import SENSES
 
 if TYPE_CHECKING:
@@ -21,11 +21,12 @@ if TYPE_CHECKING:
 ACCURACY: Final = 1e-12  # relative tolerance of trajectories
 SMALLER: Final = 1e-3  # ... of it, in the states' sizes: their absolute tolerance
 BUDGET: Final = 200_000  # steps
-FIRST, LONGEST = 1.25, 16.0  # how long to wait for an event, in multiples of how long it took before
+FIRST: Final = 1.25  # how long to wait for an event at first, in multiples of how long it took before
 SAMPLES: Final = 256  # of that time
 ON_SURFACE: Final = 0.02  # part of that time within which a solution that starts beside its surface may leave it
 AT_ONCE: Final = 1e-9  # ... and one that starts on it
 NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
+TOWARDS_END: Final = 0.5 ** np.arange(1, 41)  # parts of the time between the last sample and where a solution ends
 ROUNDS: Final = 60
 
 
@@ -43,44 +44,46 @@ class Path:
 
     def at(self, i: int, later: float) -> tuple[float, float]:
         """(h, rate) some time after sample i."""
-        states = _fly(self.flow, self.u[i], self.p, self.sizes, np.array([later]))
-        if not len(states):
+        if later == 0.0:
+            found = self.flow.surface(self.event, self.u[i], self.p)
+            return found.value, found.rate
+        flight = _fly(self.flow, self.u[i], self.p, self.sizes, np.array([later]))
+        if flight.outcome != DONE:
             return np.nan, np.nan
-        found = self.flow.surface(self.event, states[-1], self.p)
+        found = self.flow.surface(self.event, flight.end, self.p)
         return found.value, found.rate
 
 
 def first_landing(
-    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, length: float, horizon: float | None = None
+    flow: HybridFlow, k: int, u: Array, p: Array, sizes: Array, length: float, patience: float, exactly: bool = False
 ) -> float | None:
-    """The time at which event k happens first after the state u; None within the horizon.
+    """The time at which event k happens first after the state u; None where it does not within `patience`, or longer.
 
-    length : how long this takes nearby. A solution that starts on the surface, or beside it by less than it moves in a
+    length : how long this takes nearby.  exactly : and not longer. A solution that starts on the surface, or beside it by less than it moves in a
     small part of that time, leaves it first: a jump that ends on its own surface ends there only to rounding.
     """
     begun, leave = flow.surface(k, u, p), AT_ONCE * length
     if begun.rate != 0.0 and abs(begun.value) < ON_SURFACE * length * abs(begun.rate):
         leave = max(leave, 4.0 * abs(begun.value / begun.rate))
     start, state = 0.0, u
-    last = FIRST * length if horizon is None else horizon
+    last = patience if exactly else min(FIRST * length, patience)
     while True:
         t = np.linspace(max(start, leave), last, SAMPLES + 1)
-        states = _fly(flow, state, p, sizes, t - start)
-        path = Path(flow, k, p, sizes, t[: len(states)], states, flow.heights(k, states, p))
-        found = _first(path)
-        if found is not None or horizon is not None or len(states) < len(t) or last > LONGEST * length:
+        flight = _fly(flow, state, p, sizes, (t - start).astype(np.float64))
+        times, states, complete = start + flight.t, flight.u, len(flight.t) == len(t)
+        if not complete:  # beyond the surface it may escape to infinity
+            seen = float(flight.t[-1]) if len(times) else 0.0
+            nearer = _fly(flow, state, p, sizes, seen + (flight.end_time - seen) * (1.0 - TOWARDS_END))
+            times, states = np.append(times, start + nearer.t), np.vstack([states, nearer.u])
+        found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
+        if found is not None or exactly or not complete or last >= patience:
             return found
         start, state, last, leave = last, states[-1], 2.0 * last, 0.0
 
 
-def _fly(flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array) -> Array:
-    """States at times; fewer where the solution ends before."""
-    if times[-1] == 0.0:
-        return np.tile(u, (len(times), 1))
-    flight = fly(
-        flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=SMALLER * ACCURACY * sizes, budget=BUDGET
-    )
-    return flight.u
+def _fly(flow: HybridFlow, u: Array, p: Array, sizes: Array, times: Array) -> Flight:
+    errors = SMALLER * ACCURACY * sizes
+    return fly(flow.system, u, p, float(times[-1]), times=times, rtol=ACCURACY, atol=errors, budget=BUDGET)
 
 
 def _first(path: Path) -> float | None:

@@ -30,11 +30,15 @@ POLISHED: Final = 1e-5  # of the time of an arc: the landing is that near
 
 @dataclass(frozen=True)
 class Arc:
-    """The event that an arc ends with, those that its jump sets off at once, and how long the arc takes, about."""
+    """The event that an arc ends with, those that its jump sets off at once, and how long the arc takes, about.
+
+    patience : how long its event is waited for.
+    """
 
     event: int
     then: tuple[int, ...]
     length: float
+    patience: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +91,7 @@ def _fly_arc(flow: HybridFlow, arc: Arc, u: Array, p: Array, sizes: Array) -> Fl
     n, m = flow.n, flow.m
     if not (np.isfinite(u).all() and np.isfinite(p).all()):
         return None
-    time = first_landing(flow, arc.event, u, p, sizes, arc.length)
+    time = first_landing(flow, arc.event, u, p, sizes, arc.length, arc.patience)
     if time is None:
         return None
     columns = np.concatenate([np.full(n, -1), n + np.arange(m)])

@@ -7,7 +7,7 @@ those of the map; the family ends where the cycle of events changes (`grazing`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final, Self
@@ -21,6 +21,8 @@ from contin.continuation.branch import SpecialPoint
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.problems import special
+from contin.normalforms.result import sense
+from contin.problems.describe import with_normal_form
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 from contin.problems.hybrid.grazing import cut_where_events_change, ending
@@ -28,6 +30,7 @@ from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, extremes, sampled
 from contin.problems.polish import at_parameter
 from contin.problems.scales import parameter_width
+from contin.records import Fields
 from contin.special.table import test_on_branch
 
 from contin.continuation.halting import HALF_PERIOD
@@ -42,6 +45,8 @@ OF_ORBITS: Final = {"LP": "LPC", "BP": "BPC"}  # special points of fixed points,
 OF_MAPS: Final = {orbit: of_map for of_map, orbit in OF_ORBITS.items()}
 SAME: Final = 1e-6  # of the states' sizes: two halves of an orbit are one
 OPPOSITE: Final = 1e-3  # ... and move oppositely
+SHORTER: Final = 0.5  # differences by which those of the normal form are judged
+STEEP: Final = 1e5  # multiplier
 COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those of orbits have other units
 
 
@@ -162,26 +167,48 @@ class HybridOrbits(Problem):
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         try:
-            return self._of_orbit(self.inner.verify(OF_MAPS.get(type_, type_), self._of_map(near), frame))
+            found = self.inner.verify(OF_MAPS.get(type_, type_), self._of_map(near), frame)
+            return self._of_orbit(found, frame.scale)
         except np.linalg.LinAlgError:  # a point beside which an event of the cycle does not come
             return Rejected("the events beside this point are others")
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = self.inner.verify_compound(self._of_map(a), self._of_map(b), frame)
-        return [self._of_orbit(item) for item in found]
+        return [self._of_orbit(item, frame.scale) for item in found]
 
     def _of_map(self, sample: Sample) -> Sample:
         """Without the trivial multiplier."""
         return sample if self.flow.forced else replace(sample, eigenvalues=sample.eigenvalues[1:])
 
-    def _of_orbit(self, found: Outcome) -> Outcome:
+    def _of_orbit(self, found: Outcome, scale: Array) -> Outcome:
         if not isinstance(found, Verified):
             return found
-        form = {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in found.normal_form.items()}
-        if isinstance(errors := form.get("errors"), dict):
-            form["errors"] = {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in errors.items()}
+        form = self._renamed(self._surely(found, scale))
         type_ = OF_ORBITS.get(found.type, found.type)
         return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
+
+    def _surely(self, found: Verified, scale: Array) -> Fields:
+        """The normal form; its derivatives are differences, whose error other steps show."""
+        other = replace(self.inner, system=replace(self.map, stretch=SHORTER))
+        again = with_normal_form(other, replace(found, normal_form={}), scale).normal_form
+        form, errors = dict(found.normal_form), dict(found.normal_form.get("errors", {}))
+        for key, value in form.items():
+            if isinstance(value, float) and isinstance(again.get(key), float):
+                errors[key] = float(errors.get(key, 0.0)) + 2.0 * abs(value - again[key])
+        if errors:
+            form["errors"] = errors
+        decides = {"PD": ("c", -1.0), "NS": ("d", 1.0)}.get(found.type)
+        if decides is not None and isinstance(form.get(decides[0]), float):
+            form["criticality"] = sense(decides[1] * form[decides[0]], errors.get(decides[0], 0.0))
+        return form
+
+    @staticmethod
+    def _renamed(form: Fields) -> Fields:
+        """With coefficients that say that they are the map's."""
+        def of_map(entries: Mapping[str, object]) -> Fields:
+            return {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in entries.items()}
+
+        return of_map(form) | ({"errors": of_map(form["errors"])} if "errors" in form else {})
 
     def at_map(self, point: SpecialPoint) -> SpecialPoint:
         """The point as a fixed point of the map."""
@@ -225,4 +252,12 @@ class HybridOrbits(Problem):
 
     def describe_failure(self, z: Array) -> str:
         why = self.map.explain(z[:-1], self.inner.full_parameters(z))
-        return f"Beyond, {why}." if why else self.inner.describe_failure(z)
+        if why:
+            return f"Beyond, {why}."
+        largest = float(np.nanmax(np.abs(self.multipliers(z)), initial=0.0))
+        if largest > STEEP:
+            return (
+                f"A multiplier of {largest:.1e}: the map from jump to jump is so steep there that its trajectories do "
+                "not resolve it (a canard, or a burst that gains or loses a spike)."
+            )
+        return self.inner.describe_failure(z)

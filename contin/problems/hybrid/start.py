@@ -17,6 +17,7 @@ from contin.problems.hybrid.passage import Arc
 from contin.problems.hybrid.problem import HybridOrbits
 from contin.problems.hybrid.system import ReturnSystem
 from contin.problems.orbits.simulation import ADVICE, CHANCE, FIRST_TIME, LONGEST, UNSTABLE, time_scale
+from contin.simulate.natural import SMALLER, absolute_tolerances, natural_metric
 from contin.simulate.resets import Jump, fly_with_events
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ LONGEST_CYCLE: Final = 128  # events
 ENOUGH: Final = 3 * LONGEST_CYCLE
 CLOSE: Final = 1e-4  # a return this close, relative to the orbit's extent, is an orbit up to Newton's polish
 MOVED: Final = 0.05  # by which Newton's method may move it
+PATIENCE: Final = 16.0  # periods in which an event of the cycle comes, or not at all
+BOX: Final = 1e100  # where a simulation escapes
 RTOL: Final = 1e-10
 BUDGET: Final = 1_000_000
 
@@ -90,13 +93,15 @@ def hybrid_orbit(model: Model, u: Array, p: Array, transient: float = 0.0, longe
     state = np.append(u, np.zeros(flow.n - len(u)))
     scale = time_scale(flow.system, state, p)
     time = FIRST_TIME * scale + transient
+    errors, natural = absolute_tolerances(flow.system, state, p, SMALLER * RTOL), natural_metric(flow.system, state, p)
     while True:
         times = np.linspace(0.0, time, 2000)
         flight, jumps = fly_with_events(
-            flow.model, state, p, times, rtol=RTOL, atol=np.full(flow.n, 1e-3 * RTOL), box=1e100, budget=BUDGET
+            flow.model, state, p, times, rtol=RTOL, atol=errors, box=BOX, budget=BUDGET
         )
         landings = _landings(jumps, transient)
-        sizes = np.maximum(np.abs(flight.u[len(flight.u) // 2 :]).max(axis=0, initial=0.0), 1e-300)
+        largest = np.abs(flight.u[len(flight.u) // 2 :]).max(axis=0, initial=0.0)
+        sizes = np.where(largest > 0.0, largest, natural.states)
         found = _repeating(landings, flight.u, _angles(flow, p)) if flight.outcome == "done" else None
         if found is not None:
             return _closed(flow, p, *found, np.where(_angles(flow, p) > 0.0, 1.0, sizes), flight.end_time)
@@ -157,8 +162,9 @@ def _closed(
     flow: HybridFlow, p: Array, cycle: list[_Landing], winding: Array, sizes: Array, after: float
 ) -> HybridOrbit:
     """Newton's method from a cycle that nearly closes."""
+    patience = PATIENCE * (cycle[-1].time - cycle[0].time)
     arcs = tuple(
-        Arc(here.events[0], here.events[1:], here.time - before.time)
+        Arc(here.events[0], here.events[1:], here.time - before.time, patience)
         for before, here in zip(cycle, cycle[1:], strict=False)
     )
     angles = _angles(flow, p)
