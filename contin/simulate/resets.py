@@ -1,7 +1,8 @@
 """Trajectories whose states jump at events: from event to event.
 
 The functions `when` are given to the integrator as switching surfaces (a further state whose rate changes sign with
-them), so that their zeros are landed on exactly. Only a solution that flows through zero, or a jump of another event
+them), so that their zeros are landed on exactly; each is a state of its own too, so that the steps are short enough
+for it to be seen. Only a solution that flows through zero, or a jump of another event
 that carries `when` through it, makes an event; touching zero makes none. An event's own jump never fires it again.
 """
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 CLOCK: Final = "event clock"  # no name in a model contains a blank
+HEIGHT: Final = "height"
+RESOLVED: Final = 1e-7  # of its size: the error of a `when` as a state
 PIECES: Final = 64  # of the time, where no event says how long it takes to the next
 AT_ONCE: Final = 1e-12  # relative: events at the same time
 CHAIN: Final = 100  # events that fire each other without time between
@@ -60,7 +63,7 @@ class _Watched:
         return self.model.events
 
     def seen(self, y: Array, t: Array) -> tuple[Array, Array]:
-        """(when, rate), each (T, events), at the states y (T, n + 1)."""
+        """(when, rate), each (T, events), at the states y (T, n + 1 + events)."""
         rows = np.tile(self.p, (len(t), 1))
         rows = np.column_stack([rows, t]) if self.system.is_forced else rows
         both = np.asarray(self.system.observables(np.ascontiguousarray(y), rows)).reshape(len(t), -1)
@@ -72,6 +75,12 @@ class _Watched:
             self.system, y, self.p, end - t, start=t, times=times, rtol=self.rtol, atol=self.atol, box=self.box,
             budget=budget,
         )  # fmt: skip
+
+    def begun(self, y: Array, t: float, length: float) -> Array:
+        """The clock and the heights where a flight begins; how accurate these are to be is set by how they move."""
+        when, rate = (a[0] for a in self.seen(y[None, :], np.array([t])))
+        self.atol[-len(when) :] = RESOLVED * np.maximum(np.abs(when), np.abs(rate) * length)
+        return np.concatenate([[0.0], when])
 
     def values(self, y: Array, t: float) -> dict[str, float]:
         found = dict(zip(self.model.parameter_names, self.p.tolist(), strict=False))
@@ -93,16 +102,18 @@ def fly_with_events(
     """The flight from 0 to the last of `times`, and its jumps. At the time of a jump the state is the one before it."""
     duration = float(times[-1])
     system = compile_in_time(clocked(model))
-    errors, boxes = np.append(atol, 1e-3 * rtol * duration), np.append(np.full(u.size, box), np.inf)
+    count = len(model.events)
+    errors = np.concatenate([atol, [1e-3 * rtol * duration], np.full(count, np.inf)])
+    boxes = np.append(np.full(u.size, box), np.full(1 + count, np.inf))
     watched = _Watched(model, system, p, rtol, errors, boxes)
-    y, t, length = np.append(u, 0.0), 0.0, duration / PIECES
+    y, t, length = np.append(u, np.zeros(1 + count)), 0.0, duration / PIECES
     sides = _first_sides(watched, y)
     kept_t, kept_u, steps, crossed = [times[:0]], [np.empty((0, y.size))], 0, 0
     jumps: list[Jump] = []
     why = ""
     while True:
         end = duration if t + length >= duration * (1.0 - AT_ONCE) else t + length
-        y[-1] = 0.0
+        y[u.size :] = watched.begun(y, t, length)
         wanted = times[(times > t if t > 0.0 else times >= 0.0) & (times <= end)]
         flight = watched.fly(y, t, end, wanted, max(budget - steps, 1))
         if flight.crossed > CROSSINGS:
@@ -146,13 +157,16 @@ def clocked(model: Model) -> Model:
     watched = {}
     for k, event in enumerate(model.events):
         watched[f"when {k}"] = event.when
-    for k, event in enumerate(model.events):
-        along = [mul(derivative(event.when, name), rate) for name, rate in rates.items()]
-        watched[f"rate {k}"] = add(derivative(event.when, TIME), *along)
+    along = []
+    for event in model.events:
+        terms = [mul(derivative(event.when, name), rate) for name, rate in rates.items()]
+        along.append(add(derivative(event.when, TIME), *terms))
+    watched |= {f"rate {k}": rate for k, rate in enumerate(along)}
     zero = number(0)
     clock = add(*(if_(compare(">", e.when, zero), number(k + 1), zero) for k, e in enumerate(model.events)))
     return model.replace(
-        states=(*model.states, State(CLOCK, zero)), equations=(*model.equations, clock), observables=watched, events=(),
+        states=(*model.states, State(CLOCK, zero), *(State(f"{HEIGHT} {k}", zero) for k in range(len(along)))),
+        equations=(*model.equations, clock, *along), observables=watched, events=(),
         symmetries=(), starts=(), averaging=None, rotation={}, expect=(), labels={}, limits=(), totals=(),
     )  # fmt: skip
 
@@ -214,16 +228,15 @@ def _cut(watched: _Watched, flight: Flight, y: Array, t: float, when: float, wan
 def _up_to_the_end(flight: Flight, wanted: Array) -> Flight:
     """With the wanted times that are later by rounding alone."""
     late = wanted[len(flight.t) :]
-    return replace(
-        flight, t=np.concatenate([flight.t, late]), samples=np.vstack([flight.samples, np.tile(flight.end, (len(late), 1))])
-    )
+    samples = np.vstack([flight.samples, np.tile(flight.end, (len(late), 1))])
+    return replace(flight, t=np.concatenate([flight.t, late]), samples=samples)
 
 
 def _jumped(
     watched: _Watched, y: Array, t: float, fired: tuple[int, ...], interval: float
 ) -> tuple[list[Jump], Array, _Sides, str]:
     """The jumps at t, the state after them, the sides there, and why it cannot go on."""
-    n, at = y.size - 1, np.array([t])
+    n, at = len(watched.model.states), np.array([t])
     landed, slope = (a[0] for a in watched.seen(y[None, :], at))
     jumps: list[Jump] = []
     before, ever, last = landed, set(fired), slope

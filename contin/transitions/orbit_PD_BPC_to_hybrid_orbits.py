@@ -1,35 +1,41 @@
-"""What is born on families of orbits with jumps: at fixed points of their map, as orbits."""
+"""What is born on families of orbits with jumps: the family that crosses, and orbits of twice the period."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.halting import HALF_PERIOD
+from contin.errors import InputError
 from contin.machine import elementary
 from contin.normalforms.maps import flip_predictor
 from contin.problems.describe import jet_at
-from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.hybrid.problem import HybridOrbits
-from contin.transitions import births
 from contin.transitions.orbit_BPC_to_crossing import CROSSING
 from contin.transitions.orbit_PD_to_doubled import CASCADE
-from contin.transitions.orbits_at_point import unstable_count
+from contin.transitions.orbits_at_point import along_own_parameter, unstable_count
 from contin.transitions.registry import born
+
+PARALLEL: Final = 0.999  # cosine between tangents from which two families are one
 
 
 @born(HybridOrbits, "BPC", "the family that crosses", explored=CROSSING)
 def crossing_family(problem: HybridOrbits, point: SpecialPoint, parameter: str) -> list[Seed]:
-    """Seeds of the branches of fixed points that cross, as orbits."""
-    seeds = births.switch(problem.inner, problem.at_map(point), parameter)
-    return [
-        replace(seed, problem=replace(problem, inner=seed.problem))
-        for seed in seeds
-        if isinstance(seed.problem, EquilibriumProblem)
-    ]
+    """Seed of the family along the tangent that is not the point's own."""
+    along_own_parameter(problem, point, parameter)
+    own = point.tangent / point.scale
+    own = own / np.linalg.norm(own)
+    others = [t for t in problem.tangents(point.z, point.scale) if abs(float(t @ own)) < PARALLEL]
+    if not others:
+        raise InputError(f"{point.branch}.{point.label}: no second real family crosses here")
+    direction = min(others, key=lambda t: abs(float(t @ own)))
+    direction = direction if direction[-1] >= 0.0 else -direction
+    measured = unstable_count(point), np.asarray(point.eigenvalues, dtype=complex)
+    parent = Parent(point.branch, point.label)
+    return [Seed(problem, point.z, direction, None, point.scale, (-1, 1), parent, measured=measured)]
 
 
 @born(HybridOrbits, "PD", "the orbits of twice the period", explored=CASCADE)

@@ -1,1 +1,1 @@
-"""Periodic orbits of flows whose states jump at events: fixed points of the map from jump to jump, and their families."""
+"""Periodic orbits of flows whose states jump at events: fixed points of maps from jump to jump."""

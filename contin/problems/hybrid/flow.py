@@ -1,4 +1,4 @@
-"""A flow with events, made autonomous, with what its orbits are computed from: surfaces, jumps and their derivatives."""
+"""A flow with events, made autonomous, with its surfaces, jumps and their derivatives."""
 
 from __future__ import annotations
 

@@ -129,8 +129,8 @@ def _new_event(problem: HybridOrbits, z: Array) -> End | None:
         for flown, h in zip(passage.flown, heights, strict=True):
             inner = h[1:-1] if flown.arc.event == k else h
             if len(inner) > 2 and _clearance(inner) < TOUCHES * range_:
-                text = f"at {name} = {z[-1]:.10g} the orbit touches the surface of {flow.named(k)}: beyond, it crosses it"
-                return End("grazing", text, {"at": {name: float(z[-1])}, "event": k + 1})
+                text = f"at {name} = {z[-1]:.10g} the orbit touches the surface of {flow.named(k)}"
+                return End("grazing", f"{text}: beyond, it crosses it", {"at": {name: float(z[-1])}, "event": k + 1})
     return None
 
 
@@ -157,7 +157,8 @@ def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
         fallen = now.rate**2 - then.rate**2
         if abs(now.rate) < TANGENT * usual and fallen < 0.0:
             at = float(z[-1] - now.rate**2 * (z[-1] - before[-1]) / fallen)
-            text = f"near {name} = {at:.8g} the orbit becomes tangent to the surface of {problem.flow.named(now.arc.event)}"
+            event = problem.flow.named(now.arc.event)
+            text = f"near {name} = {at:.8g} the orbit becomes tangent to the surface of {event}"
             data = {"at": {name: at}, "event": now.arc.event + 1, "error": abs(at - float(z[-1]))}
             return End("grazing", f"{text}: beyond, the event does not come", data)
     return None

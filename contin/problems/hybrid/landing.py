@@ -59,8 +59,10 @@ def first_landing(
 ) -> float | None:
     """The time at which event k happens first after the state u; None where it does not within `patience`, or longer.
 
-    length : how long this takes nearby.  exactly : and not longer. A solution that starts on the surface, or beside it by less than it moves in a
-    small part of that time, leaves it first: a jump that ends on its own surface ends there only to rounding.
+    length : how long this takes nearby.  exactly : and not longer.
+
+    A solution that starts on the surface, or beside it by less than it moves in a small part of that time, leaves it
+    first: a jump that ends on its own surface ends there only to rounding.
     """
     begun, leave = flow.surface(k, u, p), AT_ONCE * length
     if begun.rate != 0.0 and abs(begun.value) < ON_SURFACE * length * abs(begun.rate):
@@ -73,7 +75,8 @@ def first_landing(
         times, states, complete = start + flight.t, flight.u, len(flight.t) == len(t)
         if not complete:  # beyond the surface it may escape to infinity
             seen = float(flight.t[-1]) if len(times) else 0.0
-            nearer = _fly(flow, state, p, sizes, seen + (flight.end_time - seen) * (1.0 - TOWARDS_END))
+            later = seen + (flight.end_time - seen) * (1.0 - TOWARDS_END)
+            nearer = _fly(flow, state, p, sizes, later.astype(np.float64))
             times, states = np.append(times, start + nearer.t), np.vstack([states, nearer.u])
         found = _first(Path(flow, k, p, sizes, times, states, flow.heights(k, states, p)))
         if found is not None or exactly or not complete or last >= patience:

@@ -6,8 +6,8 @@ time of landing by the implicit function theorem,
 
     du_- = X du + f dt,   dt = -grad h . X du / (grad h . f),   du_+ = Dg du_-,
 
-and so by the parameters. States that the cycle's last jump sets to values without states in them begin with these. Otherwise the matrix has f in
-its kernel: on its quotient by f it is the monodromy matrix, whose
+and so by the parameters. States that the cycle's last jump sets to values without states in them begin with these.
+Otherwise the matrix has f in its kernel: on its quotient by f it is the monodromy matrix, whose
 saltation matrices are S = Dg + (f_+ - Dg f_-) grad h^T / (grad h . f_-) (Leine and Nijmeijer 2004, ch. 7).
 """
 
@@ -74,7 +74,7 @@ def pass_through(
     flow: HybridFlow, arcs: tuple[Arc, ...], winding: Array, u: Array, p: Array, sizes: Array
 ) -> Passage | None:
     """None where an event of the cycle does not come, or the flow has no value."""
-    n, m = flow.n, flow.m
+    n = flow.n
     (at, matrix), found = flow.entered((arcs[-1].event, *arcs[-1].then), u, p), []
     for arc in arcs:
         flown = _fly_arc(flow, arc, at, p, sizes)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
-from contin.continuation.branch import SpecialPoint
+from contin.continuation.halting import HALF_PERIOD
 from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
-from contin.problems import special
 from contin.normalforms.result import sense
+from contin.problems import special
 from contin.problems.describe import with_normal_form
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
@@ -32,8 +31,6 @@ from contin.problems.polish import at_parameter
 from contin.problems.scales import parameter_width
 from contin.records import Fields
 from contin.special.table import test_on_branch
-
-from contin.continuation.halting import HALF_PERIOD
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -209,12 +206,6 @@ class HybridOrbits(Problem):
             return {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in entries.items()}
 
         return of_map(form) | ({"errors": of_map(form["errors"])} if "errors" in form else {})
-
-    def at_map(self, point: SpecialPoint) -> SpecialPoint:
-        """The point as a fixed point of the map."""
-        own = np.asarray(point.eigenvalues)
-        values = own if self.flow.forced else own[1:]
-        return replace(point, type=OF_MAPS.get(point.type, point.type), eigenvalues=values)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return HALF_PERIOD in symmetries and self._halves(z, tangent)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -145,7 +146,7 @@ def _landings(jumps: tuple[Jump, ...], transient: float) -> list[_Landing]:
 
 
 def _repeating(landings: list[_Landing], u: Array, angles: Array) -> tuple[list[_Landing], Array] | None:
-    """The landings of the last cycle, with the one before it, and what the states gain in it; None where none closes."""
+    """The landings of the last cycle, with the one before it, and what the states gain in it; or None."""
     extent = np.maximum(np.ptp(u[len(u) // 2 :], axis=0), 1e-300)
     extent = np.where(angles > 0.0, np.where(angles > 0.0, angles, 1.0), extent)
     for count in range(1, min(LONGEST_CYCLE, len(landings) // 2) + 1):
@@ -165,7 +166,7 @@ def _closed(
     patience = PATIENCE * (cycle[-1].time - cycle[0].time)
     arcs = tuple(
         Arc(here.events[0], here.events[1:], here.time - before.time, patience)
-        for before, here in zip(cycle, cycle[1:], strict=False)
+        for before, here in itertools.pairwise(cycle)
     )
     angles = _angles(flow, p)
     u = np.where(angles > 0.0, np.mod(cycle[0].after, np.where(angles > 0.0, angles, 1.0)), cycle[0].after)

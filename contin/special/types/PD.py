@@ -10,6 +10,7 @@ TYPE = SpecialType(
     normal_form="contin.normalforms.maps:period_doubling", order=3,
     births=(
         "map_PD_to_doubled", "orbit_PD_to_doubled", "orbit_PD_to_doubled_by_shooting", "orbit_of_large_to_orbits",
+        "orbit_PD_BPC_to_hybrid_orbits",
         "point_to_locus",
         "orbit_to_locus", "orbit_by_shooting_to_locus",
     ),

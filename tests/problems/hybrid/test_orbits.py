@@ -127,10 +127,10 @@ def test_a_logistic_map_of_jumps_doubles_at_three():
 def test_a_cubic_map_of_jumps_has_its_pitchfork_and_its_fold():
     """x -> a x - x^3: x = 0 loses stability at a = 1; x = a x + x^3 - x^5 folds at a = 3/4."""
     model = jumping_map(x="a*x + x^3 - x^5")
-    rest = contin.continuation(contin.periodic_orbit(model, {"x": 0}, {"a": 0.5}), "a", (0.4, 1.4))
+    rest = contin.continuation(contin.periodic_orbit(model, {"x": 0}, {"a": 0.9}), "a", (0.8, 1.2))
     assert [p.label for p in rest.points] == ["BPC1"]
     assert rest["BPC1"].values["a"] == pytest.approx(1.0, abs=1e-9)
-    other = contin.continuation(rest["BPC1"].switch(), "a", (0.4, 1.2))
+    other = contin.continuation(rest["BPC1"].switch(), "a", (0.7, 1.1), settings={"max_step": 0.2})
     folds = [p.values["a"] for p in other.points if p.type == "LPC"]
     assert folds
     np.testing.assert_allclose(folds, 0.75, atol=1e-9)
