@@ -79,5 +79,22 @@ def any_branch_point(
     return NormalForm("BP", coefficients, words, {"Q": r.right, "P": r.left, "h": r.h})
 
 
+def turning_branch_point(jet: Jet, kernel: int) -> NormalForm:
+    """BP with a kernel that a continuous symmetry turns: circles of branches, which are not looked for.
+
+    {kernel, kind: multiple, symmetry: rotation, a01, quadratic, cubic} as of `any_branch_point`; for a kernel of
+    dimension 2 all that branches off is one circle.
+    """
+    r = reduce(jet, kernel)
+    coefficients: dict[str, object] = {
+        "kind": "multiple", "kernel": kernel, "symmetry": "rotation", "a01": r.a01.tolist(),
+        "quadratic": r.T2.tolist(), "cubic": r.T3[:, :kernel, :kernel, :kernel].tolist(),
+    }  # fmt: skip
+    if kernel == 2:
+        coefficients["branches"] = 2
+    words = f"branch point with a {kernel}-dimensional kernel that the rotation turns"
+    return NormalForm("BP", coefficients, words, {"Q": r.right, "P": r.left, "h": r.h})
+
+
 def _cosine(a: Real, b: Real) -> float:
     return float(abs(a @ b) / (np.linalg.norm(a) * np.linalg.norm(b)))

@@ -10,7 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.problem import Verified
 from contin.normalforms.branching import branch_point
-from contin.normalforms.directions import any_branch_point
+from contin.normalforms.directions import any_branch_point, turning_branch_point
 from contin.normalforms.fold import fold
 from contin.normalforms.hopf import hopf
 from contin.normalforms.jet import DerivativeJet, Kind
@@ -18,6 +18,7 @@ from contin.normalforms.maps import neimark_sacker, period_doubling
 from contin.normalforms.result import STATE_ERROR, NormalForm
 from contin.normalforms.sources import jet_of
 from contin.problems.branching import degenerate
+from contin.problems.branching.rotated import turning_kernel
 from contin.problems.massless import in_own_units, unit_mass, with_units
 
 if TYPE_CHECKING:
@@ -61,6 +62,8 @@ def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) ->
     kernel, scale = int(point.vectors.get("kernel", 1)), metric[:-1]
     units = unit_mass(problem.system)
     if point.type == "BP" and kernel > 1:
+        if turning_kernel(problem, point.z, scale, kernel) is not None:
+            return turning_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel)
         return any_branch_point(with_units(jet_at(problem, point.z, scale), units), kernel=kernel)
     if kernel > 1:
         return NormalForm(point.type, {"kernel": kernel}, f"{kernel} pairs at once")

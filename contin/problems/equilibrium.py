@@ -14,6 +14,7 @@ from contin.abi import NO_FUNCTION, Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.metric import far_from_zero
 from contin.continuation.problem import (
+    NOTHING,
     STOPS,
     Chunk,
     Corner,
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
     from contin.systems.protocol import System
 
 _NO_TANGENT = np.empty(0)
+ON_FLOOR = 1e-9  # scaled: how near to a value at which the equations have none Newton's method comes
 NO_GROWTH = -1.0  # in place of an angle's period: a state whose size does not matter
 
 
@@ -409,7 +411,11 @@ class EquilibriumProblem(Problem):
         return found if why is None else Rejected(f"no LP near {self.parameters[0]} = {found.z[-1]:.10g}: {why}")
 
     def _described(self, found: Outcome, frame: Frame) -> Outcome:
-        return with_normal_form(self, found, frame.scale) if isinstance(found, Verified) else found
+        if not isinstance(found, Verified):
+            return found
+        if any(f.singular and found.z[f.index] - f.lowest <= ON_FLOOR * frame.scale[f.index] for f in self.floors):
+            return NOTHING  # it is none of this branch, which ends there
+        return with_normal_form(self, found, frame.scale)
 
     def _corner_beside(self, near: Sample, frame: Frame) -> Rejected | None:
         """What a corner of a user's function does at a sample; None where there is none."""

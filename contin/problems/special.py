@@ -15,6 +15,7 @@ from contin.linalg.spectrum import noises, spectrum
 from contin.machine import elementary
 from contin.problems import defining
 from contin.problems.balancing import balancing_scales
+from contin.problems.branching.rotated import turning_kernel
 from contin.problems.defining import Solved
 from contin.problems.multiple import reduced_branches
 from contin.problems.neutral import errors_of, is_suspect
@@ -390,6 +391,12 @@ def _tangents(local: ScaledSystem, y: Array) -> list[Array]:
     if corank == 1:
         return crossing_tangents(local, y) or [right[-1]]
 
+    turning = turning_kernel(local.problem, y * local.scale, local.scale[:-1], corank)
+    if turning is not None:  # the branch at hand is that of the states that the rotation keeps
+        own = right[-corank - 1 :].copy()
+        own[:, :-1] -= own[:, :-1] @ turning.basis @ turning.basis.T
+        longest = own[int(np.argmax(np.linalg.norm(own, axis=1)))]
+        return [longest / np.linalg.norm(longest)]
     try:
         return [o.direction for o in reduced_branches(local, y, np.zeros(local.n + 1), corank)] or [right[-1]]
     except np.linalg.LinAlgError:  # the zero eigenvalue is defective: the reduction has no basis

@@ -19,6 +19,7 @@ from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.multiple import reduced_branches
 from contin.problems.scaled import ScaledSystem
 from contin.problems.symmetry import reversing_symmetries
+from contin.transitions.equivariant_branches import rotated_branches
 from contin.transitions.registry import Explored, born
 
 PARALLEL = 0.9999  # cosine between tangents from which two branches are the same
@@ -27,6 +28,10 @@ PARALLEL = 0.9999  # cosine between tangents from which two branches are the sam
 @born(EquilibriumProblem, "BP", "the branches that cross", explored=Explored())
 def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
     """Seeds of the branches that cross the point's own branch there, with `parameter` free."""
+    if parameter == problem.parameters[0]:
+        turning = rotated_branches(problem, point)
+        if turning is not None:
+            return turning
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)

@@ -128,7 +128,7 @@ def of_orbits(model: Model) -> Model:
 
 def _turning_with_the_pair(model: Model) -> tuple[Expression, ...]:
     """f - rate xi; for the pair itself without the terms that cancel, so that b = 0 stays 0 whatever rounding does."""
-    a, b, speed = _turned_pair(model)
+    a, b, speed = turned_pair(model)
     f = dict(zip(model.state_names, model.equations, strict=True))
     x, y = symbol(a), symbol(b)
     square = add(power(x, number(2)), power(y, number(2)))
@@ -158,7 +158,7 @@ def _matrix(generator: Sequence[Expression], names: Sequence[str], point: Mappin
 
 def _normalised(model: Model) -> tuple[State, ...]:
     """The states, with the one that the phase condition makes positive kept so."""
-    first = _turned_pair(model)[0]
+    first = turned_pair(model)[0]
     text = f"The frame turns with {first}, which is 0 here; rest is an equilibrium of its own: start there."
     return tuple(replace(s, minimum=ZERO, beyond=text) if s.name == first else s for s in model.states)
 
@@ -172,11 +172,11 @@ def rotation_rate(model: Model, equations: Sequence[Expression], phase: Expressi
 
 def phase_condition(model: Model) -> Expression:
     """c a b for the first pair with xi_a = -c b, xi_b = c a: zero and increasing along the rotation at b = 0."""
-    a, b, speed = _turned_pair(model)
+    a, b, speed = turned_pair(model)
     return mul(speed, symbol(a), symbol(b))
 
 
-def _turned_pair(model: Model) -> tuple[str, str, Expression]:
+def turned_pair(model: Model) -> tuple[str, str, Expression]:
     """(a, b, c) with xi_a = -c b, xi_b = c a."""
     for a, xi in model.rotation.items():
         factor, rest = split_coefficient(xi)
@@ -207,7 +207,7 @@ def _turned(model: Model, u: Array, p: Array) -> Array:
     """u rotated until b = 0, a > 0 for the pair of the phase condition; the rotation must be linear."""
     from scipy.linalg import expm
 
-    a, b, speed = _turned_pair(model)
+    a, b, speed = turned_pair(model)
     names = list(model.state_names)
     values = dict(zip(model.parameter_names, map(float, p), strict=True))
     here = dict(zip(names, map(float, u), strict=True))
