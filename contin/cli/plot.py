@@ -30,7 +30,7 @@ def plot_file(
     if over is not None:
         raise InputError("--over is for a scan: contin plot FILE.scan --over RESULTS")
     if orbit is not None:
-        write_orbit(read_results(file), orbit, out, x, y[0] if y else None)
+        write_orbit(read_results(file), orbit, out, x, y[0] if y else None, as_look(look or {}, x, y))
         print(out)
         return 0
     write_picture(read_results(file), out, as_look(look or {}, x, y))

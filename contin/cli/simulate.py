@@ -16,6 +16,7 @@ from contin.cli.run import parse_sets
 from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.model.registry import load
+from contin.plot.look import Look
 from contin.plot.trajectory import figure
 from contin.records import Fields
 from contin.simulate.run import simulate
@@ -54,7 +55,8 @@ def simulate_model(
         report.print(str(found), style="" if found.complete else "yellow")
 
     def draw() -> str:
-        drawing = figure(found.drawn, list(model.state_names), title=model.title or model.name, x=out["x"], y=out["y"])
+        look = Look(title=model.title or model.name, x=out["x"], y=out["y"])
+        drawing = figure(found.drawn, list(model.state_names), look=look)
         write_figure(drawing, picture)
         return str(picture)
 

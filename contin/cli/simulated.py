@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from contin.cli.outputs import Output
 from contin.cli.simulate import write_figure, write_table
+from contin.plot.look import Look
 from contin.plot.trajectory import figure
 from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
@@ -38,7 +39,7 @@ def _write(plan: SimulationPlan, kind: str, path: Path, columns: Fields) -> str:
 
     make_folder(path)
     title = f"{plan.model.title or plan.model.name}: {plan.name}"
-    write_figure(figure(columns, list(plan.model.state_names), title=title, x=plan.x, y=plan.y), path)
+    write_figure(figure(columns, list(plan.model.state_names), look=Look(title=title, x=plan.x, y=plan.y)), path)
     return f"wrote {os.path.relpath(path)}"
 
 

@@ -17,6 +17,7 @@ from contin.continuation.stored import StoredProblem
 from contin.errors import InputError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
@@ -68,10 +69,14 @@ class Orbit:
         """The time that the orbit takes (of a boundary-value problem: the length of the interval)."""
         return float(self.t[-1] - self.t[0])
 
-    def plot(self, x: str | None = None, y: str | None = None) -> Figure:
-        """Time series beside column y over column x (default: the first two states)."""
-        drawn: Figure = lazy.module("drawn trajectories").figure(
-            self.columns, [name for name in self.columns if name != "t"], x=x, y=y, closed=True
+    def plot(self, x: str | None = None, y: str | None = None, *, ax: Axes | None = None, **options: object) -> Figure:
+        """Time series beside column y over column x (default: the first two states).
+
+        ax : draw y over x into these axes instead.  options : limits, log, size, title, style (`contin.draw`).
+        """
+        names = [name for name in self.columns if name != "t"]
+        drawn: Figure = lazy.module("drawn trajectories").drawn(
+            self.columns, names, ax, {"x": x, "y": y, **options}, closed=True
         )
         return drawn
 

@@ -6,8 +6,9 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from contin.continuation.spectra import asked
 from contin.errors import InputError
-from contin.plot.house_style import style
+from contin.plot.house_style import chosen_palette, chosen_size, style
 from contin.plot.legend import add_legend, legend_inside
 from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.series import Panel, Source, from_branches, panels
@@ -55,7 +56,7 @@ def figure(
             return _into(ax, panels, look, colours, images or {}, periods or {})
         from contin.plot.picture import picture
 
-        width, height = look.size or (max(4.8, 4.4 * len(panels)), 4.0)
+        width, height = look.size or chosen_size(max(4.8, 4.4 * len(panels)), 4.0)
         drawing = picture(width, height)
         axes = drawing.subplots(1, len(panels), squeeze=False)[0]
         for one, panel in zip(axes, panels, strict=True):
@@ -99,7 +100,8 @@ def draw(branches: Iterable[Branch], *, ax: Axes | None = None, look: Look = PLA
     """The figure of branches in memory; units and periods of angles are those of their model."""
     branches = list(branches)
     model = model_of(branches) if all(branch.problem is not None for branch in branches) else {}
-    sources, periods = from_branches(branches), model.get("periods", {})
+    shown = [look.x, *([look.y] if isinstance(look.y, str) else look.y or [])]
+    sources, periods = from_branches(branches, asked(shown)), model.get("periods", {})
     grouped = panels(sources, x=look.x, y=look.y, periods=periods, units=model.get("units"))
     return figure(grouped, look=look, images=image_names(sources), periods=periods, ax=ax)
 
@@ -117,9 +119,10 @@ def image_names(sources: Iterable[Source]) -> dict[str, str]:
 def colour_of_branches(panels: Sequence[Panel], images: Mapping[str, str]) -> dict[str, str]:
     """A colour for each branch, images like their originals."""
     colours: dict[str, str] = {}
+    palette = chosen_palette(PALETTE)
     for curve in (curve for panel in panels for curve in panel.curves):
         original = images.get(curve.name, curve.name)
         if original not in colours:
-            colours[original] = PALETTE[len(colours) % len(PALETTE)]
+            colours[original] = palette[len(colours) % len(palette)]
         colours[curve.name] = colours[original]
     return colours

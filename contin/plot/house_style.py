@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Final
 
@@ -24,6 +24,31 @@ STYLE: Final[Fields] = {
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
+
+
+def chosen_size(width: float, height: float) -> tuple[float, float]:
+    """Inches of a picture: the user's `figure.figsize` where it was changed."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    size = rcParams["figure.figsize"]
+    return (width, height) if list(size) == list(rcParamsDefault["figure.figsize"]) else (size[0], size[1])
+
+
+def chosen_palette(palette: Sequence[str]) -> Sequence[str]:
+    """Colours of branches: those of the user's `axes.prop_cycle` where it was changed."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    cycle = rcParams["axes.prop_cycle"]
+    if cycle == rcParamsDefault["axes.prop_cycle"] or "color" not in cycle.keys:
+        return palette
+    return list(cycle.by_key()["color"])
+
+
+def chosen_dpi(dpi: float) -> float:
+    """Dots an inch: the user's `figure.dpi` where it was changed."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    return dpi if rcParams["figure.dpi"] == rcParamsDefault["figure.dpi"] else float(rcParams["figure.dpi"])
 
 
 @contextmanager

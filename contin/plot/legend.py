@@ -60,12 +60,15 @@ def add_legend(
         columns = _columns([len(text) for text in shown], width, 3 * len(panels))
         if -(-len(shown) // columns) * LINE <= room:
             break
-    size = min(1.0, room / max(-(-len(shown) // columns) * LINE, 1e-9))
-    if shown:
-        drawing.legend(
-            list(shown.values()), list(shown), loc="outside lower center", ncols=columns, frameon=False,
+    for count in range(columns if shown else 0, 0, -1):  # letters may be wider than thought
+        size = min(1.0, room / max(-(-len(shown) // count) * LINE, 1e-9))
+        legend = drawing.legend(
+            list(shown.values()), list(shown), loc="outside lower center", ncols=count, frameon=False,
             handlelength=2.6, columnspacing=1.6, fontsize=max(8.0 * size, 4.0) if size < 1.0 else None,
         )  # fmt: skip
+        if count == 1 or legend.get_window_extent().width <= drawing.bbox.width:
+            break
+        legend.remove()
 
 
 def legend_inside(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contin.errors import InputError
+from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.trajectory import figure
 from contin.plot.write import PICTURES
 from contin.records import Record
@@ -15,7 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def orbit_figure(document: Record, point: str, x: str | None = None, y: str | None = None) -> Figure:
+def orbit_figure(
+    document: Record, point: str, x: str | None = None, y: str | None = None, look: Look = PLAIN_LOOK
+) -> Figure:
     """The orbit at `point`, BRANCH.LABEL; y against x (default: the first two states) in the phase portrait.
 
     Raises InputError where the results have no such point, or hold no orbit there.
@@ -30,15 +34,18 @@ def orbit_figure(document: Record, point: str, x: str | None = None, y: str | No
     parameter = branch["parameters"][0]
     where = f"{parameter} = {found['values'][parameter]:.6g}, period {found['values']['period']:.6g}"
     states = [s for s in document["model"]["states"] if s in found["orbit"]]
-    return figure(found["orbit"], states, title=f"{point}: {where}", x=x, y=y, closed=True)
+    look = replace(look, x=x or look.x, y=y or look.y, title=look.title or f"{point}: {where}")
+    return figure(found["orbit"], states, look=look, closed=True)
 
 
-def write_orbit(document: Record, point: str, out: Path, x: str | None, y: str | None) -> None:
+def write_orbit(
+    document: Record, point: str, out: Path, x: str | None, y: str | None, look: Look = PLAIN_LOOK
+) -> None:
     """Write `orbit_figure` as .png, .pdf or .svg."""
     import io
 
     if out.suffix not in PICTURES:
         raise InputError(f"pictures of orbits end in {', '.join(PICTURES)}; got {out.suffix!r}")
     stream = io.BytesIO()
-    orbit_figure(document, point, x, y).savefig(stream, format=out.suffix[1:])
+    orbit_figure(document, point, x, y, look).savefig(stream, format=out.suffix[1:])
     write_bytes(out, stream.getvalue())

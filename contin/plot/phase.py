@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.plot.dress import dress
 from contin.plot.house_style import style
 from contin.plot.labels import densify, place
+from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.places import deepest
 from contin.plot.smooth import smooth
 from contin.plot.vocabulary import colour_of, dashes_of, locus_words, style_of
@@ -39,9 +41,10 @@ CROWDED, BESIDE = 4, 0.04  # points of codimension two with so many others neare
 
 
 def draw(
-    data: Record, branches: Sequence[Record], title: str | None = None, scan: Any = None
-) -> Any:
-    """A matplotlib figure that belongs to no window.
+    data: Record, branches: Sequence[Record], title: str | None = None, scan: Any = None, look: Look = PLAIN_LOOK,
+    ax: Axes | None = None,
+) -> Any:  # fmt: skip
+    """A matplotlib figure that belongs to no window; or the same in the axes `ax`, without what stands beside them.
 
     data : the `phase` section of the results.  branches : those of the results; the curves in `data` are drawn.
     scan : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.
@@ -51,10 +54,12 @@ def draw(
     from contin.plot.picture import picture
 
     curves = [b for b in branches if b["name"] in set(data["curves"])]
-    with style():
-        figure = picture(8.0, HEIGHT, dpi=100.0)
-        FigureCanvasAgg(figure)
-        axes = figure.add_subplot()
+    look.check_columns(data["parameters"])
+    with style(look.style):
+        figure: Any = picture(*(look.size or (8.0, HEIGHT)), dpi=100.0) if ax is None else ax.get_figure(root=True)
+        if ax is None:
+            FigureCanvasAgg(figure)
+        axes: Axes = figure.add_subplot() if ax is None else ax
         axes.spines[["top", "right"]].set_visible(True)
         _shade(axes, data)
         if scan is not None:
@@ -63,13 +68,18 @@ def draw(
         _curves(axes, data, curves)
         marked = _points(axes, data, curves)
         first, second = data["parameters"]
-        axes.set(xlabel=first, ylabel=second, xlim=data["range"][first], ylim=data["range"][second])
+        axes.set(xlim=data["range"][first], ylim=data["range"][second])
+        dress(axes, look, first, second)
+        title = look.title or title
         if title:
             axes.set_title(title, fontsize=10)
-        _legends(figure, axes, data)
-        figure.set_figheight(max(HEIGHT, _height(figure)))
+        if ax is None and look.legend != "none":
+            _legends(figure, axes, data)
+            if look.size is None:
+                figure.set_figheight(max(HEIGHT, _height(figure)))
         figure.draw_without_rendering()  # the layout decides where there is room for names
-        _names(axes, data, curves, marked)
+        if look.labels:
+            _names(axes, data, curves, marked)
     return figure
 
 

@@ -8,6 +8,8 @@ from typing import Final
 
 from matplotlib.figure import Figure
 
+from contin.plot.house_style import chosen_dpi
+
 NOTEBOOK_DPI: Final = 110.0
 
 
@@ -26,7 +28,7 @@ class Picture(Figure):
 
 def picture(width: float, height: float, *, dpi: float = 200.0) -> Picture:
     """An empty one of this size in inches, with a layout that makes room for what stands beside the axes."""
-    return Picture(figsize=(width, height), dpi=dpi, layout="constrained")
+    return Picture(figsize=(width, height), dpi=chosen_dpi(dpi), layout="constrained")
 
 
 def image_tag(figure: Figure, words: str) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation.branch import Branch
+from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
 from contin.plot.typeset import axis_label
 from contin.records import Record
@@ -76,15 +77,15 @@ class Panel:
     curves: tuple[Curve, ...]
 
 
-def from_branches(branches: Iterable[Branch]) -> list[Source]:
-    """Sources of branches in memory."""
+def from_branches(branches: Iterable[Branch], spectra: bool = False) -> list[Source]:
+    """Sources of branches in memory, with their eigenvalues as columns if `spectra`."""
     return [
         Source(
             branch.name,
             branch.kind,
             branch.locus,
             tuple(branch.parameters),
-            branch.columns,
+            {**branch.columns, **spectral_columns(branch)} if spectra else branch.columns,
             tuple(
                 Mark(point.label, point.type, int(point.index), _note(point.normal_form), point.values)
                 for point in branch.points
@@ -187,9 +188,13 @@ def panels(
             f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}; columns: {', '.join(known)}"
         )
     return [
-        Panel(a, b, axis_label(a, units), axis_label(b, units, _strands(curves)), tuple(curves))
+        Panel(a, b, axis_label(a, units), axis_label(b, units, _meaning(b) or _strands(curves)), tuple(curves))
         for (a, b), curves in groups.items()
     ]
+
+
+def _meaning(name: str) -> str:
+    return {"eigenvalues": ", real parts", "multipliers": ", moduli"}.get(name, "")
 
 
 def _strands(curves: Sequence[Curve]) -> str:

@@ -2,64 +2,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from contin.errors import InputError
-from contin.plot.house_style import style
+from contin.plot.dress import dress
+from contin.plot.house_style import chosen_size, style
+from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.vocabulary import PALETTE
 from contin.records import Record
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST_PANELS: Final = 6  # states drawn against time
 
 
 def figure(
-    columns: Record, states: Sequence[str], *, title: str | None = None, x: str | None = None,
-    y: str | None = None, closed: bool = False,
-) -> Figure:  # fmt: skip
+    columns: Record, states: Sequence[str], *, look: Look = PLAIN_LOOK, closed: bool = False, ax: Axes | None = None
+) -> Figure:
     """Each of the first states against t, and column y against column x (default: the first two states).
 
     columns : "t" and everything that may be drawn, of equal length. One state alone is drawn against time only.
     closed : a periodic orbit, which has no start and no end.
+    ax : draw y over x into these instead (one state: over t).
     """
-    from contin.plot.picture import picture
-
-    for name in (x, y):
+    chosen = [look.y] if isinstance(look.y, str) else list(look.y or [])
+    for name in (look.x, *chosen):
         if name is not None and name not in columns:
             raise InputError(f"there is no column {name!r} to draw; there are {', '.join(columns)}")
-    shown = list(states)[:MOST_PANELS]
-    across = x or states[0]
-    up = y or (states[1] if len(states) > 1 else None)
-    with style():
-        drawing = picture(8.8 if up else 5.6, max(3.4, 1.15 * len(shown)))
+    shown = (chosen if len(chosen) > 1 else list(states))[:MOST_PANELS]
+    across = look.x or states[0]
+    up = chosen[0] if chosen else (states[1] if len(states) > 1 else None)
+    look.check_columns(["t", *shown, across, *([up] if up else [])])
+    if ax is not None:
+        return _into(ax, columns, look, (across, up) if up else ("t", across), closed)
+    from contin.plot.picture import picture
+
+    with style(look.style):
+        width, height = look.size or chosen_size(8.8 if up else 5.6, max(3.4, 1.15 * len(shown)))
+        drawing = picture(width, height)
         grid = drawing.add_gridspec(len(shown), 2 if up else 1, width_ratios=[1.5, 1.0] if up else [1.0])
-        first: Any = None
-        for k, name in enumerate(shown):
-            ax = drawing.add_subplot(grid[k, 0], sharex=first)
-            first = first or ax
-            ax.plot(columns["t"], columns[name], color=PALETTE[k % len(PALETTE)], linewidth=0.9)
-            ax.set_ylabel(name)
-            if k < len(shown) - 1:
-                ax.tick_params(labelbottom=False)
-            else:
-                ax.set_xlabel("t")
-            ax.margins(x=0.01)
+        _series(drawing, grid, columns, shown, look)
         if up:
-            ax = drawing.add_subplot(grid[:, 1])
-            u, v = np.asarray(columns[across]), np.asarray(columns[up])
-            ax.plot(u, v, color=PALETTE[0], linewidth=0.8)
-            if len(u) and not closed:
-                ax.plot(u[:1], v[:1], "o", color="white", markeredgecolor="black", markersize=5, label="start")
-                ax.plot(u[-1:], v[-1:], "o", color="black", markersize=4, label="end")
-            ax.set_xlabel(across)
-            ax.set_ylabel(up)
-            if not closed:
+            _portrait(drawing.add_subplot(grid[:, 1]), columns, look, across, up, closed)
+            if not closed and look.legend == "below":
                 drawing.legend(loc="outside lower right", ncols=2, frameon=False)
-        if title:
-            drawing.suptitle(title, fontsize=10)
+            elif not closed and look.legend == "inside":
+                drawing.axes[-1].legend(loc="best")
+        if look.title:
+            drawing.suptitle(look.title, fontsize="large")
     return drawing
+
+
+def drawn(
+    columns: Record, states: Sequence[str], ax: Axes | None, options: Mapping[str, object], closed: bool = False
+) -> Figure:
+    """`figure` with the options as a user writes them."""
+    return figure(columns, states, look=Look.of(options), closed=closed, ax=ax)
+
+
+def _into(ax: Axes, columns: Record, look: Look, names: tuple[str, str], closed: bool) -> Figure:
+    """Draw one panel into the user's axes."""
+    with style(look.style):
+        _portrait(ax, columns, look, *names, closed)
+        if look.title:
+            ax.set_title(look.title)
+    drawing = ax.get_figure(root=True)
+    assert drawing is not None
+    return drawing
+
+
+def _series(drawing: Figure, grid: Any, columns: Record, shown: Sequence[str], look: Look) -> None:
+    """Each column against time, one above the other."""
+    first: Any = None
+    for k, name in enumerate(shown):
+        ax = drawing.add_subplot(grid[k, 0], sharex=first)
+        first = first or ax
+        ax.plot(columns["t"], columns[name], color=PALETTE[k % len(PALETTE)], linewidth=0.9)
+        ax.margins(x=0.01)
+        dress(ax, look, "t", name)
+        if k < len(shown) - 1:
+            ax.tick_params(labelbottom=False)
+            ax.set_xlabel("")
+
+
+def _portrait(ax: Axes, columns: Record, look: Look, across: str, up: str, closed: bool) -> None:
+    u, v = np.asarray(columns[across]), np.asarray(columns[up])
+    ax.plot(u, v, color=PALETTE[0], linewidth=0.8)
+    if len(u) and not closed:
+        ax.plot(u[:1], v[:1], "o", color="white", markeredgecolor="black", markersize=5, label="start")
+        ax.plot(u[-1:], v[-1:], "o", color="black", markersize=4, label="end")
+    dress(ax, look, across, up)

@@ -37,7 +37,7 @@ def picture(document: Record, suffix: str, look: Look = PLAIN_LOOK) -> bytes:
         raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
 
     if document.get("phase") and look.x is None and look.y is None:
-        return _drawn(draw(document["phase"], document["branches"], title), suffix)
+        return _drawn(draw(document["phase"], document["branches"], title, look=look), suffix)
     shown = panels(sources, x=look.x, y=look.y, periods=periods, units=units)
     drawing = figure(shown, look=replace(look, title=title), images=image_names(sources), periods=periods)
     return _drawn(drawing, suffix)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final
 
+from contin.continuation.spectra import NAMES
 from contin.errors import ContinError
 from contin.model.advice import closest
 from contin.model.model import Model
@@ -14,7 +15,7 @@ from contin.model.source import Path, Problems
 OF_BRANCHES: Final = frozenset(
     {
         "period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle",
-        "amplitude", "norm", "frequency",
+        "amplitude", "norm", "frequency", *NAMES,
     }
 )  # beside parameters, states and observables: what problems record of themselves
 STANDARD: Final = ("amplitude", "norm", "frequency")  # of orbits

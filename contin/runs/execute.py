@@ -5,10 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
 from contin.continuation.defects import DEFECT
+from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
 from contin.records import Record
 from contin.runs.engine import Engine
@@ -93,7 +94,7 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
     with _skipping("diagram", state):
         found = engine.diagram(plan.model, diagram, plan.parameters)
         for branch in found.branches:
-            state.add(branch)
+            state.add(_shown(branch, diagram.spectra))
         state.notes.extend(found.notes)
         if found.stopped:
             state.stop()
@@ -139,7 +140,12 @@ def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
             if start is None:
                 return
         for branch in engine.continuation(start, run):
-            state.add(branch)
+            state.add(_shown(branch, run.spectra))
+
+
+def _shown(branch: Branch, spectra: bool) -> Branch:
+    """The branch, with its eigenvalues among the columns if a picture shows them."""
+    return replace(branch, columns={**branch.columns, **spectral_columns(branch)}) if spectra else branch
 
 
 def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> object:

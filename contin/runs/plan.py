@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from contin import lazy
 from contin.continuation.settings import Settings
+from contin.continuation.spectra import asked
 from contin.errors import ContinError, ExpressionError, InputError, NotFiniteError
 from contin.limits import as_double
 from contin.model.advice import closest
@@ -64,6 +65,7 @@ class RunPlan:
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
     recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
     truncation: float | None = None  # of a connecting orbit: distance of its ends from the saddles, relative
+    spectra: bool = False  # eigenvalues are columns
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ class DiagramPlan:
     budget: Record = field(default_factory=dict)
     box: Mapping[str, Sequence[float]] | None = None  # where `start: all` looks for equilibria
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
+    spectra: bool = False  # eigenvalues are columns
 
 
 @dataclass(frozen=True)
@@ -160,9 +163,10 @@ def make_plan_for(
     shown = [(("outputs", "x"), look.get("x")), *((("outputs", "y"), name) for name in look.get("y") or [])]
     check_columns(shown, model, problems, quantities)
     problems.raise_if_any()
+    spectra = asked([name for _, name in shown])
     recorded = tuple(formulas([name for _, name in shown if name is not None], model, quantities))
-    runs = [replace(run, recorded=recorded) for run in runs]
-    diagram = diagram and replace(diagram, columns=(*diagram.columns, *recorded))
+    runs = [replace(run, recorded=recorded, spectra=spectra) for run in runs]
+    diagram = diagram and replace(diagram, columns=(*diagram.columns, *recorded), spectra=spectra)
     return Plan(model, planner.overrides, runs, diagram, phase, outputs, look, entry.title or model.title)
 
 

@@ -24,6 +24,7 @@ from contin.simulate.systems import in_time, need_formulas
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from contin.lowering.system import CompiledSystem
@@ -109,10 +110,15 @@ class Simulation:
         clock = next(name for name in (TIME, "time", "time_") if name not in labels.values())
         return {labels.get(name, clock): column for name, column in self.columns.items()}
 
-    def plot(self, x: str | None = None, y: str | None = None) -> Figure:
-        """A matplotlib figure: time series beside column y over column x (default: the first two states)."""
+    def plot(self, x: str | None = None, y: str | None = None, *, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure: time series beside column y over column x (default: the first two states).
+
+        ax : draw y over x into these axes instead.  options : limits, log, size, legend, title, style (`contin.draw`).
+        """
         names = [*self.model.state_names, *self.model.observables]
-        drawn: Figure = lazy.module("drawn trajectories").figure(self.drawn, names, x=x, y=y)
+        drawn: Figure = lazy.module("drawn trajectories").drawn(
+            self.drawn, names, ax, {"x": x, "y": y, **options}
+        )
         return drawn
 
     def _repr_html_(self) -> str:

@@ -16,11 +16,13 @@ from contin.diagram.phase.lines import Box
 from contin.diagram.phase.plane import inside
 from contin.diagram.phase.report import as_data, report
 from contin.diagram.phase.states import State
+from contin.plot.look import Look
 from contin.plot.phase import draw
 from contin.records import Fields
 from contin.store.json_format import result_document
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from networkx import Graph
 
 
@@ -131,10 +133,11 @@ class PhaseDiagram:
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook branches").phase_page(self))
 
-    def plot(self, scan: object = None) -> Any:
+    def plot(self, scan: object = None, *, ax: Axes | None = None, **options: object) -> Any:
         """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.
 
         `scan` : ((k, 2) points, (k,) values) of a brute-force scan, drawn beneath.
+        ax : draw into these axes instead.  options : labels, limits, log, size, legend, title, style (`contin.draw`).
         """
         document = result_document({}, self.loci, timing={})
-        return draw(self.as_data(), document["branches"], scan=scan)
+        return draw(self.as_data(), document["branches"], scan=scan, look=Look.of(options), ax=ax)
