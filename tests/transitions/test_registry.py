@@ -42,7 +42,7 @@ def birth(*seeds):
 
 
 def point(type_):
-    return SimpleNamespace(type=type_, branch="line", label=f"{type_}1")
+    return SimpleNamespace(type=type_, branch="line", label=f"{type_}1", problem=None)
 
 
 def test_a_row_for_the_label_comes_before_one_for_all_and_a_class_before_its_base(rows):
