@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.machine import elementary
@@ -16,9 +16,6 @@ from contin.transitions.orbit_PD_to_doubled import CASCADE
 from contin.transitions.orbits_at_point import in_another, unstable_count
 from contin.transitions.registry import born
 
-if TYPE_CHECKING:
-    pass
-
 
 @born(ShootingProblem, "PD", "the orbits of twice the period", explored=CASCADE)
 def doubled_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameter: str) -> list[Seed]:
@@ -27,7 +24,10 @@ def doubled_by_shooting(problem: ShootingProblem, point: SpecialPoint, parameter
 
 
 def _doubled(problem: ShootingProblem, point: SpecialPoint) -> Seed:
-    """The doubled orbits: twice the segments, along the eigenvector of the multiplier -1."""
+    """The doubled orbits: twice the segments, along the eigenvector v of the multiplier -1.
+
+    (v, -v) and a shift in time, (f, f), solve the linear equations; their sum keeps the first node on its plane.
+    """
     nodes, n = Nodes.of(point.z, problem.n), problem.n
     segments = problem.segments(point.z)
     assert segments is not None  # the orbit was just computed
@@ -45,7 +45,8 @@ def _doubled(problem: ShootingProblem, point: SpecialPoint) -> Seed:
     sizes = problem.sizes(point.z, point.scale)
     scale = make_scale(sizes, 2 * nodes.count, 2.0 * float(point.scale[-n - 3]), float(point.scale[-1]))
     direction = np.zeros(len(scale))
-    direction[: u.size] = np.vstack([half, -half]).ravel() / scale[: u.size]
+    along = _in_phase(problem, point, nodes, v)
+    direction[: u.size] = np.vstack([half + along, along - half]).ravel() / scale[: u.size]
     direction /= np.linalg.norm(direction)
     free, multiple = problem.free(), 2 * problem.multiple
     family = replace(free, count=2 * nodes.count, winding=2.0 * problem.winding, multiple=multiple)
@@ -53,3 +54,12 @@ def _doubled(problem: ShootingProblem, point: SpecialPoint) -> Seed:
         family, doubled.vector(), direction, None, scale, (1,), Parent(point.branch, point.label),
         measured=(unstable_count(point), elementary.square(np.asarray(point.eigenvalues))),
     )  # fmt: skip
+
+
+def _in_phase(problem: ShootingProblem, point: SpecialPoint, nodes: Nodes, v: Array) -> Array:
+    """The shift in time, at the nodes (M, n), that brings u_1 + v back to the plane of the phase; 0 if forced."""
+    if not np.any(nodes.normal):
+        return np.zeros_like(nodes.u)
+    p = problem.full_parameters(point.z)
+    flow = np.array([problem.system.value(u, p) for u in nodes.u])
+    return -float(nodes.normal @ v) / float(nodes.normal @ flow[0]) * flow

@@ -25,7 +25,7 @@ def check(seed: int) -> None:
         return 1.0 - 0.5 * x - a * x * x + x**3 - k * (n - 1) * x
 
     equations = {
-        x: f"p - 1 + 0.5*{x} + {a!r}*{x}^2 - {x}^3 + {k!r}*({' + '.join(set(names) - {x})})" for x in names
+        x: f"p - 1 + 0.5*{x} + {a!r}*{x}^2 - {x}^3 + {k!r}*({' + '.join(y for y in names if y != x)})" for x in names
     }
     model = Model("cells", states=dict.fromkeys(names, 3.0), parameters={"p": at(3.0)}, equations=equations)
     branch = api.continuation(api.equilibrium(model), "p", (-half, half))
