@@ -182,6 +182,11 @@ def simulate(
         str | None,
         typer.Option("--until", metavar="CONDITION", help="Stop where it becomes true, e.g. 'x > 2 and y < 0'."),
     ] = None,
+    section: Annotated[
+        str | None,
+        typer.Option("--section", metavar="EXPRESSION", help="Poincare section, e.g. 'x = 1'."),
+    ] = None,
+    direction: Annotated[str, typer.Option("--direction", help="Of its crossings: up, down or both.")] = "up",
     csv: Annotated[Path | None, typer.Option("--csv", help="Write the table.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Draw it: .png, .pdf or .svg.")] = None,
     x: Annotated[str | None, typer.Option("--x", "-x", help="Horizontal axis of the portrait.")] = None,
@@ -196,6 +201,7 @@ def simulate(
             model, start, states or [], sets or [], out, quiet,
             time=time, transient=transient, samples=samples, method=method, rtol=rtol, box=box,
             budget=budget, until=until,
+            section=None if section is None else {"when": section, "direction": direction},
         )
     )  # fmt: skip
 

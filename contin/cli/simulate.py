@@ -47,7 +47,8 @@ def simulate_model(
     writable(out["json"], {})
     model = load(reference)
     found = simulate(model, starting_point(model, start, states), parse_sets(sets), **options)
-    columns = found.columns
+    section = found.section  # which the tables and the portrait are of, where there is one
+    columns = found.columns if section is None else section
     report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
 
     def tell() -> None:
@@ -56,17 +57,20 @@ def simulate_model(
 
     def draw() -> str:
         look = Look(title=model.title or model.name, x=out["x"], y=out["y"])
-        drawing = figure(found.drawn, list(model.state_names), look=look)
+        drawing = figure(found.drawn, list(model.state_names), look=look, section=section)
         write_figure(drawing, picture)
         return str(picture)
 
     document = {
         "contin": 1, "model": model.name, "method": found.method, "outcome": found.outcome, "why": found.why,
-        "end_time": found.end_time, "columns": columns,
+        "end_time": found.end_time, "columns": found.columns,
     }  # fmt: skip
     if found.jumps:
         document["events"] = found.events
-    outputs = table_outputs(found.table, table, draw if picture is not None else None, document, out["json"])
+    if section is not None:
+        document["section"] = section
+    written = found.table if section is None else section
+    outputs = table_outputs(written, table, draw if picture is not None else None, document, out["json"])
     return write_all(outputs, report, tell).code(DONE if found.complete else CUT_SHORT)
 
 

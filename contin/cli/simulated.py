@@ -25,21 +25,23 @@ def simulated_outputs(plan: Plan, document: Record) -> list[Output]:
     found = {entry["name"]: entry for entry in document.get("simulations", [])}
     for simulation in plan.simulations:
         if simulation.name in found:
-            columns = found[simulation.name]["columns"]
+            entry = found[simulation.name]
             for kind, path in simulation.outputs.items():
-                outputs.append(Output(kind, partial(_write, simulation, kind, path, columns)))
+                outputs.append(Output(kind, partial(_write, simulation, kind, path, entry)))
     if plan.sweep is not None and "csv" in plan.sweep.outputs and "sweep" in document:
         outputs.append(Output("csv", partial(_table, document["sweep"]["columns"], plan.sweep.outputs["csv"])))
     return outputs
 
 
-def _write(plan: SimulationPlan, kind: str, path: Path, columns: Fields) -> str:
+def _write(plan: SimulationPlan, kind: str, path: Path, entry: Fields) -> str:
+    columns, section = entry["columns"], entry.get("section")
     if kind == "csv":
-        return _table(columns, path)
+        return _table(columns if section is None else section, path)
 
     make_folder(path)
     title = f"{plan.model.title or plan.model.name}: {plan.name}"
-    write_figure(figure(columns, list(plan.model.state_names), look=Look(title=title, x=plan.x, y=plan.y)), path)
+    look = Look(title=title, x=plan.x, y=plan.y)
+    write_figure(figure(columns, list(plan.model.state_names), look=look, section=section), path)
     return f"wrote {os.path.relpath(path)}"
 
 

@@ -18,17 +18,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+MANY: Final = 500  # points of a section, drawn smaller
 MOST_PANELS: Final = 6  # states drawn against time
 
 
 def figure(
-    columns: Record, states: Sequence[str], *, look: Look = PLAIN_LOOK, closed: bool = False, ax: Axes | None = None
-) -> Figure:
+    columns: Record, states: Sequence[str], *, look: Look = PLAIN_LOOK, closed: bool = False, ax: Axes | None = None,
+    section: Record | None = None,
+) -> Figure:  # fmt: skip
     """Each of the first states against t, and column y against column x (default: the first two states).
 
     columns : "t" and everything that may be drawn, of equal length. One state alone is drawn against time only.
     closed : a periodic orbit, which has no start and no end.
     ax : draw y over x into these instead (one state: over t).
+    section : the same columns at the crossings of a Poincare section, which are the portrait then.
     """
     chosen = [look.y] if isinstance(look.y, str) else list(look.y or [])
     for name in (look.x, *chosen):
@@ -39,7 +42,7 @@ def figure(
     up = chosen[0] if chosen else (states[1] if len(states) > 1 else None)
     look.check_columns(["t", *shown, across, *([up] if up else [])])
     if ax is not None:
-        return _into(ax, columns, look, (across, up) if up else ("t", across), closed)
+        return _into(ax, columns, look, (across, up) if up else ("t", across), closed, section)
     from contin.plot.picture import picture
 
     with style(look.style):
@@ -48,7 +51,7 @@ def figure(
         grid = drawing.add_gridspec(len(shown), 2 if up else 1, width_ratios=[1.5, 1.0] if up else [1.0])
         _series(drawing, grid, columns, shown, look)
         if up:
-            _portrait(drawing.add_subplot(grid[:, 1]), columns, look, across, up, closed)
+            _portrait(drawing.add_subplot(grid[:, 1]), columns, look, across, up, closed, section)
             if not closed and look.legend == "below":
                 drawing.legend(loc="outside lower right", ncols=2, frameon=False)
             elif not closed and look.legend == "inside":
@@ -59,16 +62,19 @@ def figure(
 
 
 def drawn(
-    columns: Record, states: Sequence[str], ax: Axes | None, options: Mapping[str, object], closed: bool = False
-) -> Figure:
+    columns: Record, states: Sequence[str], ax: Axes | None, options: Mapping[str, object], closed: bool = False,
+    section: Record | None = None,
+) -> Figure:  # fmt: skip
     """`figure` with the options as a user writes them."""
-    return figure(columns, states, look=Look.of(options), closed=closed, ax=ax)
+    return figure(columns, states, look=Look.of(options), closed=closed, ax=ax, section=section)
 
 
-def _into(ax: Axes, columns: Record, look: Look, names: tuple[str, str], closed: bool) -> Figure:
+def _into(
+    ax: Axes, columns: Record, look: Look, names: tuple[str, str], closed: bool, section: Record | None
+) -> Figure:
     """Draw one panel into the user's axes."""
     with style(look.style):
-        _portrait(ax, columns, look, *names, closed)
+        _portrait(ax, columns, look, *names, closed, section)
         if look.title:
             ax.set_title(look.title)
     drawing = ax.get_figure(root=True)
@@ -90,10 +96,16 @@ def _series(drawing: Figure, grid: Any, columns: Record, shown: Sequence[str], l
             ax.set_xlabel("")
 
 
-def _portrait(ax: Axes, columns: Record, look: Look, across: str, up: str, closed: bool) -> None:
-    u, v = np.asarray(columns[across]), np.asarray(columns[up])
-    ax.plot(u, v, color=PALETTE[0], linewidth=0.8)
-    if len(u) and not closed:
+def _portrait(
+    ax: Axes, columns: Record, look: Look, across: str, up: str, closed: bool, section: Record | None
+) -> None:
+    shown = columns if section is None else section
+    u, v = np.asarray(shown[across]), np.asarray(shown[up])
+    if section is None:
+        ax.plot(u, v, color=PALETTE[0], linewidth=0.8)
+    else:
+        ax.plot(u, v, ".", color=PALETTE[0], markersize=3.0 if len(u) < MANY else 1.5, label="section")
+    if section is None and len(u) and not closed:
         ax.plot(u[:1], v[:1], "o", color="white", markeredgecolor="black", markersize=5, label="start")
         ax.plot(u[-1:], v[-1:], "o", color="black", markersize=4, label="end")
     dress(ax, look, across, up)

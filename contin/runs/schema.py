@@ -173,6 +173,18 @@ class PhaseEntry(Section):
         return self
 
 
+class CrossingEntry(Section):
+    """A Poincare section: where an expression crosses zero, upwards unless it says otherwise."""
+
+    when: Text
+    direction: Literal["up", "down", "both"] = "up"
+
+
+WrittenSection = Annotated[
+    Annotated[Text, Tag("(short)")] | Annotated[CrossingEntry, Tag("(long)")], Discriminator(mapping_or_not)
+]
+
+
 class SimulateEntry(Section):
     """A trajectory of the model as it is written (`transformed: true`: after the passes), and its files."""
 
@@ -186,6 +198,7 @@ class SimulateEntry(Section):
     method: Literal["DOP853", "Radau", "LSODA", "BDF"] | None = None
     rtol: Positive | None = None
     box: Positive | None = None
+    section: WrittenSection | None = None
     plot: File | None = None
     csv: File | None = None
     x: Text | None = None
@@ -193,7 +206,9 @@ class SimulateEntry(Section):
 
     def chosen(self) -> Fields:
         """The options of the integration that were written."""
-        options = {"samples": self.samples, "method": self.method, "rtol": self.rtol, "box": self.box}
+        options: Fields = {"samples": self.samples, "method": self.method, "rtol": self.rtol, "box": self.box}
+        if self.section is not None:
+            options["section"] = self.section if isinstance(self.section, str) else self.section.model_dump()
         return {key: value for key, value in options.items() if value is not None}
 
 

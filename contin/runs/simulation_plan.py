@@ -17,6 +17,7 @@ from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
 from contin.runs.plan import Plan, StartPoint, _Planner
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
+from contin.simulate.crossings import section_of
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
@@ -128,6 +129,11 @@ def _simulation(
     for key, column in (("x", item.x), ("y", item.y)):
         if column is not None and column not in columns:
             problems.add((*path, key), f"there is no column {column!r}; there are {', '.join(columns)}")
+    if item.section is not None:
+        try:
+            section_of(model, item.chosen()["section"])
+        except ContinError as error:
+            problems.add((*path, "section"), str(error).removeprefix("section: "))
     return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), x=item.x, y=item.y)
 
 

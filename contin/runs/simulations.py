@@ -71,6 +71,8 @@ def carry_out(
 def _simulated(plan: SimulationPlan) -> Fields:
     found = simulate(plan.model, plan.start, plan.parameters, time=plan.time, transient=plan.transient, **plan.options)
     jumps: Fields = {"events": found.events} if found.jumps else {}
+    if (section := found.section) is not None:
+        jumps["section"] = section
     return jumps | {
         "name": plan.name,
         "model": plan.model.name,

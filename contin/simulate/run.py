@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,6 +17,7 @@ from contin.model.model import Model
 from contin.model.parts import TIME
 from contin.records import Record
 from contin.simulate.consistent import consistent_start, moved_onto, onto_constraints
+from contin.simulate.crossings import section_of, separated
 from contin.simulate.flight import DONE, ESCAPED, STOPPED
 from contin.simulate.path import EVENT, NO_EVENT, STIFF, path_of
 from contin.simulate.reach import left_reach
@@ -56,6 +58,7 @@ class Simulation:
     why: str
     note: str = ""  # which states were changed to have consistent initial values
     jumps: tuple[Jump, ...] = ()  # at the model's `events`, in order
+    crossed: tuple[Jump, ...] | None = None  # of the section that was asked for
 
     @property
     def complete(self) -> bool:
@@ -104,6 +107,16 @@ class Simulation:
         return found
 
     @property
+    def section(self) -> dict[str, Array] | None:
+        """t, every state and observable at the crossings of the section; None where none was asked for."""
+        if self.crossed is None:
+            return None
+        times = np.array([c.time for c in self.crossed])
+        states = np.array([c.before for c in self.crossed]).reshape(len(times), self.states.shape[1])
+        seen = observed(in_time(self.model.replace(events=())), states, self.p, times)
+        return dict(zip(self.columns, [times, *states.T, *seen.T], strict=True))
+
+    @property
     def table(self) -> dict[str, Array]:
         """The columns under the model's labels: what a foreign model calls them; the time gives way to a label `t`."""
         labels = {name: self.model.labels.get(name, name) for name in self.columns if name != TIME}
@@ -117,7 +130,7 @@ class Simulation:
         """
         names = [*self.model.state_names, *self.model.observables]
         drawn: Figure = lazy.module("drawn trajectories").drawn(
-            self.drawn, names, ax, {"x": x, "y": y, **options}
+            self.drawn, names, ax, {"x": x, "y": y, **options}, section=self.section
         )
         return drawn
 
@@ -130,6 +143,7 @@ class Simulation:
         if not self.complete:
             return f"stopped at t = {self.end_time:.6g}: {self.why}"
         jumped = f", {len(self.jumps)} jumps" if self.jumps else ""
+        jumped += "" if self.crossed is None else f", {len(self.crossed)} crossings of the section"
         crossed = f", {self.crossings} switching surfaces crossed" if self.crossings else ""
         reached = f"{self.why} at t = {self.end_time:.12g}" if self.outcome == EVENT else f"t = {self.end_time:.6g}"
         note = f" ({self.why})" if self.outcome == DONE and self.why else ""
@@ -141,6 +155,7 @@ def simulate(
     model: Any, start: str | Record | None = None, parameters: Record | None = None, *,
     time: float = 100.0, transient: float = 0.0, samples: int = SAMPLES, method: str = "DOP853", rtol: float = RTOL,
     atol: float | None = None, box: float = 1e100, budget: int = BUDGET, until: str | None = None,
+    section: str | Mapping[str, object] | None = None,
 ) -> Simulation:  # fmt: skip
     """Integrate a model (iterate a map) from a start over `time`, after a `transient` that is not kept.
 
@@ -151,6 +166,8 @@ def simulate(
     sizes).  box : modulus of a state at which the simulation ends as escaped (by default where numbers end).
     budget : most steps of the integrator.
     until : a condition such as "x > 2 and y < 0"; the simulation ends exactly where it becomes true.
+    section : an expression, 'x - 1' or 'x = 1', or {when, direction: up, down or both}: the result's `section` has the
+    states, after the transient, at which it crosses zero (upwards, unless it says otherwise).
 
     The flow may use the time `t` without `forcing`, and have no states; states may be infinite or not a number.
     A solution that blows up, escapes or slides gives the part before, with `outcome` and `why`. Raises InputError.
@@ -158,6 +175,9 @@ def simulate(
     need_time(model, "trajectories")
     jumping = isinstance(model, Model) and bool(model.events)
     model = model if jumping else with_named_totals(model, parameters or ())
+    if section is not None:
+        need_formulas(model, "section", "look for the crossings in the states of the result")
+    flown = model if section is None else model.replace(events=(*model.events, section_of(model, section)))
     if method not in METHODS:
         raise InputError(f"method must be one of {', '.join(METHODS)}; got {method!r}")
     for name, value in (("rtol", rtol), ("box", box)):
@@ -177,7 +197,7 @@ def simulate(
         found: Simulation = lazy.module("iterates").iterated(model, system, u, p, time, transient, box, until)
         return found
     times = np.linspace(transient, transient + time, samples)
-    path = path_of(model, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
+    path = path_of(flown, system, u, p, times, method, until, rtol=rtol, atol=atol, box=box, budget=budget)
     t, states, end, outcome, why = path.t, path.states, path.end, path.outcome, path.why
     left = left_reach(system, states, over_time(system, p, t))
     if left is not None:
@@ -186,8 +206,10 @@ def simulate(
         end = float(t[-1]) if count else 0.0
     states, note = onto_constraints(system, states, over_time(system, p, t)), moved_onto(system, given, u)
     seen = observed(system, states, p, t)
-    counts = path.steps, path.crossings
-    return Simulation(model, method, p, t, states, seen, end, *counts, outcome, why, note, path.jumps)
+    counts = path.steps, path.crossings if system.n_switches else 0
+    jumps, crossed = (path.jumps, ()) if section is None else separated(path.jumps, len(model.events))
+    kept = None if section is None else tuple(c for c in crossed if c.time >= transient)
+    return Simulation(model, method, p, t, states, seen, end, *counts, outcome, why, note, jumps, kept)
 
 
 def observed(system: CompiledSystem, states: Array, p: Array, t: Array) -> Array:

@@ -122,6 +122,7 @@ SIMULATION: Final[Fields] = {
         "outcome": {"enum": ["done", "escaped", "sliding", "stopped"]},
         "end_time": _NUMBER,
         "columns": _TABLE,
+        "section": _TABLE,  # the crossings of a Poincare section
     },
 }
 SWEEP: Final[Fields] = {
