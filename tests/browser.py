@@ -30,7 +30,11 @@ def browser() -> Iterator[object]:
     for switch in switches:
         options.add_argument(f"--{switch}")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    window = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    failure = pytest.importorskip("selenium.common.exceptions").WebDriverException
+    try:
+        window = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    except failure as error:
+        pytest.skip(f"the browser does not start here: {str(error).splitlines()[0]}")
     try:
         yield window
     finally:

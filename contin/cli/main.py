@@ -152,13 +152,15 @@ def phase(
     sets: Sets = None,
     json: Json = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Draw the diagram: .png, .pdf or .svg.")] = None,
+    html: Annotated[Path | None, typer.Option("--html", help="Write an interactive page.")] = None,
+    save: Annotated[Path | None, typer.Option("--save", help="Write a store (.contin).")] = None,
     orbits: Annotated[bool, typer.Option(help="Periodic orbits and their curves, too.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No report and no progress.")] = False,
 ) -> None:
     """Cut a box of two parameters into regions by all curves of special points that can be reached."""
-    ranges = ((low, high), (bottom, top))
+    ranges, files = ((low, high), (bottom, top)), {"plot": plot, "html": html, "save": save}
     raise typer.Exit(
-        work("run_phase")(model, (first, second), ranges, start or [], sets or [], json, plot, orbits, quiet, STARTED)
+        work("run_phase")(model, (first, second), ranges, start or [], sets or [], json, files, orbits, quiet, STARTED)
     )
 
 

@@ -19,7 +19,7 @@ from contin.continuation.defects import described
 from contin.errors import ContinError, InputError
 from contin.plot.look import Look
 from contin.plot.write import write_picture
-from contin.records import Record
+from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 from contin.store import digest, json_format, sqlite
 from contin.store.json_format import escaped
@@ -129,10 +129,11 @@ def _told(tell: Callable[[], object]) -> None:
 
 
 def outputs_of(
-    plan: Plan, document: Record, json: str | None, solutions: Solutions | None = None
+    plan: Plan, document: Record, json: str | None, solutions: Solutions | None = None,
+    rows: Mapping[str, Fields] | None = None,
 ) -> list[Output]:
     """Every file that the run file and the command line ask for."""
-    outputs = [Output(kind, partial(_write, plan, kind, document, solutions)) for kind in plan.outputs]
+    outputs = [Output(kind, partial(_write, plan, kind, document, solutions, rows)) for kind in plan.outputs]
     if json is not None:
         outputs.append(Output("json", partial(_write_json, document, json)))
     if plan.simulations or plan.sweep:
@@ -162,7 +163,9 @@ def _write_json(document: Record, json: str) -> None:
         json_format.write(document, Path(json))
 
 
-def _write(plan: Plan, kind: str, document: Record, solutions: Solutions | None) -> str:
+def _write(
+    plan: Plan, kind: str, document: Record, solutions: Solutions | None, rows: Mapping[str, Fields] | None
+) -> str:
     """One of the run file's `outputs`."""
     path = plan.outputs[kind]
     make_folder(path)
@@ -174,7 +177,7 @@ def _write(plan: Plan, kind: str, document: Record, solutions: Solutions | None)
         else:
             if kind == "plot":
                 load_matplotlib()
-            write_picture(document, path, Look.of(plan.look))
+            write_picture(document, path, Look.of(plan.look), rows)
     elif kind == "save":
         sqlite.save(document, path, provenance(plan), solutions)
     else:

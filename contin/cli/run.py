@@ -21,6 +21,8 @@ from contin.errors import InputError
 from contin.kernels.clock import CLOCK
 from contin.machine.progress import telling
 from contin.model.source import CallSource
+from contin.plot.rows import rows_of
+from contin.plot.write import PAGES
 from contin.records import Fields, Record
 from contin.runs.bundled import find_run, is_scan
 from contin.runs.engine import ContinEngine
@@ -81,10 +83,7 @@ def run_diagram(
     given : NAME=VALUE texts of `budget` and `settings`.  files : outputs by kind.
     """
     written = {key: parse_pairs(f"--{key}", texts) for key, texts in given.items() if texts}
-    outputs = {kind: path for kind, path in files.items() if path is not None}
-    for kind, path in outputs.items():
-        if path.suffix.lower() not in ENDINGS[kind]:
-            raise InputError(f"--{kind} {path}: must end in {' or '.join(ENDINGS[kind])}")
+    outputs = _asked_for(files)
     source = CallSource("contin diagram")
     entry = read_run({"model": model, "diagram": {**diagram, **written}}, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
@@ -98,21 +97,29 @@ def run_phase(
     starts: Sequence[str],
     sets: Sequence[str],
     json: str | None,
-    plot: Path | None,
+    files: Mapping[str, Path | None],
     orbits: bool,
     quiet: bool,
     began: float,
 ) -> int:
-    """A phase diagram from the command line: the same as a run file with `phase:`."""
+    """A phase diagram from the command line: the same as a run file with `phase:`.  files : outputs by kind."""
+    outputs = _asked_for(files)
     bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
     chosen = {"start": list(starts)} if starts else {}
     phase = {"parameter": list(parameters), "range": bounds, "orbits": orbits, **chosen}
     source = CallSource("contin phase")
     entry = read_run({"model": model, "phase": phase}, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
-    if plot is not None:
-        plan = replace(plan, outputs={"plot": plot})
-    return carry_out(plan, json, False, quiet, began)
+    return carry_out(replace(plan, outputs=outputs) if outputs else plan, json, False, quiet, began)
+
+
+def _asked_for(files: Mapping[str, Path | None]) -> dict[str, Path]:
+    """The files that options name, by kind; InputError where one has another ending."""
+    outputs = {kind: path for kind, path in files.items() if path is not None}
+    for kind, path in outputs.items():
+        if path.suffix.lower() not in ENDINGS[kind]:
+            raise InputError(f"--{kind} {path}: must end in {' or '.join(ENDINGS[kind])}")
+    return outputs
 
 
 EXAMPLES: Final = {"--set": "beta=0.8", "--budget": "branches=20", "--settings": "max_step=0.1", "--at": "z=1"}
@@ -160,9 +167,9 @@ def carry_out(
     keeper = open_keeper(plan, json, resume)
     saved = False
     try:
-        document, complete, solutions = compute(plan, orbits, errors, began, keeper, told)
+        document, complete, solutions, rows = compute(plan, orbits, errors, began, keeper, told)
         tell = None if quiet else lambda: report_on(document, report)
-        written = write_all(outputs_of(plan, document, json, solutions), report, tell)
+        written = write_all(outputs_of(plan, document, json, solutions, rows), report, tell)
         saved = ("save" if "save" in plan.outputs else "json") in written.kinds
     except KeyboardInterrupt:
         if keeper is not None:
@@ -203,8 +210,8 @@ def compute(
     began: float,
     keeper: SqliteJournal | PartialJson | None = None,
     told: bool = False,
-) -> tuple[Fields, bool, Solutions | None]:
-    """The result document, whether every requested branch is whole, and what a store keeps of labelled points."""
+) -> tuple[Fields, bool, Solutions | None, dict[str, Fields]]:
+    """The result document, whether every requested branch is whole, and what stores and pages keep beside it."""
     status, stood = Status(errors), CLOCK.stood
     engine = ContinEngine(status.watch, Told(keeper, status.done) if told else keeper)
     engine.load()
@@ -237,7 +244,9 @@ def compute(
         simulated=simulated.found,
     )
     solutions = solutions_of(result.branches.values()) if "save" in plan.outputs else None
-    return document, result.complete and simulated.complete, solutions
+    page = any(path.suffix in PAGES for path in plan.outputs.values())
+    rows = rows_of(result.branches.values()) if page else {}
+    return document, result.complete and simulated.complete, solutions, rows
 
 
 class Status:

@@ -100,6 +100,13 @@ def _shade_of(region: Record, data: Record) -> Any:
     return tuple((1.0 - part) * pale + part * deep)
 
 
+def fill_of(region: Record, data: Record) -> str:
+    """The shade of a region as a colour of pages."""
+    from matplotlib.colors import to_hex
+
+    return str(to_hex(_shade_of(region, data)))
+
+
 def _legends(figure: Any, axes: Axes, data: Record) -> None:
     """Types of curves and points below; what the letters of the regions mean, at the right."""
     from matplotlib.patches import Patch

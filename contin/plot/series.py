@@ -28,6 +28,9 @@ class Mark:
     index: int
     note: str = ""  # criticality or case, in words
     values: Mapping[str, float] = field(default_factory=dict)
+    normal_form: Record = field(default_factory=dict)
+    spectrum: Vector = field(default_factory=lambda: np.empty(0))
+    orbit: Record | None = None  # time and states over a period, where a file has them
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +45,7 @@ class Source:
     marks: tuple[Mark, ...]
     image_of: str | None = None
     forced: bool = False  # the responses of a forced flow
+    multipliers: bool = False  # spectra are those of orbits or maps
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +91,15 @@ def from_branches(branches: Iterable[Branch], spectra: bool = False) -> list[Sou
             tuple(branch.parameters),
             {**branch.columns, **spectral_columns(branch)} if spectra else branch.columns,
             tuple(
-                Mark(point.label, point.type, int(point.index), _note(point.normal_form), point.values)
+                Mark(
+                    point.label, point.type, int(point.index), _note(point.normal_form), point.values,
+                    point.normal_form, point.eigenvalues,
+                )
                 for point in branch.points
             ),
             branch.image_of.branch if branch.image_of else None,
             bool(getattr(getattr(branch.problem, "system", None), "is_forced", False)),
+            branch.multiplier_kind,
         )
         for branch in branches
     ]
@@ -121,7 +129,10 @@ def _from_json(branch: Record, forced: bool) -> Source:
     if len(rows) > 1:
         raise ValueError(f"branch {branch['name']!r} has columns of different lengths")
     marks = tuple(
-        Mark(point["label"], point["type"], int(point["index"]), _note(point["normal_form"]), point["values"])
+        Mark(
+            point["label"], point["type"], int(point["index"]), _note(point["normal_form"]), point["values"],
+            point["normal_form"], _spectrum(point), point.get("orbit"),
+        )
         for point in branch["points"]
     )
     if any(not 0 <= mark.index < max(rows, default=0) for mark in marks):
@@ -130,8 +141,13 @@ def _from_json(branch: Record, forced: bool) -> Source:
     parameters = tuple(branch["parameters"])
     return Source(
         branch["name"], branch["kind"], branch["locus"], parameters, columns, marks,
-        image["branch"] if image else None, forced,
+        image["branch"] if image else None, forced, any("multipliers" in point for point in branch["points"]),
     )  # fmt: skip
+
+
+def _spectrum(point: Record) -> Vector:
+    pairs = point.get("multipliers", point.get("eigenvalues")) or []
+    return np.array([complex(*(np.nan if v is None else v for v in pair)) for pair in pairs], dtype=complex)
 
 
 def _note(normal_form: Record) -> str:

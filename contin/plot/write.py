@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -14,7 +15,7 @@ from contin.plot.html import html_page
 from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.phase import draw
 from contin.plot.series import from_document, panels
-from contin.records import Record
+from contin.records import Fields, Record
 from contin.store.atomic import write_bytes
 
 if TYPE_CHECKING:
@@ -24,15 +25,24 @@ PICTURES: Final = (".png", ".pdf", ".svg")
 PAGES: Final = (".html",)
 
 
-def picture(document: Record, suffix: str, look: Look = PLAIN_LOOK) -> bytes:
-    """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results."""
+def picture(
+    document: Record, suffix: str, look: Look = PLAIN_LOOK, rows: Mapping[str, Fields] | None = None
+) -> bytes:
+    """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results.
+
+    rows : spectra and orbits of rows for the page (`contin.plot.rows.rows_of`).
+    """
     model = document["model"]
     title, periods, units = look.title or model.get("title") or model["name"], model.get("periods"), model.get("units")
     sources = from_document(document)
     if not sources:
         raise InputError("there is nothing to plot: the results hold no branch")
     if suffix in PAGES:
-        return html_page(sources, title=title, x=look.x, y=look.y, periods=periods, units=units).encode()
+        page = html_page(
+            sources, title=title, x=look.x, y=look.y, periods=periods, units=units, phase=document.get("phase"),
+            rows=rows,
+        )
+        return page.encode()
     if suffix not in PICTURES:
         raise InputError(f"pictures end in {', '.join((*PICTURES, *PAGES))}; got {suffix!r}")
 
@@ -50,7 +60,9 @@ def _drawn(drawing: Figure, suffix: str) -> bytes:
     return stream.getvalue()
 
 
-def write_picture(document: Record, path: Path, look: Look = PLAIN_LOOK) -> None:
+def write_picture(
+    document: Record, path: Path, look: Look = PLAIN_LOOK, rows: Mapping[str, Fields] | None = None
+) -> None:
     """Write `picture` to a file whose ending chooses the kind."""
-    data = picture(document, path.suffix, look)
+    data = picture(document, path.suffix, look, rows)
     write_bytes(path, data)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from contin.diagram.phase.lines import Box
 from contin.diagram.phase.plane import inside
 from contin.diagram.phase.report import as_data, report
 from contin.diagram.phase.states import State
+from contin.plot.html import write_html
 from contin.plot.look import Look
 from contin.plot.phase import draw
 from contin.records import Fields
@@ -132,6 +134,10 @@ class PhaseDiagram:
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook branches").phase_page(self))
+
+    def to_html(self, path: str | Path) -> None:
+        """An interactive page in one file: regions, curves, special points."""
+        write_html(self.loci, path, phase=self.as_data())
 
     def plot(self, scan: object = None, *, ax: Axes | None = None, **options: object) -> Any:
         """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.
