@@ -10,10 +10,13 @@ import numpy as np
 
 from contin.abi import Array
 from contin.api.orbit_starts import periodic_orbit
-from contin.errors import ContinError
+from contin.errors import ContinError, NoSolutionError
 from contin.machine import elementary
 from contin.plane.field import PlanarField
 from contin.plane.flights import Flight
+from contin.problems.hybrid.start import HybridOrbit
+from contin.problems.orbits.start import PeriodicOrbit
+from contin.problems.shooting.start import ShotOrbit
 from contin.simulate.run import simulate
 
 SAMPLES: Final = 1024
@@ -54,18 +57,30 @@ def _refined(field: PlanarField, flight: Flight, widths: Array) -> Cycle | None:
     state = dict(zip(field.names, flight.points[-1].tolist(), strict=True))
     try:
         orbit = periodic_orbit(model, state, field.parameters)
-        first = orbit.profile.u[0] if hasattr(orbit, "profile") else orbit.nodes.u[0]
-        state = dict(zip(field.names, np.asarray(first, dtype=float).tolist(), strict=True))
+        state = dict(zip(field.names, _first(orbit).tolist(), strict=True))
         whole = simulate(model, state, field.parameters, time=orbit.period, samples=SAMPLES + 1)
     except ContinError:  # no periodic orbit there, as of a weak focus: nothing is drawn that is not one
         return None
     if not whole.complete:
         return None
-    divergence = field.trace(whole.states[:-1], widths)
-    exponent = orbit.period * float(np.mean(divergence))
+    if isinstance(orbit, HybridOrbit):  # across jumps: of the map from jump to jump
+        slopes = np.asarray(orbit.map.jacobian(orbit.u, orbit.p)[1])[:, : orbit.u.size]
+        multiplier = float(np.abs(np.linalg.eigvals(slopes)).max(initial=0.0))
+        return Cycle(whole.states, float(orbit.period), multiplier)
+    exponent = orbit.period * float(np.mean(field.trace(whole.states[:-1], widths)))
     if not np.isfinite(exponent) or abs(exponent) <= NEUTRAL:
         return None
     return Cycle(whole.states, float(orbit.period), float(elementary.exp(min(max(exponent, -700.0), 700.0))))
+
+
+def _first(orbit: PeriodicOrbit | ShotOrbit | HybridOrbit) -> Array:
+    """A point of the orbit: after the last jump, where there are any."""
+    if isinstance(orbit, HybridOrbit):
+        passage = orbit.map.passage(orbit.u, orbit.p)
+        if passage is None:
+            raise NoSolutionError("the orbit with jumps does not return")
+        return np.asarray(passage.flown[-1].after, dtype=float)
+    return np.asarray(orbit.profile.u[0] if isinstance(orbit, PeriodicOrbit) else orbit.nodes.u[0], dtype=float)
 
 
 def _same(a: Cycle, b: Cycle, widths: Array, periods: Array) -> bool:

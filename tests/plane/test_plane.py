@@ -156,3 +156,15 @@ def test_models_that_have_no_plane_say_so():
     )  # fmt: skip
     with pytest.raises(InputError, match="forced"):
         contin.plane(forced, "x", "v")
+
+
+def test_a_cycle_with_jumps_has_the_multiplier_of_its_map():
+    """v' = I - v with v = 0 at v = 1, w' = -w with w = w + d there: period T = log(I/(I - 1)), multiplier exp(-T)."""
+    model = Model(
+        "fire", states={"v": 0, "w": 0.3}, parameters={"I": 1.5, "d": 0.5}, equations={"v": "I - v", "w": "-w"},
+        events=[{"when": "v - 1", "direction": "up", "set": {"v": "0", "w": "w + d"}}],
+    )  # fmt: skip
+    plane = contin.plane(model, "v", "w", x_range=(-0.5, 1.5), y_range=(-0.5, 1.5), points=[(0.0, 0.3)])
+    (cycle,) = plane.cycles
+    assert cycle.period == pytest.approx(np.log(3.0), rel=1e-8)
+    assert cycle.multiplier == pytest.approx(1.0 / 3.0, rel=1e-6)
