@@ -135,7 +135,7 @@ def targets_of(problem: object, values: Mapping[str, Sequence[float]] | None) ->
     targets = []
     for column, wanted in (values or {}).items():
         if column not in known:
-            raise InputError(f"values: unknown column {column!r}; known: {', '.join(sorted(known))}")
+            raise InputError(f"values: unknown column {column!r}: {_advice(column, known)}")
         targets += [Target(column, float(v)) for v in wanted]
     return targets
 
@@ -145,8 +145,12 @@ def extrema_of(problem: object, columns: Sequence[str]) -> list[Extremum]:
     known = _column_names(problem)
     for column in columns:
         if column not in known:
-            raise InputError(f"extrema: unknown column {column!r}; known: {', '.join(sorted(known))}")
+            raise InputError(f"extrema: unknown column {column!r}: {_advice(column, known)}")
     return [Extremum(column) for column in columns]
+
+
+def _advice(column: str, known: set[str]) -> str:
+    return closest(column, known) or f"known: {', '.join(sorted(known))}"
 
 
 def _column_names(problem: Any) -> set[str]:

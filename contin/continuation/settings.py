@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from difflib import get_close_matches
 
 from contin.errors import InputError
 from contin.limits import MOST_INTERVALS, MOST_POINTS, check_count
@@ -72,7 +73,9 @@ class Settings:
         known = {f.name for f in fields(cls)}
         unknown = sorted(set(given) - known)
         if unknown:
-            raise InputError(f"settings: unknown {', '.join(unknown)}; known: {', '.join(sorted(known))}")
+            near = get_close_matches(unknown[0], known, n=1)
+            advice = f"did you mean {near[0]!r}? " if near else ""
+            raise InputError(f"settings: unknown {', '.join(unknown)}: {advice}known: {', '.join(sorted(known))}")
         chosen = dict(given)
         if "stop_at" in chosen:
             stops = chosen["stop_at"]

@@ -22,6 +22,7 @@ from contin.diagram.identity import is_known
 from contin.diagram.orbits import family_through, generation, known_family, left_to_the_user, mirrored_families
 from contin.errors import InputError
 from contin.kernels.clock import computing_time
+from contin.model.advice import closest
 from contin.problems.conditioned.asked import with_columns
 from contin.problems.contracts import InOneParameter
 from contin.problems.images import images, images_through
@@ -51,7 +52,9 @@ class Budget:
             return given or cls()
         unknown = sorted(set(given) - {f.name for f in fields(cls)})
         if unknown:
-            raise InputError(f"budget: unknown {', '.join(unknown)}; known: branches, steps, work, seconds")
+            known = [f.name for f in fields(cls)]
+            advice = closest(unknown[0], known) or f"there are {', '.join(known)}"
+            raise InputError(f"budget: unknown {', '.join(unknown)}: {advice}")
         return cls(**given)
 
 

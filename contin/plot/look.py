@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, fields
 from typing import Final
 
 from contin.errors import InputError
+from contin.model.advice import closest
 
 LEGENDS: Final = ("below", "inside", "none")
 
@@ -51,7 +52,9 @@ class Look:
         known = [one.name for one in fields(Look)]
         wrong = [key for key in options if key not in known]
         if wrong:
-            raise InputError(f"a picture has no option {wrong[0]!r}; options: {', '.join(known)}")
+            advice = closest(wrong[0], known)
+            advice = f": {advice}" if advice else ""
+            raise InputError(f"a picture has no option {wrong[0]!r}{advice}; options: {', '.join(known)}")
         return Look(**options)  # type: ignore[arg-type]
 
     def writes(self, kind: str) -> bool:

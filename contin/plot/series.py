@@ -15,6 +15,7 @@ from contin.abi import Array, Vector
 from contin.continuation.branch import Branch
 from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
+from contin.model.advice import closest
 from contin.plot.typeset import axis_label
 from contin.records import Record
 
@@ -200,8 +201,11 @@ def panels(
             groups.setdefault((abscissa, ordinate), []).append(curve)
     if not groups:
         known = sorted({name for source in sources for name in ordinates(source)})
+        wrong = next((name for name in (x, default_y) if name is not None and name not in known), default_y)
+        advice = closest(wrong, known)
         raise InputError(
-            f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}; columns: {', '.join(known)}"
+            f"no branch has columns for x = {x or 'its parameter'}, y = {default_y}"
+            f"{': ' + advice if advice else ''}; columns: {', '.join(known)}"
         )
     return [
         Panel(a, b, axis_label(a, units), axis_label(b, units, _meaning(b) or _strands(curves)), tuple(curves))

@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 import numpy as np
 
 from contin.errors import ContinError, InputError
+from contin.model.advice import closest
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
 from contin.records import Record
@@ -57,7 +58,9 @@ def plan_scan(
     for name, axis in entry.scan.axes.items():
         place: Path = ("scan", "axes", name)
         if name not in (*model.parameter_names, *model.state_names):
-            problems.add(place, f"{model.name} has neither a parameter nor a state {name!r}", key=True)
+            known = [*model.parameter_names, *model.state_names]
+            advice = closest(name, known) or f"there are {', '.join(known)}"
+            problems.add(place, f"{model.name} has neither a parameter nor a state {name!r}: {advice}", key=True)
             continue
         if isinstance(axis, AxisEntry):
             ends = planner.formula(axis.from_, (*place, "from")), planner.formula(axis.to, (*place, "to"))

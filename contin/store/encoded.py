@@ -123,7 +123,7 @@ def _encoded_object(value: object, table: Table) -> Fields:
     if hasattr(value, "system") and not isinstance(getattr(value.system, "model", None), Model):
         raise NotKeptError("Python functions and large sparse systems are not kept in files; compute its branch again")
     if name is None:
-        raise NotKeptError(f"it holds a {kind.__name__}, which has no form in a file")
+        raise NotKeptError(f"files do not keep this kind of solution ({kind.__name__}); compute its branch again")
     part = PARTS[name]
     kept = part.of or tuple(f.name for f in fields(value) if f.name not in part.made)  # type: ignore[arg-type]
     return {"part": name, "fields": {key: encode(getattr(value, key), table) for key in kept}}

@@ -13,6 +13,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import ExpressionError, InputError
 from contin.limits import MOST_RUNS
+from contin.model.advice import closest
 from contin.model.expression import symbol
 from contin.records import Fields, Record
 from contin.simulate.condition import condition
@@ -58,7 +59,9 @@ class ScanSpec:
         """Raises InputError or ExpressionError for formulas and names that cannot be carried out."""
         for name, values in self.axes:
             if name not in (*self.model.parameter_names, *self.model.state_names):
-                raise InputError(f"{self.model.name} has neither a parameter nor a state {name!r}")
+                known = [*self.model.parameter_names, *self.model.state_names]
+                advice = closest(name, known) or f"there are {', '.join(known)}"
+                raise InputError(f"{self.model.name} has neither a parameter nor a state {name!r}: {advice}")
             if not len(values) or not np.all(np.isfinite(values)):
                 raise InputError(f"the axis {name} needs finite values, one or more")
         if len(self) > MOST_RUNS:
