@@ -120,10 +120,11 @@ def _encoded_object(value: object, table: Table) -> Fields:
     if isinstance(value, Expression) or MODEL_PARTS.get(kind.__name__) is kind:
         return {"formulas": to_graph({"": value})}
     name = name_of(kind)
-    if hasattr(value, "system") and not isinstance(getattr(value.system, "model", None), Model):
-        raise NotKeptError("Python functions and large sparse systems are not kept in files; compute its branch again")
     if name is None:
-        raise NotKeptError(f"files do not keep this kind of solution ({kind.__name__}); compute its branch again")
+        raise NotKeptError(
+            "files keep models of formulas, not Python functions, large sparse systems, or this kind of solution "
+            f"({kind.__name__}): compute its branch again"
+        )
     part = PARTS[name]
     kept = part.of or tuple(f.name for f in fields(value) if f.name not in part.made)  # type: ignore[arg-type]
     return {"part": name, "fields": {key: encode(getattr(value, key), table) for key in kept}}

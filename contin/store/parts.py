@@ -40,6 +40,10 @@ PARTS: Final[Mapping[str, Part]] = {
     "FixedSpace": Part("contin.problems.shooting.fixed_space"),
     "BoundaryProblem": Part("contin.bvp.problem", made=("spaces",)),
     "TwoPoint": Part("contin.bvp.two_point", by="two_point", of=("model", "free")),
+    "HybridOrbits": Part("contin.problems.hybrid.problem"),
+    "ReturnSystem": Part("contin.problems.hybrid.system"),
+    "HybridFlow": Part("contin.problems.hybrid.flow"),
+    "Arc": Part("contin.problems.hybrid.passage"),
     # under conditions
     "ConditionedEquilibria": Part("contin.problems.conditioned.equilibria"),
     "ConditionedOrbits": Part("contin.problems.conditioned.orbits"),

@@ -24,6 +24,12 @@ BAUTIN = {
     "name": "bautin", "states": {"x": 0, "y": 0}, "parameters": {"mu": -1.5, "b": 2, "c": 1, "om": 1},
     "equations": {"x": f"x*({RADIAL}) - om*y*(1 + x^2 + y^2)", "y": f"om*x*(1 + x^2 + y^2) + y*({RADIAL})"},
 }  # fmt: skip
+TABLE = {
+    "name": "table", "states": {"x": 0, "v": 0.5}, "parameters": {"A": 0.03, "r": 0.5},
+    "equations": {"x": "v", "v": "-1"}, "forcing": {"period": "1"},
+    "events": [{"when": "x - A*sin(2*pi*t)", "direction": "down",
+                "set": {"v": "-r*v + (1 + r)*2*pi*A*cos(2*pi*t)"}}],
+}  # fmt: skip
 COLUMN = {
     "name": "column", "kind": "bvp", "time": {"name": "t", "from": 0, "to": 1}, "states": {"u": 0, "v": 0},
     "parameters": {"lam": 5, "k": 1}, "equations": {"u": "v", "v": "-lam*k*sin(u)"},
@@ -65,6 +71,9 @@ CASES = {
         {"name": "orbits", "start": "in-phase", "as": "orbit", "parameter": "mu", "range": [0.05, 8],
          "settings": {"steps": 12}},
     ], ("mu", "beta")),
+    "jumps": (TABLE, [
+        {"name": "orbits", "start": {"x": 0.01, "v": 0.5}, "as": "orbit", "parameter": "A", "range": [0, 0.07]},
+    ], ("A", "r")),
     "bvp": (COLUMN, [
         {"name": "line", "parameter": "lam", "range": [5, 12]},
     ], ("lam", "k")),
@@ -75,7 +84,7 @@ CASES = {
         {"name": "line", "parameter": "p", "range": [-2, 2], "extrema": ["x"]},
     ], ("p", "q")),
 }  # fmt: skip
-GIVEN = {"doubling": {"a": 0.2, "b": 0.2, "c": 2.5}, "averaged": {"beta": 0.8}, "shooting": {"beta": 0.8, "eps": 0.02}}
+GIVEN = {"jumps": {"A": 0.0278}, "doubling": {"a": 0.2, "b": 0.2, "c": 2.5}, "averaged": {"beta": 0.8}, "shooting": {"beta": 0.8, "eps": 0.02}}
 
 
 def carried_out(case, folder):
