@@ -84,7 +84,11 @@ CASES = {
         {"name": "line", "parameter": "p", "range": [-2, 2], "extrema": ["x"]},
     ], ("p", "q")),
 }  # fmt: skip
-GIVEN = {"jumps": {"A": 0.0278}, "doubling": {"a": 0.2, "b": 0.2, "c": 2.5}, "averaged": {"beta": 0.8}, "shooting": {"beta": 0.8, "eps": 0.02}}
+GIVEN = {
+    "jumps": {"A": 0.0278}, "doubling": {"a": 0.2, "b": 0.2, "c": 2.5}, "averaged": {"beta": 0.8},
+    "shooting": {"beta": 0.8, "eps": 0.02},
+}  # fmt: skip
+LONG = ("jumps",)
 
 
 def carried_out(case, folder):
@@ -111,7 +115,7 @@ def followed(point, names):
         return str(error).replace(point.branch, "").split(":", 1)[-1]
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param(c, marks=pytest.mark.long) if c in LONG else c for c in CASES])
 def test_branches_from_a_file_are_those_from_memory(case, tmp_path):
     branches, pair = carried_out(case, tmp_path)
     save_branches(branches, tmp_path / "a.contin")
