@@ -13,6 +13,7 @@ from contin.machine import elementary
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.crossing import begins, side_of_branch
+from contin.problems.shooting.halving import halving
 from contin.problems.shooting.locate import locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
@@ -38,6 +39,10 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
 
     if type_ == "NS" and _repeats(problem, near):
         type_ = "BPC"
+    if type_ in ("BPC", "LPC"):
+        halved = halving(problem, near, frame, verify)
+        if halved is not None:
+            return halved
     find = locate_branch_point if type_ == "BPC" else locate
     found = find(problem.precise(FINE), type_, near.z, near.tangent, frame.scale)
     if isinstance(found, Rejected):

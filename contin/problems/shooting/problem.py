@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as generic
+from contin.continuation.halting import HALF_PERIOD
 from contin.continuation.problem import (
     NOTHING,
     Chunk,
@@ -39,6 +40,7 @@ from contin.problems.shooting.corners import at_corner, cross_corner, verify_cor
 from contin.problems.shooting.eigenfunctions import eigenfunctions
 from contin.problems.shooting.events import verify, verify_compound
 from contin.problems.shooting.fixed_space import FixedSpace, fixed_space
+from contin.problems.shooting.halving import drives_halves_apart
 from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
 from contin.problems.shooting.linear import BorderedShooting, family_tangents
 from contin.problems.shooting.renewal import cut_where_oblique, renew
@@ -210,6 +212,9 @@ class ShootingProblem(FamilyOfOrbits):
         if found and self.system.n_switches and signature(self, a.z) != signature(self, b.z):
             return None  # a change of formulas may be all that happens: it is told from the rest up close
         return found
+
+    def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
+        return HALF_PERIOD in symmetries and drives_halves_apart(self, z, tangent)
 
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         if type_ == "LPC" and has_shrunk(self, near.z, frame.scale):
