@@ -8,9 +8,11 @@ from pathlib import Path
 from contin.errors import InputError
 from contin.exchange.sbml import mathml
 from contin.exchange.sbml.elements import Element
+from contin.exchange.sbml.events import events_of
 from contin.exchange.sbml.initial import Initial
 from contin.exchange.sbml.reactions import changes, conversion, rates_of
-from contin.exchange.sbml.symbols import FIXED, RATE, REACTIONS, RULE, Symbol, Symbols, symbols_of
+from contin.exchange.sbml.roles import EVENTS, FIXED, RATE, REACTIONS, RULE
+from contin.exchange.sbml.symbols import Symbol, Symbols, symbols_of
 from contin.exchange.sbml.units import unit_of
 from contin.model.evaluate import evaluate
 from contin.model.expression import symbols_in
@@ -58,6 +60,7 @@ class Assembly:
             "definitions": self.definitions,
             "equations": self.equations,
             "observables": observables,
+            "events": events_of(self),
             "labels": labels,
         }
         return {key: value for key, value in found.items() if value or key in ("states", "equations")}
@@ -72,8 +75,10 @@ class Assembly:
             self.definitions[symbol.name] = self._math(symbol)
         elif symbol.role == RATE:
             self._state(symbol.name, self.initial.value(symbol.id), self._math(symbol), symbol)
-        elif symbol.role == REACTIONS:
+        elif symbol.role == REACTIONS or (symbol.role == EVENTS and symbol.kind == "species"):
             self._reacting(symbol)
+        elif symbol.role == EVENTS:
+            self._state(symbol.name, self.initial.value(symbol.id), "0", symbol)
         elif self.initial.varies(symbol):
             amount = self.symbols.names.take(f"amount_{symbol.id}")
             size = self._size(symbol)
@@ -116,7 +121,7 @@ class Assembly:
 
     def _fixed(self, name: str, value: str, symbol: Symbol | None) -> None:
         """A parameter; a definition where its value is not finite."""
-        if math.isfinite(self._number(value)):
+        if math.isfinite(self.number_of(value)):
             self.parameters[name] = self._entry(value, symbol)
         else:
             self.definitions[name] = value
@@ -131,7 +136,7 @@ class Assembly:
     def _is_concentration(self, symbol: Symbol) -> bool:
         return symbol.kind == "species" and symbol.id not in self.amounts and not self.symbols.is_amount(symbol.element)
 
-    def _number(self, formula: str) -> float:
+    def number_of(self, formula: str) -> float:
         """The value of a formula in fixed symbols."""
         node = parse(formula)
         known = {name: self._value_of(name) for name in symbols_in([node])}
@@ -145,7 +150,7 @@ class Assembly:
             self.open.append(name)
             symbol = next((s for s in self.symbols.of.values() if s.name == name and s.role == FIXED), None)
             text = self.local[name] if symbol is None else self.initial.value(symbol.id)
-            self.values[name] = self._number(text)
+            self.values[name] = self.number_of(text)
             self.open.pop()
         return self.values[name]
 

@@ -12,7 +12,8 @@ from contin.errors import InputError
 from contin.exchange.sbml import mathml
 from contin.exchange.sbml.elements import Element
 from contin.exchange.sbml.reactions import Rate
-from contin.exchange.sbml.symbols import FIXED, RULE, Symbol, Symbols
+from contin.exchange.sbml.roles import FIXED, RULE
+from contin.exchange.sbml.symbols import Symbol, Symbols
 
 
 class Initial(Mapping[str, str]):

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 
 from contin.exchange.sbml import mathml
 from contin.exchange.sbml.elements import Element
-from contin.exchange.sbml.symbols import REACTIONS, Symbols
+from contin.exchange.sbml.roles import REACTIONS
+from contin.exchange.sbml.symbols import Symbols
 
 Rate = Callable[[Mapping[str, str], str], str]
 """(names of symbols, time) -> the formula of a reaction's rate."""

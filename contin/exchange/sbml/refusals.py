@@ -9,6 +9,7 @@ import libsbml
 from contin.errors import InputError
 from contin.exchange.imported import UnsupportedError
 from contin.exchange.sbml.elements import Element
+from contin.exchange.sbml.events import check_events
 
 HARMLESS: Final = frozenset({"layout", "render", "groups", "req", "annot"})  # packages that change no equation
 READ: Final = frozenset({"l3v2extendedmath", "math"})  # packages of functions that are known
@@ -55,8 +56,7 @@ def _elements(model: Element, path: object) -> list[str]:
         shown = f" {name!r}" if name else ""
         raise UnsupportedError(f"{path}: line {element.getLine()}: {what}{shown} is not supported")
 
-    for event in model.getListOfEvents():
-        refuse(event, "<event>")
+    check_events(model, path)
     for rule in model.getListOfRules():
         if rule.isAlgebraic():
             refuse(rule, "<algebraicRule>")

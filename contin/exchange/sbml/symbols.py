@@ -1,8 +1,9 @@
 """The identifiers of an SBML model that have a value: what each is, and what determines it.
 
 Roles: `rule` (an assignment rule holds always), `rate` (a rate rule), `reactions` (a species that reactions change),
-`fixed` (nothing changes it). A species' value is its amount where it has only substance units or its compartment has
-no extent, else its concentration; reactions and conversions work on amounts, amount = concentration * size.
+`events` (nothing but these), `fixed` (nothing changes it). A species' value is its amount where it has only substance
+units or its compartment has no extent, else its concentration; reactions and conversions work on amounts, amount =
+concentration * size.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from typing import Final
 
 from contin.exchange.naming import Names
 from contin.exchange.sbml.elements import Element
+from contin.exchange.sbml.events import assigned
+from contin.exchange.sbml.roles import EVENTS, FIXED, RATE, REACTIONS, RULE
 
-RULE, RATE, REACTIONS, FIXED = "rule", "rate", "reactions", "fixed"
 PREFIXES: Final = ("amount", "concentration")
 
 
@@ -61,7 +63,7 @@ def symbols_of(model: Element, notes: list[str]) -> Symbols:
     level = model.getLevel()
     rules = {r.getVariable(): r for r in model.getListOfRules() if not r.isAlgebraic() and r.isSetMath()}
     initial = {a.getSymbol(): a.getMath() for a in model.getListOfInitialAssignments() if a.isSetMath()}
-    changed = _changed(model)
+    changed, jumping = _changed(model), assigned(model)
     names = Names(notes)
     found = list(_elements(model, level))
     ids = [element_id for element_id, _, _ in found]
@@ -73,7 +75,7 @@ def symbols_of(model: Element, notes: list[str]) -> Symbols:
         if rule is not None:
             role = RATE if rule.isRate() else RULE
         else:
-            role = REACTIONS if element_id in changed else FIXED
+            role = REACTIONS if element_id in changed else EVENTS if element_id in jumping else FIXED
         math = None if rule is None else rule.getMath()
         symbols[element_id] = Symbol(element_id, kind, given[element_id], role, element, math, initial.get(element_id))
     return Symbols(symbols, {r: given[r] for r in reactions}, names, level)

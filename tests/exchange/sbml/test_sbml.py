@@ -79,6 +79,14 @@ def function(name, arguments, formula) -> str:
     return f'<functionDefinition id="{name}">{inside}</functionDefinition>'
 
 
+def event(name, trigger, sets, initial="true", more="") -> str:
+    inside = "".join(f'<eventAssignment variable="{k}">{mathml(f)}</eventAssignment>' for k, f in sets.items())
+    return (
+        f'<event id="{name}" useValuesFromTriggerTime="true"><trigger initialValue="{initial}" persistent="true">'
+        f"{mathml(trigger)}</trigger>{more}<listOfEventAssignments>{inside}</listOfEventAssignments></event>"
+    )
+
+
 def model_text(level=3, attributes="", **lists) -> str:
     order = ("FunctionDefinitions", "Compartments", "Species", "Parameters", "InitialAssignments", "Rules")
     order = (*order, "Constraints", "Reactions", "Events")
@@ -117,6 +125,26 @@ def test_decay_in_a_compartment_of_size_4(tmp_path):
     np.testing.assert_allclose(got["R"], 3 * a, rtol=1e-8)
     assert (got["k"] == 7).all()
     assert (got["C"] == 4).all()
+
+
+def test_events_reset_what_nothing_else_changes_and_compartments_keep_amounts(tmp_path):
+    """p' = 1 falls by 2 wherever p > 1.5 and time > 1.7; k counts; C shrinks at 0.25, and the amount of A stays."""
+    got = simulated(
+        tmp_path, time=6.0, samples=61, Compartments=[compartment(size=4, constant="false")],
+        Species=[species("A", concentration=3)],
+        Parameters=[parameter("p", 0, "false"), parameter("k", 0, "false")], Rules=[rule("rate", "p", "1")],
+        Events=[
+            event("fall", "p > 1.5 && time > 1.7", {"p": "p - 2", "k": "k + 1"}),
+            event("shrink", "!(time < 0.25)", {"C": "C/2"}),
+        ],
+    )  # fmt: skip
+    falls = np.array([1.7, 3.5, 5.5])
+    count = (got["t"][:, None] > falls + 1e-9).sum(axis=1)
+    away = np.abs(got["t"][:, None] - falls).min(axis=1) > 1e-6
+    np.testing.assert_array_equal(got["k"][away], count[away])
+    np.testing.assert_allclose(got["p"][away], (got["t"] - 2 * count)[away], atol=1e-8)
+    np.testing.assert_allclose(got["amount_A"], 12.0)
+    np.testing.assert_allclose(got["A"], np.where(got["t"] > 0.25, 6.0, 3.0))
 
 
 def test_amounts_are_states_where_only_substance_units_count(tmp_path):
@@ -341,8 +369,12 @@ def test_missing_mathematics_has_no_effect(tmp_path):
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
-        ({"Events": [f'<event id="boom" useValuesFromTriggerTime="true"><trigger initialValue="true" '
-                     f'persistent="true">{mathml("time > 1")}</trigger></event>']}, "line [12]: <event> 'boom'"),
+        ({"Events": [event("boom", "time > 1", {"q": "1"}, more=f"<delay>{mathml('1')}</delay>")]},
+         "a <delay> of <event> 'boom'"),
+        ({"Events": [event("boom", "time > 1", {"q": "1"}, more=f"<priority>{mathml('1')}</priority>")]},
+         "a <priority> of <event> 'boom'"),
+        ({"Events": [event("boom", "q == 1", {"q": "1"})]}, "only <, <=, >, >=, and, or, not"),
+        ({"Events": [event("boom", "time >= 0", {"q": "1"}, initial="false")]}, "happens at time 0"),
         ({"Rules": [f'<algebraicRule>{mathml("p - 1")}</algebraicRule>']}, "<algebraicRule> is not supported"),
         ({"Rules": [rule("rate", "p", "delay(p, 1)")]}, "rule of p: <csymbol> delay is not supported"),
         ({"Rules": [rule("rate", "p", "rateOf(q)")]}, "rule of p: <csymbol> rateOf is not supported"),
