@@ -1,4 +1,4 @@
-"""Nullclines: level curves f = 0 of one component, from a grid, every vertex refined onto the curve.
+"""Nullclines: level curves f = 0 of scalar functions, from a grid, every vertex refined onto the curve.
 
 Marching squares puts vertices on grid lines, where a component changes its sign; along the line the zero is bracketed,
 so that the Illinois method finds it to rounding. A component that jumps through zero, or has a pole there, changes its
@@ -7,7 +7,7 @@ sign too: such vertices are no zeros, and cut the curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -23,20 +23,24 @@ OFFSETS: Final = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
 Field = Callable[[Array], Array]
 
 
-def nullclines(motion: Field, window: Array, cells: int) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Curves (K, 2) of both components in the window [[x0, x1], [y0, y1]].
+def nullcline(functions: Sequence[Field], window: Array, cells: int) -> tuple[Array, ...]:
+    """Curves (K, 2) on which one of the functions vanishes, in the window [[x0, x1], [y0, y1]].
 
-    motion : of points (K, 2), (K, 2), nan where it has no value.  cells : along each side.
+    functions : of points (K, 2), (K,), nan where they have no value.  cells : along each side.
     """
-    x, y = (np.linspace(low, high, cells + 1) for low, high in window)
+    x, y = (_nodes(low, high, cells) for low, high in window)
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    values = motion(grid).reshape(cells + 1, cells + 1, 2)
-    first, second = (tuple(_curves(_component(motion, k), values[:, :, k], (x, y))) for k in range(2))
-    return first, second
+    return tuple(
+        curve
+        for function in functions
+        for curve in _curves(function, function(grid).reshape(len(y), len(x)), (x, y))
+    )
 
 
-def _component(motion: Field, k: int) -> Field:
-    return lambda points: motion(points)[:, k]
+def _nodes(low: float, high: float, cells: int) -> Array:
+    """Equal cells in the window, and half a cell beyond: a zero along the window's edge is between two nodes."""
+    step = (high - low) / cells
+    return np.concatenate([[low - 0.5 * step], np.linspace(low, high, cells + 1), [high + 0.5 * step]])
 
 
 def _curves(component: Field, values: Array, axes: tuple[Array, Array]) -> list[Array]:
@@ -79,7 +83,7 @@ def _refined(component: Field, line: Array, axes: tuple[Array, Array]) -> Array:
 
 def _is_zero(component: Field, points: Array, axes: tuple[Array, Array]) -> NDArray[np.bool_]:
     """True where the component vanishes continuously."""
-    cell = np.array([axis[1] - axis[0] for axis in axes])
+    cell = np.array([axis[2] - axis[1] for axis in axes])
     beside = np.array([np.abs(component(points + BESIDE * cell * offset)) for offset in OFFSETS])
     around = np.array([np.abs(component(points + cell * offset)) for offset in OFFSETS])
     return np.asarray(np.nanmax(beside, axis=0) <= JUMP * np.nanmax(around, axis=0))

@@ -14,10 +14,11 @@ from contin.errors import InputError
 from contin.model.model import Model
 from contin.plane.cycles import Cycle, cycles
 from contin.plane.drawing import drawn
+from contin.plane.factors import components
 from contin.plane.field import PlanarField, TwoStates, planar_field
 from contin.plane.flights import Flight, fly
 from contin.plane.iterates import iterate
-from contin.plane.nullclines import nullclines
+from contin.plane.nullclines import nullcline
 from contin.plane.rest import Rest, rests
 from contin.plane.separatrices import Separatrix, separatrices
 from contin.records import Fields, Record
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 CELLS: Final = 240  # along each side, in which nullclines are looked for
 CELLS_OF_FUNCTIONS: Final = 120  # ... of Python functions, which are called point by point
+OFF: Final = 2.0 / CELLS_OF_FUNCTIONS  # of the window: a nullcline farther from an equilibrium is not drawn there
 MARGIN: Final = 0.25  # around what the window must show
 FAR: Final = 4.0  # of its sizes: how far the window may grow for what is bounded
 BESIDE: Final = 0.01  # of the window: where trajectories that look for cycles begin next to an equilibrium
@@ -134,7 +136,10 @@ def plane(
     if field.held:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in field.held.items())
         notes.append(f"held: {values}; the plane is that of {x} and {y} alone")
-    curves = nullclines(field.motion, window, CELLS if isinstance(field.planar, Model) else CELLS_OF_FUNCTIONS)
+    cells = CELLS if isinstance(field.planar, Model) else CELLS_OF_FUNCTIONS
+    first, second = (nullcline(functions, window, cells) for functions in components(field))
+    curves = first, second
+    notes += _unseen(field, known, curves, window)
     given = [_point(one) for one in points]
     if field.is_map:
         flights = tuple(iterate(field, u, window) for u in given)
@@ -155,6 +160,22 @@ def plane(
         tuple(trajectories),
         tuple(notes),
     )
+
+
+def _unseen(
+    field: PlanarField, known: Sequence[Rest], curves: tuple[tuple[Array, ...], tuple[Array, ...]], window: Array
+) -> list[str]:
+    """Notes where no drawn nullcline passes an equilibrium."""
+    widths, notes = window[:, 1] - window[:, 0], []
+    for name, parts in zip(field.names, curves, strict=True):
+        points = np.concatenate([*parts, np.full((1, 2), np.inf)])
+        for rest in known:
+            if np.min(np.max(np.abs(points - rest.u) / widths, axis=1)) > OFF:
+                notes.append(
+                    f"the nullcline of {name} is not drawn near ({rest.u[0]:.6g}, {rest.u[1]:.6g}): the rate vanishes "
+                    "there without a change of sign, or on a curve smaller than a cell of the grid"
+                )
+    return notes
 
 
 def _point(given: Sequence[float]) -> Array:
