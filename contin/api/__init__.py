@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from contin.api.deflations import deflated
     from contin.api.diagrams import diagram, phase
     from contin.api.machine_code import compiled, prepare
+    from contin.api.manifolds import manifold
     from contin.api.orbit_starts import periodic_orbit
     from contin.api.pictures import draw
     from contin.api.searches import find_equilibria
@@ -30,6 +31,7 @@ _HOMES = {
     "equilibrium": "starts",
     "find_equilibria": "searches",
     "find_start": "auto_start",
+    "manifold": "manifolds",
     "periodic_orbit": "orbit_starts",
     "phase": "diagrams",
     "prepare": "machine_code",
@@ -50,6 +52,7 @@ __all__ = [
     "equilibrium",
     "find_equilibria",
     "find_start",
+    "manifold",
     "periodic_orbit",
     "phase",
     "prepare",
