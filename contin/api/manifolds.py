@@ -45,8 +45,8 @@ def manifold(
     spacing : of a surface, the widest gap between neighbouring orbits at equal arclength (default length/20).
     samples : points along each orbit; of maps as many as angle and distance need.
 
-    Columns: `orbit` (number of the segment), `angle` (of a surface), `s` (arclength from the equilibrium; on a curve negative
-    on the branch that leaves against the eigenvector), `t` (flows; negative on a stable manifold), and the states.
+    Columns: `orbit` (number of the segment), `angle` (of a surface), `s` (arclength from the equilibrium; on a curve
+    negative on the branch that leaves against the eigenvector), `t` (flows; negative on a stable manifold), the states.
     """
     if side not in SIDES:
         raise InputError(f"side: 'stable' or 'unstable'; got {side!r}")
@@ -128,7 +128,7 @@ def _of_flow(grower: Grower, u0: Array, spacing: float) -> tuple[Table, list[str
     if short:
         least = min(float(one.s[-1]) for one in short)
         troubles.append(
-            f"{len(short)} of {len(segments)} orbits come to rest before the length is reached, the first at {least:.6g}"
+            f"{len(short)} of {len(segments)} orbits come to rest before the length is reached, one at {least:.6g}"
         )
     return table, troubles
 

@@ -96,7 +96,8 @@ def heading(branch: Record) -> Text:
     elif branch["parent"]:
         origin = f", from {branch['parent']['branch']}.{branch['parent']['label']}"
     rows = len(next(iter(branch["columns"].values()), []))
-    return Text.assemble((branch["name"], "bold cyan"), f"  {what} in {parameters}{origin}; {rows} points")
+    varied = f" in {parameters}" if parameters else ""
+    return Text.assemble((branch["name"], "bold cyan"), f"  {what}{varied}{origin}; {rows} points")
 
 
 def _fitting(branch: Record, states: list[str], console: Console) -> Table:

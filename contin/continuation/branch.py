@@ -156,7 +156,8 @@ class Branch:
     def __repr__(self) -> str:
         labels = ", ".join(point.label for point in self.points) or "no special points"
         kind = f"curve of {self.locus}" if self.locus else self.kind
-        return f"<Branch {self.name!r}: {kind} in {' and '.join(self.parameters)}, {len(self)} points; {labels}>"
+        varied = f" in {' and '.join(self.parameters)}" if self.parameters else ""
+        return f"<Branch {self.name!r}: {kind}{varied}, {len(self)} points; {labels}>"
 
     def __getitem__(self, label: str) -> SpecialPoint:
         for point in self.points:

@@ -76,7 +76,8 @@ def _one_line(branch: Branch) -> str:
     what = f"curve of {branch.locus}" if branch.locus else branch.kind
     born = f", born at {branch.parent.branch}.{branch.parent.label}" if branch.parent else ""
     image = f", image of {branch.image_of.branch}" if branch.image_of else ""
-    return f"{what} in {' and '.join(branch.parameters)}{born}{image}, {len(branch)} points"
+    varied = f" in {' and '.join(branch.parameters)}" if branch.parameters else ""
+    return f"{what}{varied}{born}{image}, {len(branch)} points"
 
 
 def _points(branches: Iterable[Branch], *, named: bool) -> str:

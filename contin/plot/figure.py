@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from contin.continuation.spectra import asked
 from contin.errors import InputError
+from contin.plot import manifold
 from contin.plot.house_style import chosen_palette, chosen_size, style
 from contin.plot.legend import add_legend, legend_inside
 from contin.plot.look import PLAIN_LOOK, Look
@@ -102,6 +103,9 @@ def draw(branches: Iterable[Branch], *, ax: Axes | None = None, look: Look = PLA
     model = model_of(branches) if all(branch.problem is not None for branch in branches) else {}
     shown = [look.x, *([look.y] if isinstance(look.y, str) else look.y or [])]
     sources, periods = from_branches(branches, asked(shown)), model.get("periods", {})
+    manifolds = [source for source in sources if source.kind == "manifold"]
+    if manifolds and ax is None:
+        return manifold.figure(manifolds, title=look.title, axes=[name for name in shown if name])
     grouped = panels(sources, x=look.x, y=look.y, periods=periods, units=model.get("units"))
     return figure(grouped, look=look, images=image_names(sources), periods=periods, ax=ax)
 

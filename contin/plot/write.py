@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from contin.errors import InputError
+from contin.plot import manifold
 from contin.plot.figure import figure, image_names
 from contin.plot.house_style import style
 from contin.plot.html import html_page
@@ -37,6 +38,13 @@ def picture(
     sources = from_document(document)
     if not sources:
         raise InputError("there is nothing to plot: the results hold no branch")
+    manifolds = [source for source in sources if source.kind == "manifold"]
+    sources = [source for source in sources if source.kind != "manifold"]
+    if manifolds and suffix in PICTURES and (not sources or look.x is None):
+        ups = [look.y] if isinstance(look.y, str) else list(look.y or ())
+        return _drawn(manifold.figure(manifolds, title=title, axes=[look.x, *ups] if look.x else ()), suffix)
+    if not sources:
+        raise InputError(f"manifolds are drawn in {', '.join(PICTURES)}; an interactive page shows branches alone")
     if suffix in PAGES:
         page = html_page(
             sources, title=title, x=look.x, y=look.y, periods=periods, units=units, phase=document.get("phase"),

@@ -93,6 +93,8 @@ class ContinEngine:
             if run.samples is not None:
                 return api.periodic_orbit(model, run.samples.states, parameters, times=run.samples.times, **mesh)
             return api.periodic_orbit(model, run.start, parameters, **mesh)
+        if run.as_ == "manifold":
+            return api.manifold(model, run.start, parameters, name=run.name, **run.manifold)
         if run.as_ == "connection":
             along = _table(run.samples)
             return api.connection(model, run.start, run.to, parameters, samples=along, truncation=run.truncation)
@@ -102,6 +104,8 @@ class ContinEngine:
 
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         point: Any = branch[label]
+        if run.as_ == "manifold":
+            return _verbs().manifold(point, name=run.name, **run.manifold)
         if run.as_ == "connection":
             return _verbs().connection(point, run.start, run.to, truncation=run.truncation)
         if len(run.parameters) > 1:
@@ -111,6 +115,9 @@ class ContinEngine:
         return point.switch(run.parameters[0])
 
     def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
+        if isinstance(start, Branch):  # a manifold, at fixed parameters
+            yield self._kept(start)
+            return
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters
         seeds = start if isinstance(start, list) else [start]
         for position, seed in enumerate(seeds):

@@ -64,6 +64,7 @@ class RunPlan:
     conditions: tuple[str, ...] = ()  # equations that the solutions meet
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
     recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
+    manifold: Record = field(default_factory=dict)  # side, dimension, length, spacing
     truncation: float | None = None  # of a connecting orbit: distance of its ends from the saddles, relative
     spectra: bool = False  # eigenvalues are columns
 
@@ -290,6 +291,8 @@ class _Planner:
         return runs
 
     def run(self, name: str, entry: ContinuationEntry, path: Path, file: FilePath) -> RunPlan | None:
+        if entry.as_ == "manifold":
+            return self.manifold(name, entry, path)
         parameters = tuple(entry.parameter)
         known = [self.known(p, (*path, "parameter")) for p in parameters]
         start = None if entry.start is None else self.start(entry.start, (*path, "start"))
@@ -320,6 +323,19 @@ class _Planner:
             free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
             truncation=entry.truncation,
         )  # fmt: skip
+
+    def manifold(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan:
+        """Of the equilibrium next to a start, or at a label."""
+        assert entry.of is not None
+        start, reference = None, None
+        if isinstance(entry.of, str) and "." in entry.of:
+            branch, _, label = entry.of.rpartition(".")
+            reference = (branch, label)
+        else:
+            start = self.start(entry.of, (*path, "of"))
+        chosen = {"side": entry.side, "dimension": entry.dimension, "length": entry.length, "spacing": entry.spacing}
+        options = {key: value for key, value in chosen.items() if value is not None}
+        return RunPlan(name, (), {}, start, reference, as_="manifold", manifold=options)
 
     def stored(self, text: str, file: FilePath, varying: tuple[str, ...], path: Path) -> StoredStart | None:
         """A label of a stored result to start from."""

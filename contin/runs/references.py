@@ -31,6 +31,8 @@ def check_references(entry: RunEntry, model: Model, problems: Problems) -> None:
         if run.from_ is not None and not is_stored(run.from_):
             path: Path = ("continuations", position, "from")
             _check(run.from_, names, position, entry, model, problems, path)
+        if isinstance(run.of, str) and "." in run.of:
+            _check(run.of, names, position, entry, model, problems, ("continuations", position, "of"))
 
 
 def _check(

@@ -84,6 +84,7 @@ class SettingsEntry(Section):
         return self.model_dump(exclude_none=True)
 
 
+MANY: Final = Field(max_length=6)
 ORIGINS: Final = {"start": "start", "from": "from_", "samples": "samples"}  # where a run may begin, and its field
 
 
@@ -94,10 +95,15 @@ class ContinuationEntry(Section):
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
     samples: File | None = None  # a CSV file with one period of an orbit, or with a connecting orbit
-    as_: Literal["equilibrium", "orbit", "locus", "connection"] | None = Field(default=None, alias="as")
+    as_: Literal["equilibrium", "orbit", "locus", "connection", "manifold"] | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     truncation: Annotated[Positive, Field(ge=1e-8, le=0.1)] | None = None  # distance of its ends from them, relative
-    parameter: Annotated[Texts, Field(max_length=6)]
+    of: Start | None = None  # of a manifold: the equilibrium that it belongs to, or NAME.LABEL
+    side: Literal["stable", "unstable"] | None = None
+    dimension: Annotated[Count, Field(le=2)] | None = None
+    length: Positive | None = None  # arclength of the orbits on it
+    spacing: Positive | None = None  # of a surface: between neighbouring orbits
+    parameter: Annotated[list[Text], BeforeValidator(listed, json_schema_input_type=Text | list[Text]), MANY] = []
     range: Ranges | None = None
     direction: Literal["both", "up", "down"] = "both"
     values: dict[str, Formulas] = {}
@@ -109,6 +115,7 @@ class ContinuationEntry(Section):
 
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
+        self._check_manifold()
         origins = [name for name, place in ORIGINS.items() if getattr(self, place) is not None]
         connects = self.as_ == "connection"
         if connects and "start" in origins:
@@ -132,6 +139,25 @@ class ContinuationEntry(Section):
             many = {2: "two", 3: "three"}.get(len(self.parameter), str(len(self.parameter)))
             raise wrong(f"{many} parameters need a point to start from; write `from: NAME.LABEL`")
         return self
+
+    def _check_manifold(self) -> None:
+        """A manifold has keys of its own, and everything else varies a parameter."""
+        own = {"of": self.of, "side": self.side, "dimension": self.dimension, "length": self.length}
+        own["spacing"] = self.spacing
+        if self.as_ != "manifold":
+            given = [key for key, value in own.items() if value is not None]
+            if given:
+                raise wrong(f"has `{given[0]}`, which belongs to a manifold; write `as: manifold`")
+            if not self.parameter:
+                raise wrong("needs `parameter`, the name of the parameter that varies")
+            return
+        if self.of is None or self.length is None:
+            raise wrong("is a manifold: give `of`, its equilibrium (or NAME.LABEL), and `length`, an arclength")
+        others = {"start": self.start, "from": self.from_, "samples": self.samples, "range": self.range}
+        others |= {"parameter": self.parameter or None, "conditions": self.conditions or None}
+        given = [key for key, value in others.items() if value is not None]
+        if given:
+            raise wrong(f"is a manifold, at fixed parameters: leave out `{given[0]}`")
 
 
 class BudgetEntry(Section):

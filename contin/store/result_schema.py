@@ -45,7 +45,7 @@ BRANCH: Final[Fields] = {
         "name": {"type": "string"},
         "kind": {"enum": KINDS},
         "locus": {"type": ["string", "null"]},
-        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": 3},
+        "parameters": {"type": "array", "items": {"type": "string"}, "minItems": 0, "maxItems": 3},
         "free": {"type": "array", "items": {"type": "string"}},
         "parent": _POINT_REFERENCE,
         "image_of": {"type": ["object", "null"], "required": ["branch", "symmetry"]},

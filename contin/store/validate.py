@@ -27,8 +27,19 @@ Mistake = tuple[str, str]  # where, what
 
 def validate(document: Record, path: Path) -> None:
     """Raise InputError with the first place where a result document does not follow its schema."""
-    for where, what in chain(_mistakes(document, RESULT_SCHEMA, ""), _uneven(document)):  # the second needs the first
+    checks = chain(_mistakes(document, RESULT_SCHEMA, ""), _uneven(document), _without_parameters(document))
+    for where, what in checks:  # the later ones need the first
         raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
+
+
+def _without_parameters(document: Record) -> Iterator[Mistake]:
+    """Manifolds alone have no parameter that varies; their rows say which orbit they are of."""
+    for k, branch in enumerate(document["branches"]):
+        if branch["kind"] == "manifold":
+            if "orbit" not in branch["columns"]:
+                yield f"branches[{k}].columns", "of a manifold should have 'orbit'"
+        elif not branch["parameters"]:
+            yield f"branches[{k}].parameters", "should have 1 to 3 entries"
 
 
 def _mistakes(value: Json, schema: Record, where: str) -> Iterator[Mistake]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import InputError
+from contin.machine import elementary
 
 Side = Literal["stable", "unstable"]
 NEUTRAL: Final = 1e-9  # rates this small beside the largest are neither stable nor unstable
@@ -29,10 +30,9 @@ class Eigenspace:
 def eigenspace(matrix: Array, side: Side, dimension: int | None, is_map: bool) -> Eigenspace:
     """Of the stable or unstable eigenvalues, or of the `dimension` strongest of them (a strong manifold)."""
     values, vectors = np.linalg.eig(matrix)
-    with np.errstate(divide="ignore"):
-        rates = np.log(np.abs(values)) if is_map else values.real
+    rates = elementary.log(np.maximum(np.abs(values), np.finfo(float).tiny)) if is_map else values.real
     rates = rates if side == "unstable" else -rates
-    level = NEUTRAL * float(np.max(np.abs(rates[np.isfinite(rates)]), initial=0.0))
+    level = NEUTRAL * float(np.max(np.abs(rates), initial=0.0))
     order = [int(k) for k in np.argsort(-rates) if rates[k] > level]
     wanted = len(order) if dimension is None else dimension
     if not order:

@@ -1,9 +1,10 @@
 """A one-dimensional manifold of a fixed point of a map, grown by arclength.
 
-With v the eigenvector and m the multiplier (of F^2 where that of F is negative), the points u0 + d v |m|^r, r in [0, 1),
-make a fundamental piece, and its k-th image is the next piece but k: a point of the curve has one coordinate k + r. Steps
-in it are halved until successive chords turn by less than ANGLE and angle times length stays below BEND of the length
-(Hobson, J. Comput. Phys. 104 (1993) 14); chords of SHARP of the length may turn at will. A stable manifold is grown by the inverse, solved for by Newton's method.
+With v the eigenvector and m the multiplier (of F^2 where that of F is negative), the points u0 + d v |m|^r, r in
+[0, 1), make a fundamental piece, and its k-th image is the next piece but k: a point of the curve has one coordinate
+k + r. Steps in it are halved until successive chords turn by less than ANGLE and angle times length stays below BEND of
+the length (Hobson, J. Comput. Phys. 104 (1993) 14); chords of SHARP of the length may turn at will. A stable manifold
+is grown by the inverse, solved for by Newton's method.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ class MapCurve:
             if new is not None:
                 move = new - points[-1]
                 size = float(np.linalg.norm(move))
-                turn = float(np.arccos(np.clip(move @ chord / max(size, 1e-300), -1.0, 1.0)))
+                turn = float(elementary.acos(np.clip(move @ chord / max(size, 1e-300), -1.0, 1.0)))
                 straight = turn < ANGLE and turn * size < BEND * self.length
                 good = size < LARGEST_STEP * self.length and (straight or size < SHARP * self.length)
                 if good and size > 0.0:
@@ -84,7 +85,7 @@ class MapCurve:
                     continue
             step *= 0.5
             if step < SMALLEST:
-                trouble = "its next point cannot be computed" if new is None else "it is longer than rounding tells apart"
+                trouble = "its next point cannot be computed" if new is None else "rounding tells no further points"
                 break
         if len(points) >= MOST:
             trouble = f"it took {MOST} points"
@@ -93,7 +94,7 @@ class MapCurve:
     def _next(self, u: Array) -> Array | None:
         """The image of a state, or its pre-image."""
         if not self.stable:
-            image = np.asarray(self.system.value(u, self.p))
+            image: Array = np.asarray(self.system.value(u, self.p))
             return image if np.all(np.isfinite(image)) else None
         n = len(u)
         x = self.u0 + np.linalg.solve(self._linear, u - self.u0)
@@ -107,7 +108,7 @@ class MapCurve:
             if not np.all(np.isfinite(x)):
                 return None
             if float(np.linalg.norm(step)) <= 1e-13 * max(float(np.linalg.norm(x)), DELTA * self.length):
-                return x
+                return np.asarray(x)
         return None
 
     @property

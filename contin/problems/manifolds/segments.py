@@ -1,9 +1,9 @@
 """Orbit segments on a manifold of an equilibrium: its two branches where it is a curve, a disc of them for a surface.
 
-A segment begins at a distance DELTA from the equilibrium in the eigenspace and is as long as was asked for. On a surface
-the segments begin on a circle there; between two neighbours whose distance at equal arclength exceeds the spacing
-another one is laid. Where rates differ much, orbits whose starts differ by less than rounding part by the size of the
-whole surface: such a new one begins later, where its neighbours are still close.
+A segment begins at a distance DELTA from the equilibrium in the eigenspace and is as long as was asked for. On a
+surface the segments begin on a circle there; between two neighbours whose distance at equal arclength exceeds the
+spacing another one is laid. Where rates differ much, orbits whose starts differ by less than rounding part by the size
+of the whole surface: such a new one begins later, where its neighbours are still close.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Grower:
         return Segment(angle, s, t, u, whole)
 
     def between(self, a: Segment, b: Segment) -> Segment:
-        """An orbit between two that begin too near to each other for rounding: it begins where they are still `LINK` near.
+        """An orbit between two whose starts are too near for rounding: it begins where they are `LINK` near.
 
         There it is laid halfway, which is wrong by the square of their distance times the surface's curvature.
         """
@@ -128,6 +128,7 @@ def curve(grower: Grower) -> list[Segment]:
 def disc(grower: Grower, spacing: float) -> tuple[list[Segment], float]:
     """Segments of a two-dimensional manifold in their order round it, and the widest gap left between two."""
     ring = [grower.segment(2.0 * np.pi * k / FIRST) for k in range(FIRST)]
+    apart = 0.0
     gaps = [_gap(one, ring[(k + 1) % FIRST]) for k, one in enumerate(ring)]
     while len(ring) < MOST:
         k = int(np.argmax(gaps))
@@ -135,13 +136,16 @@ def disc(grower: Grower, spacing: float) -> tuple[list[Segment], float]:
             break
         left, right = ring[k], ring[(k + 1) % len(ring)]
         turn = (right.angle - left.angle) % (2.0 * np.pi)
+        if turn <= CLOSEST and not (left.whole and right.whole):  # one of them comes to rest, the other goes on
+            apart, gaps[k] = max(apart, gaps[k]), 0.0
+            continue
         if turn > CLOSEST:
             middle = grower.segment((left.angle + 0.5 * turn) % (2.0 * np.pi))
         else:
             middle = grower.between(left, right)
         ring.insert(k + 1, middle)
         gaps[k : k + 1] = [_gap(left, middle), _gap(middle, right)]
-    return ring, max(gaps)
+    return ring, max(apart, *gaps)
 
 
 def _gap(a: Segment, b: Segment) -> float:
