@@ -13,7 +13,8 @@ from contin.abi import Array
 from contin.continuation.arm import Arm
 from contin.continuation.branch import End, Parent
 from contin.continuation.curve import Stretch
-from contin.continuation.isolate import Found, Note, isolate
+from contin.continuation.found import Found, Note
+from contin.continuation.isolate import isolate
 from contin.continuation.last_step import Course
 from contin.continuation.own_tests import own_tests
 from contin.continuation.piece import Piece

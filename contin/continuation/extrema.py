@@ -13,7 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.isolate import Found
+from contin.continuation.found import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings

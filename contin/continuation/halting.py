@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from contin.abi import Array
 from contin.continuation.branch import End
-from contin.continuation.isolate import Found
+from contin.continuation.found import Found
 from contin.continuation.problem import Problem
 
 HALF_PERIOD = "half a period"  # the symmetry of doubled orbits, see `contin.problems.orbits.symmetry`

@@ -8,16 +8,17 @@ halved; what is left when it cannot be halved further coincides, and is handed t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.abi import Array
+from contin.continuation.beside import seen, sides_of
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
+from contin.continuation.found import Found, Note, anchored_on_branch, at_point, where
 from contin.continuation.looking_again import (
     crossings_together,
     is_clear,
@@ -27,7 +28,6 @@ from contin.continuation.looking_again import (
     solved,
     told_apart,
 )
-from contin.continuation.march import is_dip
 from contin.continuation.problem import (
     NOTHING,
     Jump,
@@ -39,46 +39,12 @@ from contin.continuation.problem import (
     is_planar,
     unverified,
 )
-from contin.continuation.sameness import same_point
-from contin.errors import InputError, NotFiniteError
-from contin.linalg.vectors import dot
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
-CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
-CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
 UNPLACED = 0.05  # error of a point, as a part of the range, from which a fold may be taken for a branch point
-SLIGHT = 1e-9  # a test this small so near to its zero may be rounding
-FARTHER = 4.0  # ... and the ratio of distances at which it is looked for where it is not
-DIP_BUDGET = 45
-LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curve cannot be followed may be zero
-ALIKE = 0.05  # arclength over which two branches that touch may be alike, and rows lie on either
-TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
-ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
-ALIGNED = 0.99  # cosine from which the tangent at a point is that of the branch that was followed
-CHORD = 1e-7  # shorter chords have no direction
 DEPTH = 60  # halvings of one step
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
-TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """A verified point and where it lies on the stretch."""
-
-    length: float
-    point: Verified
-    sample: Sample  # the located sample next to it, with the branch's tangent at the point itself
-
-
-@dataclass(frozen=True)
-class Note:
-    """Something seen that did not become a label; `suspect` where a jump to another branch would explain it."""
-
-    text: str
-    suspect: bool = False
-    hides: bool = False  # events may lie there that were not told from each other
-    jump: float | None = None  # arclength at which unstable values change for want of smoothness: no riddle
 
 
 def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
@@ -107,7 +73,7 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
                 yield from together
             yield from isolate(stretch, high, b, DEPTH)
         else:
-            yield Note(_where(stretch, low, verified.reason))
+            yield Note(where(stretch, low, verified.reason))
         return
     if width <= COINCIDENT or depth >= DEPTH:
         yield from _compound(stretch, a, b, "changes that could not be told apart")
@@ -159,7 +125,7 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
     """
     point = replace(found.sample, z=found.point.z)
     crossing = a.tests * b.tests < 0.0
-    sides = _sides(stretch, point, (a, b), crossing)
+    sides = sides_of(stretch, point, (a, b), crossing)
     reach = max((look.distance for look in sides if look.lost), default=0.0)
     if reach > 0.0:
         found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
@@ -172,68 +138,8 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
         yield from _rest(stretch, look.near, look.far, stretch.length_of(point), crossing, depth)
     if not simple:
         close = max(look.distance for look in sides)
-        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{_seen(together)}"
-        yield Note(_where(stretch, point, text), hides=stretch.problem.adaptive)
-
-
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """One side of a located point: where its tests are told from zero first, and the end of the step."""
-
-    near: Sample  # at `distance` from the point
-    nearer: Sample | None  # at a quarter of it
-    far: Sample
-    width: float  # from the point to `far`
-    distance: float
-    lost: bool  # nearer to the point, signs of the tests that vanish there are not those of a zero
-
-
-def _sides(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], crossing: NDArray[np.bool_]) -> list[_Side]:
-    """Both sides of a located point, or one where the step ends next to it.
-
-    Where several zeros are one to rounding, Newton's method stops beside them, and tests may be rounding too: the first
-    distance is taken at which they are larger than that, and have opposite signs on the two sides.
-    """
-    distance, lost = CLOSE_ADAPTIVE if stretch.problem.adaptive else CLOSE, False
-    wide = [(far, width) for far in ends if (width := stretch.distance(point, far)) >= 4.0 * distance]
-    solved_ends = [(solved(stretch, far, point), width) for far, width in wide]
-    while True:
-        sides = []
-        for far, width in solved_ends:
-            near, nearer = stretch.several(point, far, (distance / width, 0.25 * distance / width))
-            if near is not None:
-                sides.append(_Side(near, nearer, far, width, distance, lost))
-        farthest = FARTHER * FARTHER * distance >= min((side.width for side in sides), default=0.0)
-        if stretch.problem.adaptive or farthest or _are_told(stretch, sides, crossing):
-            return sides
-        distance, lost = FARTHER * distance, True
-
-
-def _are_told(stretch: Stretch, sides: list[_Side], crossing: NDArray[np.bool_]) -> bool:
-    """True where the tests of points beside a zero are larger than rounding and have its signs.
-
-    Small values are larger than rounding where they change steadily up to twice the distance.
-    """
-    if len(sides) == 2 and np.any((sides[0].near.tests * sides[1].near.tests)[crossing] >= 0.0):
-        return False
-    for side in sides:
-        if not np.any(np.abs(side.near.tests[crossing]) < SLIGHT):
-            continue
-        half = 0.5 * side.distance / (side.width - side.distance)
-        middle, beyond = stretch.several(side.near, side.far, (half, 2.0 * half))
-        if middle is None or beyond is None:
-            return False
-        first, second = ((y.tests - x.tests)[crossing] for x, y in ((side.near, middle), (middle, beyond)))
-        steady = np.abs(second - first) <= 0.6 * np.maximum(np.abs(first), np.abs(second))
-        if not np.all(steady & (first * second > 0.0)):
-            return False
-    return True
-
-
-def _seen(together: list[int | None]) -> str:
-    """How many crossings were seen at one place, as far as rounding lets them be."""
-    most = max((count for count in together if count is not None), default=0)
-    return f" (its test vanishes as at {most} crossings together)" if most > 1 else ""
+        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{seen(together)}"
+        yield Note(where(stretch, point, text), hides=stretch.problem.adaptive)
 
 
 def next_to_event(
@@ -278,7 +184,7 @@ def _rest(
         else:
             unclear = a
     if unclear is not None:
-        yield Note(_where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
+        yield Note(where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
 
 
 def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
@@ -292,17 +198,13 @@ def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:
     return unverified(type_, errors[0]) if errors else outcome
 
 
-def _together(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
+def together_between(stretch: Stretch, a: Sample, b: Sample) -> list[Outcome]:
     """Events that coincide between a and b; one that fails with an error loses the labels, not the branch."""
     errors: list[str] = []
     items: list[Outcome] = []
     with contained(errors.append):
         items = list(stretch.problem.verify_compound(a, b, stretch.frame))
     return [Rejected(f"not verified: {errors[0]}", suspect=True)] if errors else items
-
-
-def _where(stretch: Stretch, a: Sample, text: str) -> str:
-    return f"{text} near {stretch.problem.parameters[0]} = {a.z[-1]:.10g}"
 
 
 def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample, Sample, Found | Rejected | Nothing]:
@@ -334,7 +236,7 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
             other = width if verified.type != type_ else 0.0  # what was looked for belongs to another event beside it
             slack += other
             if moved <= 0.2 * width + other + 1e-6 and min(first, last) - slack <= length <= max(first, last) + slack:
-                return low, high, Found(length, _anchored(verified, a), _at_point(stretch, near, verified))
+                return low, high, Found(length, anchored_on_branch(verified, a), at_point(stretch, near, verified))
             outcome = unverified(type_, "Newton on its defining system left the neighbourhood")
         else:
             outcome = verified
@@ -343,223 +245,32 @@ def _locate(stretch: Stretch, type_: str, a: Sample, b: Sample) -> tuple[Sample,
     return low, high, outcome
 
 
-def _anchored(point: Verified, beside: Sample) -> Verified:
-    """The point with a place on its own branch, which tells that from others with the same tangent."""
-    return anchored(point, beside.z) if point.type == "BP" else point
-
-
-def anchored(point: Verified, place: Array) -> Verified:
-    """The point with this place on its own branch."""
-    return replace(point, vectors={**point.vectors, "beside": place})
-
-
 def _with_companions(stretch: Stretch, a: Sample, b: Sample, found: Found) -> Iterator[Found]:
     """`found`, or all that coincides with it: crossings in opposite senses leave signs and counts as they were."""
     if found.point.crowded:
         z = found.point.z
-        items = _together(stretch, replace(a, z=z), replace(b, z=z))
+        items = together_between(stretch, replace(a, z=z), replace(b, z=z))
         together = [item for item in items if isinstance(item, Verified)]
         if any(item.type == found.point.type for item in together):
             for item in together:
-                yield Found(found.length, _anchored(item, stretch.base), found.sample)
+                yield Found(found.length, anchored_on_branch(item, stretch.base), found.sample)
             return
     yield found
-
-
-def _at_point(stretch: Stretch, near: Sample, point: Verified) -> Sample:
-    """`near` with the tangent at the point: of the branches through it, the one that the stretch follows.
-
-    Close to a branch point the Jacobian is too small to give a direction, so the tangents of samples next to it are
-    useless; the stretch's base and the chord from there to the point (a circle through both) tell which branch it is.
-    """
-    base, scale = stretch.base, stretch.frame.scale
-    chord = (point.z - base.z) / scale
-    length = float(base.tangent @ chord)
-    expected = base.tangent if abs(length) < CHORD else 2.0 * chord / length - base.tangent
-    expected = expected / np.linalg.norm(expected)
-    if point.type != "BP" and not point.touches and not stretch.problem.adaptive:  # one branch, and a regular point
-        sample = stretch.problem.probe(base, length, point.z.copy(), stretch.frame, stretch.settings)
-        if sample is not None and dot(sample.tangent, expected) > ALIGNED:
-            return replace(near, tangent=sample.tangent)
-    try:
-        tangents = stretch.problem.tangents(point.z, scale)
-    except (InputError, NotFiniteError):  # the equations are singular at the point itself, where curves meet
-        return replace(near, tangent=expected)
-    best = max(tangents, key=lambda t: abs(float(t @ expected)))
-    alignment = float(best @ expected)
-    return replace(near, tangent=best * np.sign(alignment) if abs(alignment) > 0.9 else expected)
 
 
 def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Found | Note]:
     """What coincides at one place: a corner of a piecewise equation, or several smooth events."""
     corner = stretch.problem.verify_corner(a, b, stretch.frame)
-    items = [corner] if corner is not None else _together(stretch, a, b)
+    items = [corner] if corner is not None else together_between(stretch, a, b)
     if not items:
-        yield Note(_where(stretch, a, why), True)
+        yield Note(where(stretch, a, why), True)
     for item in items:
         if isinstance(item, Verified):
             length = float(stretch.base.tangent @ ((item.z - stretch.base.z) / stretch.frame.scale))
-            yield Found(length, _anchored(item, stretch.base), _at_point(stretch, a, item))
+            yield Found(length, anchored_on_branch(item, stretch.base), at_point(stretch, a, item))
         elif isinstance(item, Jump):
-            yield Note(_where(stretch, a, item.text), jump=stretch.length_of(b))
+            yield Note(where(stretch, a, item.text), jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
-            yield Note(_where(stretch, a, item.reason), item.suspect)
+            yield Note(where(stretch, a, item.reason), item.suspect)
 
 
-def dips(stretch: Stretch, a: Sample, here: Sample, b: Sample) -> list[int]:
-    """Indices of the tests that come close to zero at `here`, between a and b, without changing sign."""
-    before, after = stretch.distance(a, here), stretch.distance(here, b)
-    if before == 0.0 or after == 0.0:
-        return []
-    return [i for i in range(len(here.tests)) if is_dip(a.tests[i], here.tests[i], b.tests[i], before, after)]
-
-
-def resolve_dip(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
-    """A test function came close to zero at `here` without changing sign: what is there.
-
-    Where two branches touch, Newton's method does not tell them apart, and the minimum cannot be followed to zero.
-    """
-    items = list(_minimum(stretch, a, here, b, test))
-    yield from items
-    if items or stretch.problem.adaptive or is_planar(stretch.problem) or test != stretch.problem.watch("BP"):
-        return
-    low, high = sorted((stretch.length_of(a), stretch.length_of(b)))
-    for item in _together(stretch, a, b):
-        if isinstance(item, Verified) and item.touches:
-            length = dot(stretch.base.tangent, (item.z - stretch.base.z) / stretch.frame.scale)
-            if low - ALIKE <= length <= high + ALIKE:
-                yield Found(length, _anchored(item, a), _at_point(stretch, a, item))
-
-
-def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) -> Iterator[Found | Note]:
-    """A test function came close to zero at `here` without changing sign: find its minimum; two zeros hide where it
-    crosses.
-
-    Golden-section search with a parabola's step where that helps; ends when the sign changes or the minimum is
-    resolved.
-    """
-
-    def size(sample: Sample) -> float:
-        return float(sample.tests[test] * np.sign(here.tests[test]))
-
-    low, middle, high = a, here, b
-    for _ in range(DIP_BUDGET):
-        s = [stretch.length_of(x) for x in (low, middle, high)]
-        f = [size(x) for x in (low, middle, high)]
-        if s[2] - s[0] <= 1e-9:
-            if f[1] <= 1e-6 * size(here):
-                yield from _touching(stretch, low, high, test, a)
-            return
-        target = _parabola_minimum(s, f)
-        left_wider = s[1] - s[0] > s[2] - s[1]
-        margin = 0.02 * (s[2] - s[0])
-        if target is None or abs(target - s[1]) < 1e-3 * (s[2] - s[0]) or not s[0] + margin < target < s[2] - margin:
-            target = s[1] - 0.382 * (s[1] - s[0]) if left_wider else s[1] + 0.382 * (s[2] - s[1])
-        pair, span = ((low, middle), (s[0], s[1])) if target < s[1] else ((middle, high), (s[1], s[2]))
-        fraction = (target - span[0]) / (span[1] - span[0])
-        trial = stretch.between(*pair, fraction)
-        if trial is None:  # on a multiple branch point Newton does not work: beside it
-            fraction += 0.05 if fraction < 0.5 else -0.05
-            target = span[0] + fraction * (span[1] - span[0])
-            trial = stretch.between(*pair, fraction)
-        if trial is None:
-            if f[1] <= LOST * size(here):
-                yield Note(_where(stretch, middle, TOUCHES))
-            return
-        f_trial = size(trial)
-        if f_trial < 0.0 or trial.unstable != here.unstable:
-            hidden = [*isolate(stretch, pair[0], trial), *isolate(stretch, trial, pair[1])]
-            items = list(_pair(stretch, low, high, a, hidden))
-            if not items and is_planar(stretch.problem) and trial.tests[test] == 0.0:  # signs say nothing there
-                items = [Note(_where(stretch, trial, TOUCHES))]
-            yield from items
-            return
-        if f_trial <= TOUCH * size(here) and min(f[0], f[2]) <= 1e-6 * size(here):
-            yield from _touching(stretch, low, high, test, a)
-            return
-        if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
-            if f[1] <= 1e-6 * size(here):  # all that is left is rounding
-                yield from _touching(stretch, low, high, test, a)
-            return  # an ordinary minimum, resolved
-        if target < s[1]:
-            low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
-        else:
-            low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
-    if size(middle) <= 1e-5 * size(here):
-        yield from _touching(stretch, low, high, test, a)
-
-
-def _pair(
-    stretch: Stretch, low: Sample, high: Sample, anchor: Sample, items: list[Found | Note]
-) -> Iterator[Found | Note]:
-    """What a dip between two samples turned out to hide; two events that errors do not tell apart are one touch."""
-    points = [item.point for item in items if isinstance(item, Found)]
-    alike = False
-    if len(points) == 2 and points[0].type == points[1].type:
-        errors = points[0].error + points[1].error
-        alike = errors > ACCURATE * stretch.frame.scale[-1] and abs(points[0].z[-1] - points[1].z[-1]) <= errors
-        one = same_point(stretch.problem, points[0], points[1], stretch.frame.scale)
-        if one and is_planar(stretch.problem):  # one of another type is passed on both sides, as a DP by a test of CP
-            alike |= any(_is_seen_by(stretch, points[0].type, test) for test in range(len(stretch.base.tests)))
-    elif len(points) == 1 and not points[0].touches:  # the second zero was not told from the first
-        alike = len(items) > 1
-    if not alike:
-        yield from items
-        return
-    together: list[Outcome] = []
-    if not stretch.problem.adaptive and not is_planar(stretch.problem):
-        together = _together(stretch, replace(low, z=points[0].z), replace(high, z=points[-1].z))
-    touching = [item for item in together if isinstance(item, Verified) and item.touches]
-    if touching:
-        yield from (_found(stretch, low, point, anchor) for point in touching)
-        return
-    yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
-    if len(points) == 2:
-        yield from (item for item in items if isinstance(item, Note))
-
-
-def _found(stretch: Stretch, near: Sample, point: Verified, anchor: Sample) -> Found:
-    """A point where a test touches zero."""
-    length = float(stretch.base.tangent @ ((point.z - stretch.base.z) / stretch.frame.scale))
-    return Found(length, _anchored(point, anchor), _at_point(stretch, near, point))
-
-
-def _touching(stretch: Stretch, low: Sample, high: Sample, test: int, anchor: Sample) -> Iterator[Found | Note]:
-    """A test touches zero between two samples: two eigenvalues that cross in opposite senses, or a degenerate point."""
-    if is_planar(stretch.problem):
-        turned = high.tests.copy()
-        turned[test] = -np.copysign(1.0, low.tests[test])
-        low = replace(low, tests=np.where(np.arange(len(turned)) == test, -turned, low.tests))
-        items = [i for i in _together(stretch, low, replace(high, tests=turned)) if not isinstance(i, Nothing)]
-        if any(isinstance(item, Rejected) or _is_seen_by(stretch, item.type, test) for item in items):
-            yield Note(_where(stretch, low, TOUCHES))
-        else:  # it is part of a point of another type
-            for item in items:
-                assert isinstance(item, Verified)
-                yield _found(stretch, low, item, anchor)
-        return
-    together = _together(stretch, low, high)
-    scale = stretch.frame.scale[-1]
-    points = [
-        item for item in together if isinstance(item, Verified) and (item.touches or item.error < ACCURATE * scale)
-    ]
-    yield from (_found(stretch, low, point, anchor) for point in points)
-    if not points and (together or test == 0):
-        yield Note(_where(stretch, low, TOUCHES))
-
-
-def _is_seen_by(stretch: Stretch, type_: str, test: int) -> bool:
-    """True where points of this type are zeros of this test."""
-    try:
-        return stretch.problem.watch(type_) == test
-    except (KeyError, ValueError):  # no point of a curve like this one
-        return False
-
-
-def _parabola_minimum(s: list[float], f: list[float]) -> float | None:
-    left = (f[1] - f[0]) / (s[1] - s[0])
-    right = (f[2] - f[1]) / (s[2] - s[1])
-    second = (right - left) / (s[2] - s[0])
-    if second <= 0.0:
-        return None
-    return 0.5 * (s[0] + s[1]) - 0.5 * left / second

@@ -12,8 +12,10 @@ from contin.abi import Array
 from contin.continuation.back_at_start import back_at_start
 from contin.continuation.branch import End
 from contin.continuation.curve import Stretch
+from contin.continuation.dips import dips, resolve_dip
+from contin.continuation.found import Found, Note, anchored
 from contin.continuation.halting import Halt, halt, halves, mirror
-from contin.continuation.isolate import Found, Note, anchored, dips, isolate, next_to_event, resolve_dip
+from contin.continuation.isolate import isolate, next_to_event
 from contin.continuation.march import is_dip
 from contin.continuation.piece import Piece, Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified

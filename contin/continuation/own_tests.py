@@ -8,7 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
-from contin.continuation.isolate import Found
+from contin.continuation.found import Found
 from contin.continuation.problem import Problem, Sample, Verified
 from contin.continuation.targets import zero_between
 from contin.special.special_type import SpecialType

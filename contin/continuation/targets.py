@@ -11,7 +11,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.extrema import Extremum, turns
-from contin.continuation.isolate import Found
+from contin.continuation.found import Found
 from contin.continuation.piece import Row
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Verified
 from contin.continuation.settings import Settings
