@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,11 +11,14 @@ from numpy.typing import NDArray
 from contin.continuation.curve import Stretch
 from contin.continuation.looking_again import solved
 from contin.continuation.problem import Sample
+from contin.machine.elementary import log
 
 CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
 CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
 SLIGHT = 1e-9  # a test this small so near to its zero may be rounding
 FARTHER = 4.0  # ... and the ratio of distances at which it is looked for where it is not
+DOUBLE = np.float64(2.0)  # ratio of distances between which the power of a test is taken
+WHOLE, SPREAD = 0.15, 1.5  # how far from a whole number a power may be, a side; and how far from each other two may be
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +75,61 @@ def _are_told(stretch: Stretch, sides: list[Side], crossing: NDArray[np.bool_]) 
     return True
 
 
-def seen(together: list[int | None]) -> str:
-    """How many crossings were seen at one place, as far as rounding lets them be."""
-    most = max((count for count in together if count is not None), default=0)
-    return f" (its test vanishes as at {most} crossings together)" if most > 1 else ""
+@dataclass(frozen=True)
+class Cluster:
+    """How many crossings a test vanishes like, seen from a distance (arclength) at which they look like one."""
+
+    count: int
+    distance: float
+
+    @property
+    def words(self) -> str:
+        return f" (its test vanishes as at {self.count} crossings together)" if self.count > 1 else ""
+
+
+def cluster_at(
+    stretch: Stretch, point: Sample, sides: Sequence[Side], crossing: NDArray[np.bool_]
+) -> Cluster | None:
+    """The first distance from which a crossing test is a whole power of it; None where there is none in the step.
+
+    Beside k zeros that spread over r the power at distance d is k (1 +- r/d) on the two sides: their mean is k to first
+    order. An odd power changes the test's sign, an even one does not. Where the step ends next to the point there is
+    one side, which must be twice as near to a whole number.
+    """
+    if not sides or len({side.distance for side in sides}) > 1:
+        return None
+    distance, narrow = sides[0].distance, min(side.width for side in sides)
+    while DOUBLE * distance < narrow:
+        pairs = [stretch.several(point, s.far, (distance / s.width, DOUBLE * distance / s.width)) for s in sides]
+        tests = [sample.tests[crossing] for pair in pairs for sample in pair if sample is not None]
+        if len(tests) < 2 * len(sides):
+            return None
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a zero between the two the logarithm is NaN
+            powers = np.array([log(tests[k + 1] / tests[k]) for k in range(0, len(tests), 2)]) / log(DOUBLE)
+        mean = powers.mean(axis=0)
+        counts = np.round(mean)
+        whole = (np.abs(mean - counts) < WHOLE * len(sides)) & (counts > 0.0) & (np.ptp(powers, axis=0) < SPREAD)
+        if len(sides) == 2:
+            whole &= (counts % 2.0 == 1.0) == (np.sign(tests[0]) != np.sign(tests[2]))
+        if whole.any():
+            return Cluster(int(counts[whole].max()), distance)
+        distance *= DOUBLE
+    return None
+
+
+def are_all(stretch: Stretch, sides: Sequence[Side], crossing: NDArray[np.bool_], lengths: Sequence[float]) -> bool:
+    """True where the tests vanish near the point as zeros at these lengths along the stretch make them vanish.
+
+    To the power of the distance of 1/2, as a simple zero is told from others.
+    """
+    zeros = np.array(lengths)
+    for side in sides:
+        if side.nearer is None:
+            continue
+        near, nearer = (np.abs(stretch.length_of(sample) - zeros) for sample in (side.near, side.nearer))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            expected = float(np.sum(log(near / nearer)))
+            off = np.abs(log(np.abs(side.near.tests / side.nearer.tests)[crossing]) - expected)
+        if not np.all(off < 0.5 * float(log(np.float64(FARTHER)))):  # of NaN, too
+            return False
+    return True

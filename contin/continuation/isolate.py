@@ -14,13 +14,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.beside import seen, sides_of
+from contin.continuation.beside import are_all, cluster_at, sides_of
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
 from contin.continuation.found import Found, Note, anchored_on_branch, at_point, where
 from contin.continuation.looking_again import (
-    crossings_together,
     is_clear,
     is_linear,
     points_between,
@@ -130,16 +129,25 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
     if reach > 0.0:
         found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
     yield found
-    simple, together = True, []
+    simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
         if look.nearer is not None and not is_linear(stretch, point, look.near, look.nearer, crossing):
             simple = False
-            together.append(crossings_together(point, look.near, look.nearer, crossing))
-        yield from _rest(stretch, look.near, look.far, stretch.length_of(point), crossing, depth)
-    if not simple:
+        for item in _rest(stretch, look.near, look.far, centre, crossing, depth):
+            if isinstance(item, Found) and item.point.type == found.point.type:
+                labelled.append(item.length)
+            lost |= isinstance(item, Note) and item.hides
+            yield item
+    told = simple or (len(labelled) > 1 and are_all(stretch, sides, crossing, labelled))
+    cluster = cluster_at(stretch, point, sides, crossing) if lost or not told else None
+    words = "" if cluster is None else cluster.words
+    if not told:
         close = max(look.distance for look in sides)
-        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{seen(together)}"
+        text = f"{found.point.type} is degenerate, or others lie closer than {close:g} to it{words}"
         yield Note(where(stretch, point, text), hides=stretch.problem.adaptive)
+    elif cluster is not None and cluster.count > len(labelled):
+        text = f"{found.point.type}: others lie about {cluster.distance:g} or less from it{words}"
+        yield Note(where(stretch, point, text), hides=True)
 
 
 def next_to_event(

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.curve import Stretch
 from contin.continuation.problem import Sample
-from contin.machine.elementary import log
 
 STRAIGHT: Final = 0.3  # part of its smaller neighbour by which a test may differ from linear interpolation
 FALLING: Final = 4.0  # ... and the ratio of neighbours from which interpolation says nothing
@@ -153,14 +152,6 @@ def is_linear(stretch: Stretch, point: Sample, near: Sample, nearer: Sample, cro
     sizes, nearer_sizes = np.abs(near.tests[crossing]), np.abs(nearer.tests[crossing])
     low, high = sqrt(ratio) * nearer_sizes, ratio * sqrt(ratio) * nearer_sizes
     return bool(np.all((sizes > low) & (sizes < high)))  # false for 0 and NaN: the test is lost in its rounding
-
-
-def crossings_together(point: Sample, near: Sample, nearer: Sample, crossing: NDArray[np.bool_]) -> int | None:
-    """How many crossings beside each other a test vanishes like: the power of the distance; None lost in rounding."""
-    distances = [float(np.linalg.norm(s.z - point.z)) for s in (near, nearer)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        powers = log(np.abs(near.tests / nearer.tests)[crossing]) / log(np.float64(distances[0] / distances[1]))
-    return round(float(powers.max())) if powers.size and np.all(np.isfinite(powers)) else None
 
 
 def _middle(stretch: Stretch, left: Sample, right: Sample, centre: float) -> Sample | None:
