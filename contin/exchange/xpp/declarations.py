@@ -27,6 +27,15 @@ class Table:
     high: float
 
 
+@dataclass(frozen=True)
+class Reset:
+    """Variables that take new values where a formula crosses zero upwards or downwards; all from the values before."""
+
+    direction: str
+    when: Formula
+    jumps: tuple[Formula, ...]
+
+
 @dataclass
 class Declared:
     """Statements by what they declare, in the order of the file."""
@@ -38,6 +47,7 @@ class Declared:
     derived: list[Formula] = field(default_factory=list)
     functions: list[Formula] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
+    resets: list[Reset] = field(default_factory=list)
     observed: list[Formula] = field(default_factory=list)
     parameters: dict[str, float] = field(default_factory=dict)  # as they are spelled
     numbers: dict[str, float] = field(default_factory=dict)

@@ -8,13 +8,14 @@ from dataclasses import replace
 from typing import Final
 
 from contin.exchange.xpp.constants import leading_number
-from contin.exchange.xpp.declarations import Declared, Formula, Table
+from contin.exchange.xpp.declarations import Declared, Formula, Reset, Table
 from contin.exchange.xpp.lines import INTEGRAL
 from contin.exchange.xpp.options import read_options
 from contin.exchange.xpp.statements import Statement, values
 
 _TABLE: Final = re.compile(r"(\S+)\s+%\s*(\d+)\s+(\S+)\s+(\S+)\s+(.*)", re.DOTALL)
 _SET: Final = re.compile(r"(\S+)\s*\{(.*?)\}?\s*", re.DOTALL)
+_GLOBAL: Final = re.compile(r"([-+]?\d+)\s+(.*?)\s*\{(.*?)\}?\s*", re.DOTALL)
 _FUNCTION: Final = re.compile(r"\(([^()]*)\)\s*=(.*)", re.DOTALL)
 
 # statements whose feature contin has no equal for
@@ -22,7 +23,6 @@ MISSING: Final = {
     "volterra": "Volterra integral equations",
     "markov": "Markov variables",
     "special": "networks by table (special)",
-    "global": "events that reset states (global)",
     "export": "right-hand sides in a library of their own (export)",
     "chemistry": "solution chemistry (pHtools)",
 }
@@ -95,6 +95,21 @@ def _table(found: Declared, item: Statement) -> None:
         found.missing.append(f"line {item.line}: the table {form[1]} needs two ends that are numbers")
         return
     found.tables.append(Table(Formula(item.line, form[1], form[5].strip(), ("t",)), int(form[2]), low, high))
+
+
+def _global(found: Declared, item: Statement) -> None:
+    """global sign condition {name=formula; ...}"""
+    form = _GLOBAL.fullmatch(item.text)
+    sets = [part.partition("=") for part in form[3].split(";") if part.strip()] if form is not None else []
+    if form is None or not sets or not all(equals for _, equals, _ in sets):
+        found.missing.append(f"line {item.line}: global is read as `global 1 v-1 {{v=0; u=u+d}}`")
+        return
+    if int(form[1]) == 0:
+        found.missing.append(f"line {item.line}: global with the sign 0 has no equal here: write 1 (up) or -1 (down)")
+        return
+    when = Formula(item.line, f"global on line {item.line}", form[2])
+    jumps = [Formula(item.line, name.strip(), text.strip()) for name, _, text in sets]
+    found.resets.append(Reset("up" if int(form[1]) > 0 else "down", when, tuple(jumps)))
 
 
 def _numbers(kind: str) -> Callable[[Declared, Statement], None]:
@@ -186,6 +201,7 @@ _READ: Final[dict[str, Callable[[Declared, Statement], None]]] = {
     "number": _numbers("number"),
     "set": _set,
     "wiener": _noise,
+    "global": _global,
     "boundary": _boundary,
     "options": _options,
     "options file": _file,

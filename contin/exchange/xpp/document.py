@@ -26,6 +26,7 @@ class Document:
     missing: tuple[str, ...]
     clock: str
     start: float
+    resets: tuple[tuple[str, Entry, list[Entry]], ...] = ()  # direction, what crosses zero, new values
 
     def text(self, item: Entry) -> str:
         """A formula in contin's grammar."""
@@ -64,6 +65,13 @@ def document(found: Declared, parts: Document, symbols: Symbols, is_map: bool) -
         "definitions": definitions,
         "mass": {symbols.table[f.name.lower()].name: 0 for f in found.algebraic},
         "equations": equations,
+        "events": [
+            {
+                "when": parts.text(when), "direction": direction,
+                "set": {symbols.table[symbols.full(e.key)].name: parts.text(e) for e in jumps},
+            }
+            for direction, when, jumps in parts.resets
+        ],
         "observables": observables,
         "starts": _starts(found, symbols),
     }

@@ -93,14 +93,25 @@ def _parts(found: Declared, symbols: Symbols, is_map: bool, notes: list[str]) ->
     inner = [entry(f, formulas, symbols) for f in (*found.derived, *found.fixed, *found.functions)]
     table = {item.key: item for item in inner}
     states = [entry(f, formulas, symbols) for f in (*found.states, *found.algebraic)]
-    used = reached(states, table)
+    resets = [
+        (r.direction, entry(r.when, formulas, symbols), [entry(f, formulas, symbols) for f in r.jumps])
+        for r in found.resets
+    ]
+    resetting = [item for _, when, jumps in resets for item in (when, *jumps)]
+    used = reached([*states, *resetting], table)
     loops = circular(table)
-    missing = [item.wrong for item in (*states, *(table[key] for key in used)) if item.wrong]
+    missing = [item.wrong for item in (*states, *resetting, *(table[key] for key in used)) if item.wrong]
+    missing += _no_variables(found, symbols, is_map)
     missing += [
         f"line {f.line}: algebraic equations (0=) in a map have no equal here" for f in found.algebraic if is_map
     ]
     missing += [f"line {table[k].formula.line}: {k} depends on itself" for k in used & loops]
     _spread_noise(formulas, table)
+    missing += [
+        f"line {item.formula.line}: global with random numbers has no equal here"
+        for item in resetting
+        if item.tree is not None and formulas.has_noise(item.tree)
+    ]
     missing += _noise(found, formulas, states, notes)
     good = {k: e for k, e in table.items() if not e.wrong and k not in loops and not reached([e], table) & loops}
     good = {k: e for k, e in good.items() if not any(table[u].wrong for u in reached([e], table))}
@@ -109,7 +120,20 @@ def _parts(found: Declared, symbols: Symbols, is_map: bool, notes: list[str]) ->
         notes.append(f"{key} is left out, which no equation uses; {why}")
     _later(found, table, notes)
     observed = _observed(found, formulas, symbols, good, notes)
-    return Document(formulas, states, good, observed, tuple(missing), clock, start)
+    return Document(formulas, states, good, observed, tuple(missing), clock, start, tuple(resets))
+
+
+def _no_variables(found: Declared, symbols: Symbols, is_map: bool) -> list[str]:
+    """What stands in the way of resets: what they set is no variable, or the model is a map."""
+    where = "in a map" if is_map else "beside algebraic equations (0=)"
+    impossible = is_map or found.algebraic
+    missing = [f"line {r.when.line}: global {where} has no equal here" for r in found.resets if impossible]
+    for formula in (f for reset in found.resets for f in reset.jumps):
+        symbol = symbols.table.get(symbols.full(formula.name.lower()))
+        if symbol is None or symbol.kind != "state":
+            what = f"global sets {formula.name}, which is no variable"
+            missing.append(f"line {formula.line}: {what}: this has no equal here")
+    return missing
 
 
 def _observed(

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import contin
 from contin.errors import InputError
 from contin.exchange.imported import UnsupportedError
 from contin.exchange.registry import model_of
@@ -182,6 +183,21 @@ def test_names_are_told_apart_by_ten_characters_without_case():
     assert any("cannot tell" in note for note in imported(two).notes)
 
 
+def test_global_resets_are_events_that_take_the_values_before():
+    """v' = I - v fires at 1; k counts by its own value and w takes v's before the jump; x falls downwards through 0."""
+    text = (
+        "par i=1.5\nv'=i-v\nk'=0\nw'=0\nx'=-1\ninit x=0.25\n"
+        "global 1 v-1 {v=0;k=k+1;w=v}\nglobal -1 x {x=x+1}\ndone"
+    )
+    found = contin.simulate(model(text), time=5.0)
+    period = np.log(3.0)
+    spikes = [j for j in found.jumps if j.events == (0,)]
+    np.testing.assert_allclose([j.time for j in spikes], period * np.arange(1, 5), rtol=1e-8)
+    np.testing.assert_allclose([j.time for j in found.jumps if j.events == (1,)], 0.25 + np.arange(5), rtol=1e-8)
+    assert found.columns["k"][-1] == 4.0
+    assert found.columns["w"][-1] == pytest.approx(1.0, abs=1e-10)
+
+
 def test_words_of_the_grammar_are_renamed():
     text = "par period=2\nlog1p(u)=u*period\nor'=log1p(or)\ninit or=3\ndone"
     assert values(text) == {"or_": 6}
@@ -198,7 +214,11 @@ def test_words_of_the_grammar_are_renamed():
         ("x'=-x\nspecial k=conv(even,3,1,w,x)", 2, "networks by table"),
         ("x'=-x\nmarkov z 2", 2, "Markov"),
         ("x(t+1)=y\n0=x+y\nsolv y=1", 2, "algebraic equations"),
-        ("x'=-x\nglobal 1 x-1 {x=0}", 2, "events"),
+        ("x(t+1)=-x\nglobal 1 x-1 {x=0}", 2, "in a map"),
+        ("par a=1\nx'=-x\nglobal 1 x-1 {a=0}", 3, "sets a, which is no variable"),
+        ("x'=-x\nglobal 0 x-1 {x=0}", 2, "sign 0"),
+        ("x'=-x\nglobal 1 x-1 {x=ran(1)}", 2, "random"),
+        ("x'=1\nglobal x-1", 2, "global is read as"),
         ("x'=-x+int{exp(-t)#x}", 1, "Volterra"),
         ("u(t)=sin(t)+int{exp(-t)#u}\nx'=-u", 1, "Volterra"),
         ("x'=ran(1)-x", 1, "random"),
