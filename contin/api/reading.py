@@ -6,11 +6,12 @@ that wrote them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,16 @@ from numpy.typing import NDArray
 from contin.abi import Vector
 from contin.continuation.branch import Branch, End, ImageOf, Parent, SpecialPoint
 from contin.continuation.stored import StoredProblem
+from contin.errors import InputError
 from contin.plot.figure import draw
 from contin.plot.look import Look
+from contin.plot.scan import figure as draw_scan
 from contin.records import Record
+from contin.store.digest import mistake
+from contin.store.json_format import read_mapping
 from contin.store.places import ending_of
 from contin.store.results import read_results
+from contin.store.scan_store import read_scan
 from contin.store.solution_tables import load_solutions
 from contin.store.solutions import Solutions
 
@@ -57,18 +63,60 @@ class Results:
         return draw(self.branches, ax=ax, look=Look.of(options))
 
 
+@dataclass(frozen=True, eq=False)
+class ScanResults(Results):
+    """The runs of a scan, finished or not, as they were stored: a table, a row a run; it has no branches."""
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[Any]]:
+        """Axes, start, class, outcome, time, statistics of the runs."""
+        found: Mapping[str, Sequence[Any]] = self.document["columns"]
+        return found
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many runs of each class, the most frequent first."""
+        return dict(Counter(self.columns["class"]).most_common())
+
+    def plot(self, ax: Axes | None = None, **options: object) -> Figure:
+        """Classes over one or two axes, a panel a start; options: x and y, axes of the scan."""
+        look = Look.of(options)
+        if ax is not None or (look.y is not None and not isinstance(look.y, str)):
+            raise InputError("a scan is drawn into a figure of its own; its options are x and y")
+        return draw_scan(dict(self.document), x=look.x, y=look.y)
+
+
 def read(file: str | Path) -> Results:
-    """The results in a `.contin` or `.json` file: `contin.read(file)[branch][label]`.
+    """The results in a `.contin` or `.json` file: `contin.read(file)[branch][label]`; of a `.scan` its table of runs.
 
     Columns, points, values, eigenvalues, normal forms and ends are those that were saved; `point.orbit` where the file
     keeps it. From the points of a `.contin` file branches are followed: `point.switch()`, `point.locus()`. InputError
     for any other file.
     """
     path = Path(file)
+    runs = _scan(path)
+    if runs is not None:
+        return ScanResults((), tuple(runs.get("notes", ())), runs)
     document = read_results(path)
     solutions = load_solutions(path) if ending_of(path) == ".contin" else None
     branches = tuple(_branch(branch, solutions) for branch in document["branches"])
     return Results(branches, tuple(document.get("notes", ())), document)
+
+
+def _scan(path: Path) -> Record | None:
+    """The document of a scan, from its store or from JSON; None for any other file."""
+    if ending_of(path) == ".scan":
+        return read_scan(path)
+    if ending_of(path) != ".json":
+        return None
+    document = read_mapping(path)
+    if "branches" in document or not {"scan", "columns"} <= set(document):
+        return None
+    wrong = mistake(document)
+    columns = document["columns"]
+    if not isinstance(columns, dict) or not isinstance(columns.get("class"), list):
+        raise InputError(f"{path}: not the results of a scan, or damaged")
+    return document if wrong is None else {**document, "notes": [f"{path.name} {wrong}"]}
 
 
 def _branch(stored: Record, solutions: Solutions | None) -> Branch:

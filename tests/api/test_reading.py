@@ -5,6 +5,7 @@ import pytest
 
 import contin
 from contin.errors import InputError
+from tests.cli.calls import call
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +63,17 @@ def test_what_a_file_does_not_hold_is_said(diagram, tmp_path):
     with pytest.raises(KeyError, match="start/HB1"):
         found["nobody"]
     found.plot()
+
+
+def test_a_scan_is_read_as_its_table(tmp_path):
+    (tmp_path / "s.yaml").write_text(
+        "{contin: 1, model: classics/van-der-pol, scan: {axes: {alpha: [0.5, 1], x: [0.5, 1]}}, "
+        "outputs: {save: s.scan, json: s.json}}"
+    )
+    assert call("run", tmp_path / "s.yaml", "--quiet") == 0
+    found = contin.read(tmp_path / "s.scan")
+    assert found.columns["alpha"] == [0.5, 0.5, 1.0, 1.0]
+    assert sum(found.counts.values()) == 4
+    assert found.plot().axes
+    assert contin.read(tmp_path / "s.json").columns == found.columns
+    assert len(found) == 0
