@@ -23,6 +23,8 @@ MODULES: Final = {
     "exchange": "contin.exchange.registry",  # a model's name may be that of a foreign file, whose reader makes a model
     "auto start": "contin.api.auto_start",  # simulates to rest, to a cycle, searches: few starts need that
     "conditions": "contin.api.conditions",  # few runs have conditions
+    "columns of orbits": "contin.problems.conditioned.asked",  # families of orbits have them
+    "simulations": "contin.runs.simulations",  # few runs simulate; integrators
     "notebook branches": "contin.notebook.branches",  # how a result looks is asked for in notebooks only
     "notebook models": "contin.notebook.models",
     "notebook trajectories": "contin.notebook.trajectories",

@@ -48,14 +48,15 @@ def swallows(handler: ast.ExceptHandler) -> bool:
 def complaints(path: Path) -> Iterator[str]:
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
-    numeric = path.relative_to(ROOT).parts[0] in NUMERIC
+    name = path.relative_to(ROOT)
+    numeric = name.parts[0] in NUMERIC
 
     def has_reason(first: int, last: int) -> bool:
         parts = [line.split("#", 1)[1] for line in lines[first - 1 : last] if "#" in line]
         return any(part.strip() and not part.strip().startswith(("noqa", "type:")) for part in parts)
 
     for node in ast.walk(ast.parse(text)):
-        place = f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 0)}"
+        place = f"{name}:{getattr(node, 'lineno', 0)}"
         if isinstance(node, ast.ExceptHandler):
             broad = not names(node.type) or BROAD & set(names(node.type))
             raises = any(isinstance(part, ast.Raise) for part in ast.walk(node))

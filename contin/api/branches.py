@@ -18,7 +18,6 @@ from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.trace import Watcher, followed, trace
 from contin.errors import InputError
-from contin.problems.conditioned.asked import with_columns
 from contin.records import Fields, Record
 from contin.symbolic.passes.conserved import conserved_notes
 
@@ -62,7 +61,7 @@ def continuation(
     if conditions or free:
         seed = lazy.module("conditions").under_conditions(seed, conditions, free)
     if seed.problem.kind == "orbit":
-        seed = with_columns(seed, asked)
+        seed = lazy.module("columns of orbits").with_columns(seed, asked)
     chosen = Settings.of(settings)
     senses = {"both": (-1, 1), "up": (1,), "down": (-1,)}
     if direction not in senses:

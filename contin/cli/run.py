@@ -32,7 +32,7 @@ from contin.runs.load import load_run_file, read_run
 from contin.runs.outputs import ENDINGS, files_read, make_folder
 from contin.runs.plan import make_plan
 from contin.runs.results import OrbitSamples
-from contin.runs.simulations import carry_out as carry_out_simulations
+from contin.runs.simulated import Simulated
 from contin.store.atomic import is_special
 from contin.store.digest import DamageWarning
 from contin.store.journal import SqliteJournal, fingerprint
@@ -220,7 +220,12 @@ def compute(
     lowered = time.perf_counter()
     with telling(status.making), status:
         result = execute(plan, engine, status.say)
-        simulated = carry_out_simulations(plan, status.say, status.count, stopped=result.stopped)
+        simulates = bool(plan.simulations) or plan.sweep is not None
+        simulated = (
+            lazy.module("simulations").carry_out(plan, status.say, status.count, stopped=result.stopped)
+            if simulates
+            else Simulated({}, complete=True, notes=())
+        )
     hold()
     ended = time.perf_counter()
     notes = [*result.notes, *simulated.notes]

@@ -100,7 +100,7 @@ Range = Annotated[list[Formula], BeforeValidator(_pair), Field(min_length=2, max
 
 
 class _Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, strict=True)
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, strict=True, defer_build=True)
 
 
 class StateEntry(_Entry):
@@ -161,7 +161,9 @@ class ForcingEntry(_Entry):
 class IntervalEntry(BaseModel):
     """The independent variable of a boundary-value problem and its ends."""
 
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, strict=True, populate_by_name=True)
+    model_config = ConfigDict(
+        extra="forbid", arbitrary_types_allowed=True, strict=True, defer_build=True, populate_by_name=True
+    )
 
     name: Name = "t"
     start: Formula = Field(default=0, alias="from")
@@ -206,7 +208,7 @@ Runs = Annotated[Annotated[Run, Tag("(one)")] | Annotated[list[Run], Tag("(sever
 class StartEntry(BaseModel):
     """A starting point: values of some states, and `parameters` that belong to it."""
 
-    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True)
+    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True, defer_build=True)
     __pydantic_extra__: dict[str, Formula]
     parameters: dict[str, Formula] = {}
 

@@ -46,7 +46,7 @@ DIRECTIONS: Final = ("both", "up", "down")
 class StartMapping(BaseModel):
     """A starting point written in place: values of some states, and `parameters` that belong to it."""
 
-    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True)
+    model_config = ConfigDict(extra="allow", arbitrary_types_allowed=True, defer_build=True)
     __pydantic_extra__: dict[str, Formula]
     parameters: dict[str, Formula] = {}
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from contin.records import Fields, Record
+from contin.records import Fields
+from contin.runs.simulated import Simulated
 from contin.runs.skipping import skipping
 from contin.simulate.run import simulate
 from contin.simulate.steady import Criterion
@@ -15,15 +15,6 @@ from contin.simulate.sweep import sweep
 if TYPE_CHECKING:
     from contin.runs.plan import Plan
     from contin.runs.simulation_plan import SimulationPlan, SweepPlan
-
-
-@dataclass(frozen=True, eq=False)
-class Simulated:
-    """The entries `simulations` and `sweep` of the result document; not `complete` where one did not run to its end."""
-
-    found: Record
-    complete: bool
-    notes: Sequence[str]
 
 
 def carry_out(

@@ -152,6 +152,6 @@ def _of_plugins() -> Iterator[tuple[str, str]]:
 def _needed(name: str, kind: str, label: str, parameters: int) -> bool:
     words = name.partition("_to_")[0].split("_")
     kinds, labels = [w for w in words if w.islower()], [w for w in words if w.isupper()]
-    if parameters == 1 and name.endswith("_to_locus"):
+    if (parameters == 1 and name.endswith("_to_locus")) or (parameters != 3 and name.endswith("_in_three_parameters")):
         return False
     return (not kinds or any(k in KINDS.get(kind, (kind,)) for k in kinds)) and (not labels or label in labels)
