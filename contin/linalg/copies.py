@@ -105,16 +105,24 @@ def _outside(w: Array, basis: Array) -> Array:
 
 
 def _orthonormal(columns: Array, basis: Array | None = None) -> Array:
-    """Orthonormal columns that span the same, outside a basis; what depends on the others is left out."""
-    kept: list[Array] = [] if basis is None else list(basis.T)
-    given = len(kept)
+    """Orthonormal columns that span the same, outside a basis; what depends on the others is left out.
+
+    Classical Gram-Schmidt, twice, on rows that lie one after the other in memory.
+    """
+    given = 0 if basis is None else basis.shape[1]
+    rows = np.empty((given + columns.shape[1], len(columns)))
+    if basis is not None:
+        rows[:given] = basis.T
+    count = given
     for column in columns.T:
         size = norm(column)
-        w = column / size if size > 0.0 else column
+        if not size > 0.0:
+            continue
+        w, kept = column / size, rows[:count]
         for _ in range(2):
-            for v in kept:
-                w = w - float(v @ w) * v
-        if norm(w) > INDEPENDENT:
-            kept.append(w / norm(w))
-    fresh = kept[given:]
-    return np.column_stack(fresh) if fresh else np.empty((columns.shape[0], 0))
+            w = w - np.einsum("i,ij->j", np.einsum("ij,j->i", kept, w), kept)
+        left = norm(w)
+        if left > INDEPENDENT:
+            rows[count] = w / left
+            count += 1
+    return rows[given:count].T.copy()
