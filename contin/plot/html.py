@@ -103,7 +103,8 @@ def write_html(
 
 def _branch(source: Source, colour: str, wanted: set[str], periods: Mapping[str, float]) -> Fields:
     names = [name for name in ordinates(source) if name not in ("stable", "unstable", "neutral")]
-    names = [*names[:MOST_COLUMNS], *(name for name in names[MOST_COLUMNS:] if name in wanted)]
+    drawn = (name for name in names[MOST_COLUMNS:] if {name, name.rpartition(".")[0]} & wanted)  # iterates, too
+    names = [*names[:MOST_COLUMNS], *drawn]
     columns = [c for name in names for c in (name, f"{name}.max", f"{name}.min") if c in source.columns]
     stable = segment_stability(source)
     return {

@@ -13,9 +13,20 @@ function make(tag, attributes, parent) {
   return node;
 }
 function strands(branch, name) {
-  if (branch.columns[name]) return [branch.columns[name]];
+  if (branch.columns[name]) {  // of a cycle of a map: every iterate
+    const iterates = Object.keys(branch.columns).filter(key => key.startsWith(name + ".") && /^\d+$/.test(key.slice(name.length + 1)));
+    return iterates.length ? iterates.map(key => branch.columns[key]) : [branch.columns[name]];
+  }
   const top = branch.columns[name + ".max"], low = branch.columns[name + ".min"];
   return top && low ? [top, low] : [];
+}
+function axisNames() {
+  const found = new Set();
+  for (const branch of data.branches) for (const key of Object.keys(branch.columns)) {
+    const base = key.replace(/\.\d+$/, "");
+    found.add(base !== key && branch.columns[base] ? base : key.replace(/\.(max|min)$/, ""));
+  }
+  return [...found];
 }
 function axisText(name) { return data.units[name] ? `${name} (${data.units[name]})` : name; }
 function format(value) {
@@ -204,7 +215,7 @@ svg.addEventListener("wheel", event => {
 svg.addEventListener("dblclick", () => { box = extent(); draw(); });
 function show(next) { view = next; box = extent(); controls(); draw(); }
 function controls() {
-  const bar = document.getElementById("bar"), names = [...new Set(data.branches.flatMap(b => Object.keys(b.columns).map(n => n.replace(/\.(max|min)$/, ""))))];
+  const bar = document.getElementById("bar"), names = axisNames();
   bar.replaceChildren();
   for (const axis of ["x", "y"]) {
     const label = document.createElement("label"), select = document.createElement("select");

@@ -90,6 +90,18 @@ def test_logarithmic_axes_show_powers_as_lines(window, tmp_path, size):
     sound(window)
 
 
+def test_cycles_of_maps_have_all_their_iterates(window, tmp_path):
+    """A cycle of period 64, more columns than a branch has by default."""
+    p = np.linspace(0.1, 1.0, 10)
+    iterates = {f"x.{k}": np.sqrt(p) + k for k in range(1, 65)}
+    fork = branch("fork", {"p": p, "x": np.sqrt(p) + 1, **iterates}, kind="fixed-point")
+    (tmp_path / "m.html").write_text(html_page(from_branches([fork]), title="m", x="p", y="x"))
+    opened(window, tmp_path / "m.html", DESKTOP)
+    assert window.execute_script("return hoverable.length") == 640
+    options = window.execute_script("return [...document.querySelectorAll('#bar select')[1].options].map(o => o.value)")
+    assert options == ["p", "x"]
+
+
 def phase_page(path):
     """A square cut by x = 0, of which a part is neutral saddles, with a special point on it."""
     q = np.linspace(-1, 1, 21)
