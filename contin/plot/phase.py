@@ -218,11 +218,14 @@ def _names(
     strands = [ahead(np.column_stack([b["columns"][first], b["columns"][second]]).astype(float)) for b in curves]
     obstacles = [densify(strands, 2.5 * pixels)]
     narrow: list[tuple[str, Array]] = []
+    window = np.array(axes.get_window_extent().get_points(), dtype=float)
     for region in data["regions"]:
         if region["area"] < NAMED:
             continue
         rings = [ahead(np.asarray(ring, dtype=float)) for ring in (region["outline"], *region["holes"])]
-        centre, depth = deepest(rings)
+        centre, depth = deepest(rings, window)
+        if not np.isfinite(centre).all():
+            continue
         size = np.array([0.75 * LETTER * len(region["name"]), LETTER]) * pixels
         if depth < 0.6 * size[1]:
             narrow.append((region["name"], centre))
@@ -231,7 +234,8 @@ def _names(
         axes.text(*back(centre), region["name"], ha="center", va="center", zorder=3, **style)
         grid = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 6)] * 2), axis=-1).reshape(-1, 2)
         obstacles.append(centre + np.repeat(grid * size, 3, axis=0))
-    marked = _uncrowded(marked, data)
+    seen = window.mean(axis=0), np.ptp(window, axis=0) / 2
+    marked = [m for m in _uncrowded(marked, data) if np.all(np.abs(ahead(m[1:]) - seen[0]) <= seen[1])]
     texts = [*(name for name, _ in narrow), *(code for code, _, _ in marked)]
     if not texts:
         return

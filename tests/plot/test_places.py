@@ -28,3 +28,12 @@ def test_rings_without_an_inside_have_no_place():
     centre, depth = deepest([np.array([[0.0, 0.0], [1.0, 1.0]])])
     assert np.isnan(centre).all()
     assert depth == 0.0
+
+
+def test_a_name_stands_in_what_is_seen_of_a_region():
+    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    window = np.array([[8.0, -5.0], [20.0, 20.0]])
+    centre, depth = deepest([square], window)
+    np.testing.assert_allclose(centre[0], 9.0, atol=0.1)
+    assert 0.8 < depth <= 1.0
+    assert not np.isfinite(deepest([square], window + 20.0)[0]).any()
