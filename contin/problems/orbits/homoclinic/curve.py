@@ -173,11 +173,8 @@ class ConnectionCurve(CurveOfOrbits):
         states = np.einsum("cj,ijk->ick", basis(m).values, profile.u[nodes]).reshape(-1, n)
         p = self.full_parameters(z)
         system = self.orbits.system
-        f, jacobian = np.empty((len(states), n)), np.empty((len(states), n, n + 2))
-        chosen = [*range(n), n + self.second, n + self.first]
-        for k, u in enumerate(states):
-            f[k], whole = system.jacobian(u, p)
-            jacobian[k] = whole[:, chosen]
+        f, whole = system.jacobians(np.ascontiguousarray(states), np.tile(p, (len(states), 1)))
+        jacobian = whole[:, :, [*range(n), n + self.second, n + self.first]]
         if self.aim is not None:
             jacobian[:, :, n] = 0.0
         shape = (count, m, n)

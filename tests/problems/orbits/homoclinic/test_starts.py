@@ -33,6 +33,17 @@ def test_the_homoclinic_orbit_of_the_lorenz_equations_is_found_from_either_side(
     assert loops.columns["r"][here] == pytest.approx(13.926557407520, abs=1e-8)
 
 
+def test_the_shilnikov_orbit_of_an_electronic_circuit():
+    """Freire, Rodriguez-Luis, Gamero and Ponce (1993); AUTO-07p's demo `cir` starts at nu = -0.721309, beta = 0.6."""
+    circuit = Model(
+        "cir", states={"x": 0, "y": 0, "z": 0}, parameters={"nu": -0.715, "beta": 0.6},
+        definitions={"k": "0.933578*(y - x)^3"},
+        equations={"x": "(-(beta + nu)*x + beta*y - 0.328578*x^3 + k)/0.6", "y": "beta*x - beta*y - z - k", "z": "y"},
+    )  # fmt: skip
+    (seed,) = contin.connection(circuit, ORIGIN).locus(("nu", "beta"))
+    assert seed.z[-2:] == pytest.approx([0.6, -0.721309], abs=1e-6)
+
+
 def test_the_angle_of_a_driven_pendulum_goes_round_once():
     """a'' + b a' + sin a = I: rotations begin at I = 4 b/pi + O(b^3) (Melnikov)."""
     pendulum = Model(
