@@ -34,6 +34,7 @@ MOST_STEPS, SHORTEST = 500, 1e-5  # of curves of orbits, which get stuck where o
 COARSE, FEW, LEAST = 0.1, 60, 1e-5  # largest step, steps and smallest step of connecting orbits, which take long
 LONGEST: Final = 4  # period of cycles of a map whose curves are followed
 TOTAL: Final = 12000  # points of curves of orbits
+UNCUT: Final = "; the regions on its two sides may be taken for one"
 REFUSED: Final = 1e-3  # distance, as part of the box, of two points of one type that are one
 
 
@@ -68,7 +69,7 @@ class Curves:
             return []
         seeds: Sequence[Seed] = ()
         place = f"{point.type} at {self.places.words(point)}: "
-        with noted(lambda text: self._refuse(point, place + text if DEFECT in text else text)):
+        with noted(lambda text: self._refuse(point, place + text if DEFECT in text else f"{text}{UNCUT}")):
             seeds = point.locus(self.places.parameters)
         found: list[SpecialPoint] = []
         for seed in seeds:
