@@ -64,9 +64,11 @@ def picture(
 
 def _drawn(drawing: Figure, suffix: str) -> bytes:
     stream = io.BytesIO()
-    options = {"pil_kwargs": {"compress_level": FAST}} if suffix == ".png" else {}
     with style():
-        drawing.savefig(stream, format=suffix[1:], **options)
+        if suffix == ".png":
+            drawing.savefig(stream, format="png", pil_kwargs={"compress_level": FAST})
+        else:
+            drawing.savefig(stream, format=suffix[1:])
     return stream.getvalue()
 
 

@@ -123,7 +123,7 @@ def _solved(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) -> Se
     """By Newton's method where the guess is near, and by homotopy where that fails or the guess is not near."""
     z = curve.join(piece, ends, q)
     if max(distances(curve, z, curve.orbits.state_sizes(piece))) <= NEAR:
-        with suppress(InputError):
+        with suppress(InputError):  # homotopy is tried next, whose failure is told
             return solved_connection(curve, piece, ends, q, None)
     home, ends = brought_home(curve, piece, ends, q)
     return solved_connection(curve, home, ends, q, None)
