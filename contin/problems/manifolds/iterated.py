@@ -102,7 +102,7 @@ class MapCurve:
             f, jacobian = self.system.jacobian(x, self.p)
             try:
                 step = np.linalg.solve(np.asarray(jacobian)[:, :n], u - np.asarray(f))
-            except np.linalg.LinAlgError:
+            except np.linalg.LinAlgError:  # no pre-image is found from here: the manifold ends, in words
                 return None
             x = x + step
             if not np.all(np.isfinite(x)):
