@@ -132,12 +132,16 @@ def test_the_schema_of_run_files_accepts_a_good_one_and_refuses_a_bad_one(capsys
 
 
 def test_the_schema_of_model_files_accepts_every_bundled_file(capsys):
-    assert call("schema", "model") == 0
-    schema = json.loads(capsys.readouterr().out)
+    schemas = {}
+    for kind in ("model", "pde"):
+        assert call("schema", kind) == 0
+        schemas[kind] = json.loads(capsys.readouterr().out)
+    schema = schemas["model"]
     files = sorted(Path(folder()).glob("*/*.yaml"))
     assert len(files) > 20
     for file in files:
-        jsonschema.validate(read_text(file.read_text(encoding="utf-8")).data, schema)
+        data = read_text(file.read_text(encoding="utf-8")).data
+        jsonschema.validate(data, schemas["pde" if data.get("kind") == "pde" else "model"])
     with pytest.raises(jsonschema.ValidationError, match="equation"):
         jsonschema.validate({"contin": 1, "name": "m", "states": {"x": 1}, "equation": {"x": "-x"}}, schema)
 
