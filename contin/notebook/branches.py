@@ -10,6 +10,7 @@ from contin.errors import InputError
 from contin.normalforms.words import describe
 from contin.notebook import html
 from contin.plot.figure import draw
+from contin.plot.spectrum import spectrum
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,10 +38,21 @@ def point_page(point: SpecialPoint) -> str:
     critical = [(f"{value:.10g}",) for value in point.eigenvalues]
     return (
         html.paragraph(f"{point.label} at {where}: {describe(point.type, point.normal_form)}")
+        + _picture_of_point(point, multipliers)
         + html.values({**point.normal_form, "error": point.error, "residual": point.residual})
         + html.details("values", html.values(point.values))
         + html.details("multipliers" if multipliers else "eigenvalues", html.table(("value",), critical))
     )
+
+
+def _picture_of_point(point: SpecialPoint, multipliers: bool) -> str:
+    """The orbit, where there is one; else the eigenvalues in the complex plane."""
+    if getattr(point.problem, "kind", "") == "orbit":
+        return _picture(lambda: point.orbit.plot(), f"orbit at {point.label}")
+    values = [complex(value) for value in point.eigenvalues]
+    if not values:
+        return ""
+    return html.image(spectrum(values, multipliers), f"eigenvalues at {point.label}")
 
 
 def diagram_page(diagram: Diagram) -> str:

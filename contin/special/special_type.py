@@ -26,6 +26,7 @@ class SpecialType:
     """A type of special point. Functions, births and curves are names, so that a row costs no import.
 
     code : the field's label.  words : singular.  many : plural, where it is not `words` and an s.
+    also : other names in the literature and, in parentheses, of other programs.
     codimension : how many parameters it takes to meet one.  on : kinds of branch it is found on, or types of curve.
     condition : its defining condition.  critical : how many eigenvalues (multipliers) may change sides there.
     normal_form : 'module:function' of a jet; `needs` names further arguments of it, `order` the forms of the jet.
@@ -50,6 +51,7 @@ class SpecialType:
     marker: str = "o"
     symbol: str = "circle"
     many: str = ""
+    also: str = ""
     source: str = ""
     critical: int | None = None
     normal_form: str = ""

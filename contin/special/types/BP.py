@@ -5,6 +5,7 @@ from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
     code="BP", words="branch point", codimension=1, on=("equilibrium", "fixed-point", "algebraic", "bvp"),
+    also="branching point, transcritical, pitchfork, symmetry breaking",
     condition="f = 0, rank [f_u | f_p] = n - 1: another branch crosses", critical=1,
     source=f"{KUZNETSOV}, sec. 7.4; {SINGULARITIES}",
     normal_form="contin.normalforms.directions:any_branch_point", needs=("kernel", "state_error"), order=3,

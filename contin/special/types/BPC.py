@@ -5,6 +5,7 @@ from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
     code="BPC", words="branch point of cycles", many="branch points of cycles", codimension=1, on=("orbit",),
+    also="branching point of cycles",
     condition="a second multiplier 1, another family crosses",
     source=CYCLES,
     births=(

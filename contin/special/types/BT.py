@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="BT", words="Bogdanov-Takens point", codimension=2, on=("LP", "HB", "BP"),
+    also="Takens-Bogdanov, double zero",
     condition="two zero eigenvalues, one eigenvector",
     source=f"{KUZNETSOV}, sec. 8.4",
     normal_form="contin.normalforms.bogdanov_takens:bogdanov_takens", needs=("state_error",), order=3,

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="CH", words="Chenciner point", codimension=2, on=("NS",),
+    also="generalized Neimark-Sacker, degenerate torus",
     condition="NS with Re d = 0",
     source=f"{MAPS}; {CYCLES_TWO}",
     normal_form="contin.normalforms.map_resonances:chenciner", needs=("frequency",), order=5,

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="CP", words="cusp", codimension=2, on=("LP",),
+    also="hysteresis point",
     condition="LP with <w, B(v, v)> = 0",
     source=f"{KUZNETSOV}, sec. 8.2",
     normal_form="contin.normalforms.fold:cusp", order=3,

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="GPD", words="generalised period doubling", codimension=2, on=("PD",),
+    also="generalized flip, degenerate flip",
     condition="PD with c = 0",
     source=f"{MAPS}; {CYCLES_TWO}",
     normal_form="contin.normalforms.map_resonances:generalised_flip", order=5,

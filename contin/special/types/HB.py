@@ -5,6 +5,7 @@ from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
     code="HB", words="Hopf point", codimension=1, on=("equilibrium",),
+    also="Andronov-Hopf, Poincare-Andronov-Hopf",
     condition="f = 0, (f_u - i omega) q = 0, omega > 0", critical=2,
     source=f"{KUZNETSOV}, sec. 3.4",
     normal_form="contin.normalforms.hopf:hopf", needs=("frequency",), order=3,

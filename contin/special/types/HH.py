@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="HH", words="double Hopf point", codimension=2, on=("HB",),
+    also="Hopf-Hopf, two pairs of imaginary eigenvalues",
     condition="eigenvalues +-i omega1 and +-i omega2",
     source=f"{KUZNETSOV}, sec. 8.6",
     normal_form="contin.normalforms.hopf_hopf:hopf_hopf", order=3,

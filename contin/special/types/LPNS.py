@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="LPNS", words="fold-Neimark-Sacker point", codimension=2, on=("LP", "BP", "NS", "LPC", "BPC"),
+    also="fold-torus (LTR)",
     condition="multipliers 1 and exp(+-i theta)",
     source=f"{MAPS}; {CYCLES_TWO}",
     curves=("LP", "NS"),

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="LPPD", words="fold-flip point", codimension=2, on=("LP", "BP", "PD", "LPC", "BPC"),
+    also="(LPD)",
     condition="multipliers 1 and -1",
     source=f"{MAPS}; {CYCLES_TWO}",
     curves=("LP", "PD"),

@@ -5,6 +5,7 @@ from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
     code="NS", words="Neimark-Sacker point", codimension=1, on=("fixed-point", "orbit"),
+    also="torus bifurcation (TR), secondary Hopf",
     condition="multipliers exp(+-i theta), 0 < theta < pi", critical=2,
     source=f"{KUZNETSOV}, sec. 4.7; {CYCLES}",
     normal_form="contin.normalforms.maps:neimark_sacker", needs=("frequency",), order=3,

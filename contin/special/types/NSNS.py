@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="NSNS", words="double Neimark-Sacker point", codimension=2, on=("NS",),
+    also="double torus (TTR)",
     condition="multipliers exp(+-i theta1) and exp(+-i theta2)",
     source=f"{MAPS}; {CYCLES_TWO}",
     curves=("NS", "NS"),

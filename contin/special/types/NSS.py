@@ -6,6 +6,7 @@ from contin.special.special_type import SpecialType
 TYPE = SpecialType(
     code="NSS", words="resonance of real leading eigenvalues", many="resonances of real leading eigenvalues",
     codimension=2, on=("HOM",),
+    also="resonant eigenvalues of the saddle",
     condition="the leading eigenvalues of the saddle have zero sum",
     source=HOMOCLINIC,
     connections=0,

@@ -5,6 +5,7 @@ from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
     code="PD", words="period doubling", many="period doublings", codimension=1, on=("fixed-point", "orbit"),
+    also="flip",
     condition="a multiplier -1", critical=1,
     source=f"{KUZNETSOV}, sec. 4.4; {CYCLES}",
     normal_form="contin.normalforms.maps:period_doubling", order=3,

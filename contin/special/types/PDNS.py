@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="PDNS", words="flip-Neimark-Sacker point", codimension=2, on=("PD", "NS"),
+    also="flip-torus (PTR)",
     condition="multipliers -1 and exp(+-i theta)",
     source=f"{MAPS}; {CYCLES_TWO}",
     curves=("PD", "NS"),

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="R1", words="1:1 resonance", codimension=2, on=("LP", "BP", "NS", "LPC", "BPC"),
+    also="double multiplier 1",
     condition="a double multiplier 1 (beside the trivial one), one eigenvector",
     source=f"{MAPS}; {CYCLES_TWO}",
     normal_form="contin.normalforms.map_resonances:resonance_1_1", order=2,

@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="R2", words="1:2 resonance", codimension=2, on=("PD", "NS"),
+    also="double multiplier -1",
     condition="a double multiplier -1, one eigenvector",
     source=f"{MAPS}; {CYCLES_TWO}",
     normal_form="contin.normalforms.map_resonances:resonance_1_2", order=3,

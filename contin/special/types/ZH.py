@@ -5,6 +5,7 @@ from contin.special.special_type import Sign, SpecialType
 
 TYPE = SpecialType(
     code="ZH", words="zero-Hopf point", codimension=2, on=("LP", "HB", "BP"),
+    also="fold-Hopf, saddle-node Hopf, Gavrilov-Guckenheimer",
     condition="eigenvalues 0 and +-i omega",
     source=f"{KUZNETSOV}, sec. 8.5",
     normal_form="contin.normalforms.zero_hopf:zero_hopf", needs=("frequency", "state_error"), order=3,
