@@ -19,6 +19,15 @@ def test_every_public_name_stands_in_the_reference():
     assert {name for name in contin.__all__ if not name.startswith("__")} <= documented
 
 
+def test_the_picture_of_the_readme_is_small_and_its_code_the_one_that_makes_it():
+    readme = (DOCS.parent / "README.md").read_text("utf-8")
+    [picture] = re.findall(r"!\[[^\]]+\]\((docs/[^)]+)\)", readme)
+    assert 10_000 < (DOCS.parent / picture).stat().st_size < 100_000
+    script = page("readme_picture.py")
+    for line in re.findall(r"^(?:neuron|rest|firing) = .*", readme, re.M):
+        assert line in script
+
+
 def test_every_page_is_in_the_contents():
     contents = page("index.md") + page("gallery/index.md") + page("metronomes/index.md")
     pages = {path.stem for path in DOCS.rglob("*.md") if "_build" not in path.parts} - {"index"}
