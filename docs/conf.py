@@ -12,6 +12,7 @@ os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.envir
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [*PAGES, os.environ.get("PYTHONPATH")]))
 
 from docstrings import as_restructured_text  # noqa: E402
+from sphinx.errors import ExtensionError  # noqa: E402
 
 from contin._version import __version__  # noqa: E402
 
@@ -44,3 +45,32 @@ def setup(app):
         lines[:] = as_restructured_text("\n".join(lines)).split("\n")
 
     app.connect("autodoc-process-docstring", convert)
+    app.connect("build-finished", count_pictures)
+
+
+PICTURES = {  # at least so many on a page: results show themselves, and no cell lost its picture
+    "index": 1,
+    "figures": 3,
+    "first-diagram": 1,
+    "tutorial-neuron": 5,
+    "tutorial-mechanics": 4,
+    "tutorial-metronomes": 2,
+    "your-pde": 3,
+    "gallery/chemistry": 7,
+    "gallery/neurons": 6,
+    "gallery/ecology": 4,
+    "gallery/mechanics": 8,
+    "gallery/fluids": 5,
+    "gallery/maps": 4,
+    "gallery/patterns": 4,
+}
+
+
+def count_pictures(app, failure):
+    """Ends the build where a page has fewer pictures than it should."""
+    if failure is not None or app.builder.name != "html":
+        return
+    for page, least in PICTURES.items():
+        shown = (Path(app.outdir) / f"{page}.html").read_text("utf-8").count("<img ")
+        if shown < least:
+            raise ExtensionError(f"{page}: {shown} pictures, expected {least}")

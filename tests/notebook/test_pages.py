@@ -58,7 +58,7 @@ def check(page, pictures):
 def test_a_diagram_its_branches_and_points_show_themselves(diagram):
     cycles = next(branch for branch in diagram if branch.kind == "orbit")
     point = diagram.branches[0].points[0]
-    for shown, pictures in ((diagram, 1), (cycles, 1), (point, 0)):
+    for shown, pictures in ((diagram, 1), (cycles, 1), (point, 1)):
         check(shown._repr_html_(), pictures)
     assert "HB1" in diagram._repr_html_()
     assert "l1" in point._repr_html_()
