@@ -16,6 +16,7 @@ from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.problem import Chunk, Frame, Sample, Stop
 from contin.continuation.settings import Settings
+from contin.machine import elementary
 from contin.problems.hybrid.connecting import homoclinic_end
 from contin.problems.hybrid.landing import first_landing
 from contin.problems.hybrid.sampling import arc_samples
@@ -141,7 +142,7 @@ def _clearance(h: Array) -> float:
         a, b, c = abs(h[i - 1]), abs(h[i]), abs(h[i + 1])
         if b <= a and b <= c and h[i - 1] * h[i + 1] > 0.0:
             bend = a - 2.0 * b + c
-            best = min(best, abs(b - (0.125 * (c - a) ** 2 / bend if bend > 0.0 else 0.0)))
+            best = min(best, abs(b - (0.125 * elementary.square(c - a) / bend if bend > 0.0 else 0.0)))
     return best
 
 
@@ -154,9 +155,9 @@ def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
     for now, then in zip(passages[0].flown, passages[1].flown, strict=True):
         heights = problem.flow.heights(now.arc.event, arc_samples(problem, z, now), problem.inner.full_parameters(z))
         usual = float(np.ptp(heights)) / now.time
-        fallen = now.rate**2 - then.rate**2
+        fallen = elementary.square(now.rate) - elementary.square(then.rate)
         if abs(now.rate) < TANGENT * usual and fallen < 0.0:
-            at = float(z[-1] - now.rate**2 * (z[-1] - before[-1]) / fallen)
+            at = float(z[-1] - elementary.square(now.rate) * (z[-1] - before[-1]) / fallen)
             event = problem.flow.named(now.arc.event)
             text = f"near {name} = {at:.8g} the orbit becomes tangent to the surface of {event}"
             data = {"at": {name: at}, "event": now.arc.event + 1, "error": abs(at - float(z[-1]))}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
+from contin.machine import elementary
 from contin.simulate.flight import DONE, Flight, fly
 from contin.simulate.resets import SENSES
 
@@ -26,7 +27,7 @@ SAMPLES: Final = 256  # of that time
 ON_SURFACE: Final = 0.02  # part of that time within which a solution that starts beside its surface may leave it
 AT_ONCE: Final = 1e-9  # ... and one that starts on it
 NEAR: Final = 0.5  # of the change of h between samples: an extremum that near zero is looked at
-TOWARDS_END: Final = 0.5 ** np.arange(1, 41)  # parts of the time between the last sample and where a solution ends
+TOWARDS_END: Final = np.ldexp(1.0, -np.arange(1, 41))  # parts of the time from the last sample to a solution's end
 ROUNDS: Final = 60
 
 
@@ -115,7 +116,7 @@ def _touch(path: Path, i: int) -> float | None:
     """How long after sample i h is farthest beyond zero, of which samples i to i + 2 see nothing; None: it is not."""
     a, b, c = np.abs(path.h[i : i + 3]).tolist()
     bend = a - 2.0 * b + c
-    if bend <= 0.0 or b - 0.125 * (c - a) ** 2 / bend > NEAR * max(a - b, c - b):
+    if bend <= 0.0 or b - 0.125 * elementary.square(c - a) / bend > NEAR * max(a - b, c - b):
         return None
     side, low, high = np.sign(path.h[i]), 0.0, float(path.t[i + 2] - path.t[i])
     for _ in range(ROUNDS):

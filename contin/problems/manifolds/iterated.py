@@ -55,7 +55,7 @@ class MapCurve:
         """The branch that leaves along sense * v."""
         multiplier = complex(self.space.values[0]).real
         twice = multiplier < 0.0
-        growth = abs(multiplier) ** (2 if twice else 1)
+        growth = elementary.square(multiplier) if twice else abs(multiplier)
         growth = 1.0 / growth if self.stable else growth
         at, d, v = 0.0, DELTA * self.length, sense * self.space.basis[:, 0]
 
