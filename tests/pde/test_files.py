@@ -38,7 +38,7 @@ def written(**changes):
         ({"domain": "{x: {points: 2000}, y: {points: 2000}}"}, "domain: 4000000 nodes; at most 1000000 are taken"),
         ({"fields": "{x: 0}"}, "fields.x: x is already declared under domain"),
         ({"equations": "{u: dxxx(u)}"}, "the derivative of order 3 of u along x is not made"),
-        ({"equations": "{u: dyy(u)}"}, "equations.u: 'dyy': derivatives along axis x are dx(u), dxx(u)"),
+        ({"equations": "{u: dyy(u)}"}, "equations.u: 'dyy': derivatives of a field u along an axis x are dx(u)"),
         ({"equations": "{u: 'dxx(u, 2)'}"}, "dxx takes 1 argument, as in dxx(u)"),
         ({"equations": "{v: dxx(u)}"}, "equations.v: v is not a field: fields are u"),
         ({"boundary": "{x.start: u = 0}"}, "no condition for u at x.end; add `u = 0` or `dn(u) = 0` under boundary."),
