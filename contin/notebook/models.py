@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from contin.notebook import html
 
@@ -10,13 +10,16 @@ if TYPE_CHECKING:
     from contin.model.model import Model
     from contin.symbolic.averaging.derivation import Derivation
 
+MATH: Final = "tex2jax_process mathjax_process"  # Jupyter typesets every output, Sphinx only what is named so
+
 
 def model_page(model: Model) -> str:
     """Title, typeset equations, tables of states and parameters."""
-    equations = "" if not model.states else f"$${html.text(model.latex())}$$"
+    style = f'class="{MATH}" style="overflow-x:auto"'
+    typeset = f"<div {style}>$${html.text(model.latex())}$$</div>" if model.states else ""
     return (
         f"<b>{html.text(model.title or model.name)}</b>"
-        + equations
+        + typeset
         + html.details("parameters", html.values(model.default_parameters()))
         + html.details("model file", f"<pre>{html.text(model.text())}</pre>")
     )
