@@ -112,5 +112,7 @@ def invariant_circle(
         "eigenvalues": values[np.argsort(-values.real)].astype(complex),
     }  # fmt: skip
     form = {"at": {name: at}, "kind": "saddle-node"}
-    point = Verified("HOM", origin.z, abs(distance), error, origin.eigenvalues, origin.unstable, normal_form=form)
+    z = origin.z.copy()
+    z[-1] = at  # the last orbit stands for the connecting one
+    point = Verified("HOM", z, abs(distance), error, origin.eigenvalues, origin.unstable, normal_form=form)
     return End("homoclinic", text, data), point
