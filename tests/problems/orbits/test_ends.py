@@ -21,8 +21,9 @@ def test_family_that_ends_on_a_fold_of_equilibria():
         equations={"x": "(1 - s)*x - turn*y", "y": "turn*x + (1 - s)*y"},
     )  # fmt: skip
     family = api.continuation(api.periodic_orbit(model, {"x": 0.0, "y": 1.0}), "a", (0.5, 3.0))
-    a = family.columns["a"]
-    np.testing.assert_allclose(family.columns["period"], 2.0 * pi / np.sqrt(a**2 - 1.0), rtol=1e-6)
+    a, period = family.columns["a"][1:], family.columns["period"][1:]  # the label of the first row stands at the fold
+    np.testing.assert_allclose(period, 2.0 * pi / np.sqrt(a**2 - 1.0), rtol=1e-6)
+    assert abs(family.columns["a"][0] - 1.0) <= family.points[0].error
     end = family.ends[0]
     assert end.reason == "homoclinic"
     assert end.data["at"]["a"] == pytest.approx(1.0, abs=1e-9)
