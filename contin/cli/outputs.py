@@ -29,7 +29,7 @@ from contin.store.solutions import Solutions
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contin.runs.plan import Plan
+    from contin.runs.plans import Plan
 
 DONE, CUT_SHORT = 0, 1  # exit codes
 DATA: Final = ("save", "json", "csv")  # numbers are on the disk before anything is drawn or printed

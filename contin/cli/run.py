@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from contin.continuation.branch import Branch
     from contin.machine.progress import Progress
-    from contin.runs.plan import Plan
+    from contin.runs.plans import Plan
     from contin.store.journal import SqliteJournal
     from contin.store.partial import PartialJson
 

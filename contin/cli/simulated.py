@@ -15,7 +15,7 @@ from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
 
 if TYPE_CHECKING:
-    from contin.runs.plan import Plan
+    from contin.runs.plans import Plan
     from contin.runs.simulation_plan import SimulationPlan
 
 

@@ -19,16 +19,15 @@ from contin.bvp.on_mesh import OnMesh
 from contin.bvp.problem import BoundaryProblem
 from contin.continuation.problem import Sample
 from contin.loci.augmented import Scalars
-from contin.loci.base import Base
+from contin.loci.meshed import MeshedBase, trimmed
 from contin.loci.singular import Borders, critical, null_vectors, singular
 from contin.loci.sparse import SparseBordered
-from contin.problems.orbits.layout import Profile
-from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from contin.bvp.problem import BoundaryProblem as Problem
+    from contin.model.model import Model
+
 
 CUSP = 2  # place of the test of cusps among those of a sample
 
@@ -42,54 +41,25 @@ class _Kept:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryBase(Base):
-    """problem : of the solutions, the first parameter active.  places : of the varying parameters, the last unknown
-    first, among those of `problem`.  type : LP, BP, or "" for solutions themselves.
-    """
+class BoundaryBase(MeshedBase[BoundaryProblem]):
+    """`type` is LP or BP."""
 
-    problem: BoundaryProblem
-    places: tuple[int, ...]
     type: str = ""
     _kept: _Kept = field(default_factory=_Kept)
 
     has_stability = False
 
-    # -- the parts of z ------------------------------------------------------------------------------------------------
-
     @property
-    def extra(self) -> int:
-        return int(self.type == "BP")
+    def model(self) -> Model:
+        return self.problem.two.model
 
-    @property
-    def _rest(self) -> int:
-        """Unknowns behind the mesh."""
-        return len(self.places) + self.extra
-
-    def inner(self, z: Array) -> Array:
-        """(u, 1, mesh, first parameter), also of a metric or tangent."""
-        z = _trimmed(z)
-        return np.append(z[: -self._rest], z[-1])
-
-    def joined(self, inner: Array, rest: Array) -> Array:
-        """z from that and what stands behind the mesh in z."""
-        return np.append(inner[:-1], rest)
-
-    def rest(self, z: Array) -> Array:
-        return z[-self._rest :]
-
-    def profile(self, z: Array) -> Profile:
-        return self.problem.profile(self.inner(z))
-
-    def at(self, z: Array) -> Problem:
-        """The problem of the solutions at the parameters in z."""
-        base = self.problem.base.copy()
-        base[list(self.places)] = _trimmed(z)[: -1 - len(self.places) : -1]
+    def based(self, base: Array) -> BoundaryProblem:
         return replace(self.problem, base=base)
 
     def where(self, z: Array) -> NDArray[np.intp]:
         """Places in z of (u, [unfolding], parameters)."""
         nodes = self.profile(z).u.size
-        return np.concatenate([np.arange(nodes), np.arange(z.size - self._rest, z.size)])
+        return np.concatenate([np.arange(nodes), np.arange(z.size - self.behind, z.size)])
 
     # -- the base's contract -------------------------------------------------------------------------------------------
 
@@ -100,35 +70,6 @@ class BoundaryBase(Base):
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(self.problem.two.parameters[place] for place in self.places)
-
-    @property
-    def angle_periods(self) -> Array:
-        return np.zeros(0)
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
-
-    @property
-    def conditions(self) -> int:
-        return {"": 0, "LP": 1, "BP": 1}[self.type]
-
-    def constants(self) -> dict[str, float]:
-        return self.problem.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.problem.default_range(parameter)
-
-    def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
-        values = z[: -1 - len(self.places) : -1]
-        triples = zip(self.names, values, ranges, strict=True)
-        widths = [parameter_width(self.problem.two.model, name, float(v), ends) for name, v, ends in triples]
-        inner = self.at(z).initial_scale(self.inner(z), ranges[0])
-        return self.joined(inner, np.array([*[1.0] * self.extra, *widths[::-1]]))
 
     def settle(self, z: Array) -> None:
         if self.type:
@@ -157,7 +98,7 @@ class BoundaryBase(Base):
             gradient = found.gradient
             if self.extra:
                 nodes = matrix.shape[0]
-                beta = float(z[-self._rest])
+                beta = float(z[-self.behind])
                 f = f + beta * borders.left
                 columns = sparse.hstack([matrix[:, :nodes], borders.left[:, None], matrix[:, nodes:]])
                 gradient = np.insert(gradient, nodes, 0.0, axis=1)
@@ -236,9 +177,9 @@ class BoundaryBase(Base):
         for row in z:
             inner = self.inner(row)
             own = {name: float(c[0]) for name, c in columns_of(self.at(row), inner[None]).items()}
-            own |= dict(zip(self.names, _trimmed(row)[: -1 - len(self.places) : -1].tolist(), strict=True))
+            own |= dict(zip(self.names, self.values(row).tolist(), strict=True))
             if self.extra:
-                own["unfolding"] = float(_trimmed(row)[-self._rest])
+                own["unfolding"] = float(trimmed(row)[-self.behind])
             for name, value in own.items():
                 found.setdefault(name, []).append(value)
         return {name: np.array(values) for name, values in found.items()}
@@ -287,8 +228,3 @@ class _OnMesh:
 def _sums(left: Array, n: int) -> Array:
     """Numbers of a left vector that do not depend on the mesh: sums over it by equation, and the conditions' part."""
     return np.concatenate([left[:-n].reshape(-1, n).sum(axis=0), left[-n:]])
-
-
-def _trimmed(z: Array) -> Array:
-    """A row without the padding on its left."""
-    return z[int(np.argmax(~np.isnan(z))) :] if np.isnan(z[0]) else z

@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation.problem import Outcome, Sample, Verified
 from contin.loci.augmented import Scalars
-from contin.loci.base import Base
+from contin.loci.meshed import MeshedBase, trimmed
 from contin.loci.singular import Borders, critical, null_vectors, singular
 from contin.loci.sparse import SparseBordered
 from contin.problems.conditioned.problem import product_of
 from contin.problems.orbits.columns import names_of, orbit_columns, with_observables
-from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import nontrivial, without
 from contin.problems.orbits.problem import OrbitProblem
-from contin.problems.scales import parameter_width
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
+
+    from contin.model.model import Model
 
 FIRST: Final = 2  # place of the first test among those of a sample
 CRITICAL: Final = {"LPC": [1.0 + 0.0j], "BPC": [1.0 + 0.0j], "PD": [-1.0 + 0.0j]}
@@ -46,51 +46,22 @@ class _Kept:
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitBase(Base):
-    """problem : of the orbits, the first parameter active.  places : of the varying parameters, the last unknown first.
+class OrbitBase(MeshedBase[OrbitProblem]):
+    """`type` is LPC, BPC or PD."""
 
-    type : LPC, BPC, PD, or "" for orbits themselves.
-    """
-
-    problem: OrbitProblem
-    places: tuple[int, ...]
-    type: str
     _kept: _Kept = field(default_factory=_Kept)
 
-    # -- the parts of z ------------------------------------------------------------------------------------------------
-
     @property
-    def extra(self) -> int:
-        return int(self.type == "BPC")
+    def model(self) -> Model:
+        found: Model = self.system.model
+        return found
 
-    @property
-    def _rest(self) -> int:
-        return len(self.places) + self.extra
-
-    def inner(self, z: Array) -> Array:
-        """(u, T, mesh, first parameter), also of a metric or tangent."""
-        z = _trimmed(z)
-        return np.append(z[: -self._rest], z[-1])
-
-    def joined(self, inner: Array, rest: Array) -> Array:
-        """z from that and what stands behind the mesh in z."""
-        return np.append(inner[:-1], rest)
-
-    def rest(self, z: Array) -> Array:
-        return z[-self._rest :]
-
-    def profile(self, z: Array) -> Profile:
-        return self.problem.profile(self.inner(z))
-
-    def at(self, z: Array) -> OrbitProblem:
-        """The problem of the orbits at the parameters in z."""
-        base = self.problem.base.copy()
-        base[list(self.places)] = _trimmed(z)[: -1 - len(self.places) : -1]
+    def based(self, base: Array) -> OrbitProblem:
         return replace(self.problem, base=base)
 
     def where(self, z: Array) -> NDArray[np.intp]:
         """Places in z of (u, T, [unfolding], parameters)."""
-        return np.concatenate([np.arange(self.profile(z).u.size + 1), np.arange(z.size - self._rest, z.size)])
+        return np.concatenate([np.arange(self.profile(z).u.size + 1), np.arange(z.size - self.behind, z.size)])
 
     # -- the base's contract -------------------------------------------------------------------------------------------
 
@@ -101,35 +72,6 @@ class OrbitBase(Base):
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(self.system.parameter_names[place] for place in self.places)
-
-    @property
-    def angle_periods(self) -> Array:
-        return np.zeros(0)
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
-
-    @property
-    def conditions(self) -> int:
-        return int(self.type != "")
-
-    def constants(self) -> dict[str, float]:
-        return self.problem.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.problem.default_range(parameter)
-
-    def scales(self, z: Array, ranges: Sequence[tuple[float, float]]) -> Array:
-        values = z[: -1 - len(self.places) : -1]
-        triples = zip(self.names, values, ranges, strict=True)
-        widths = [parameter_width(self.system.model, name, float(v), ends) for name, v, ends in triples]
-        inner = self.at(z).initial_scale(self.inner(z), ranges[0])
-        return self.joined(inner, np.array([*[1.0] * self.extra, *widths[::-1]]))
 
     def settle(self, z: Array) -> None:
         self._kept.mesh, self._kept.reference = np.zeros(0), self.inner(z)
@@ -186,7 +128,7 @@ class OrbitBase(Base):
             return None
         gradient, columns, count = found.gradient, matrix, matrix.shape[0]
         if self.extra:
-            f = f + float(z[-self._rest]) * borders.left
+            f = f + float(z[-self.behind]) * borders.left
             columns = sparse.hstack([matrix[:, :count], borders.left[:, None], matrix[:, count:]])
             gradient = np.insert(gradient, count, 0.0, axis=1)
         whole = sparse.vstack(
@@ -260,11 +202,11 @@ class OrbitBase(Base):
             p = np.array([self.at(row).full_parameters(self.inner(row)) for row in rows])
             return with_observables(self.system, u, p)
 
-        values = [_trimmed(row)[: -1 - len(self.places) : -1] for row in z]
+        values = [self.values(row) for row in z]
         found = {name: np.array([v[k] for v in values]) for k, name in enumerate(self.names)}
         found["period"] = np.array([self.profile(row).period for row in z])
         if self.extra:
-            found["unfolding"] = np.array([_trimmed(row)[-self._rest] for row in z])
+            found["unfolding"] = np.array([trimmed(row)[-self.behind] for row in z])
         return found | orbit_columns(z, names_of(self.system), self.profile, functions)
 
     def column_names(self) -> tuple[str, ...]:
@@ -287,16 +229,11 @@ class _OnMesh:
         base = self.base
         where = base.where(z)
         y = z[where] / self.scale[where]
-        return np.delete(y, [len(where) - base._rest] if base.extra else [])
+        return np.delete(y, [len(where) - base.behind] if base.extra else [])
 
     def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
         base, z = self.base, self.like.copy()
         where = base.where(z)
-        where = np.delete(where, [len(where) - base._rest] if base.extra else [])
+        where = np.delete(where, [len(where) - base.behind] if base.extra else [])
         z[where] = y * self.scale[where]
         return base.equations(z, self.scale)
-
-
-def _trimmed(z: Array) -> Array:
-    """A row without the padding on its left."""
-    return z[int(np.argmax(~np.isnan(z))) :] if np.isnan(z[0]) else z

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.linalg.spectrum import count_and_tests, spectrum
-from contin.problems.functions.march import DenseLinearisation, dense_linearisation
+from contin.problems.functions.march import DenseMarch
 
 if TYPE_CHECKING:
     from contin.problems.contracts import DenseInOneParameter
@@ -122,19 +122,11 @@ def paired(values: Values, errors: Array, is_map: bool) -> Values:
 
 
 @dataclass(frozen=True, eq=False)
-class NeutralMarch:
+class NeutralMarch(DenseMarch):
     """A dense problem, as the Python march takes it, whose pairs of eigenvalues are exact."""
 
     problem: EquilibriumProblem
     scale: Array
-
-    @property
-    def angle_periods(self) -> Array:
-        return np.asarray(self.problem.angle_periods)
-
-    def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
-        f, jacobian = self.problem.linearise(z)
-        return dense_linearisation(f, jacobian, tangent, scale)
 
     def stability(self, z: Array) -> tuple[Array, int, Values]:
         is_map = self.problem.is_map

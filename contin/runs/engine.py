@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from contin.continuation.journal import Journal
     from contin.model.model import Model
-    from contin.runs.plan import DiagramPlan, PhasePlan, RunPlan
+    from contin.runs.plans import DiagramPlan, PhasePlan, RunPlan
 
 Watcher = Callable[[Record], None]
 

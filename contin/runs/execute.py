@@ -13,7 +13,7 @@ from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
 from contin.records import Record
 from contin.runs.engine import Engine
-from contin.runs.plan import DiagramPlan, PhasePlan, Plan, RunPlan
+from contin.runs.plans import DiagramPlan, PhasePlan, Plan, RunPlan
 from contin.runs.skipping import skipping
 from contin.symbolic.passes.conserved import conserved_notes
 

@@ -13,7 +13,8 @@ from contin.records import Fields, Record
 from contin.runs.engine import ContinEngine, Engine
 from contin.runs.execute import execute
 from contin.runs.load import read_run
-from contin.runs.plan import Plan, make_plan_for
+from contin.runs.plan import make_plan_for
+from contin.runs.plans import Plan
 from contin.runs.transforms import apply_passes
 
 if TYPE_CHECKING:

@@ -15,7 +15,8 @@ from contin.model.yaml_reader import read_file
 from contin.records import Record
 from contin.runs.load import read_entries
 from contin.runs.outputs import ENDINGS, files_read, output_paths
-from contin.runs.plan import _model, _Planner
+from contin.runs.plan import model_of
+from contin.runs.planner import Planner
 from contin.runs.scan_schema import AxisEntry, ScanFileEntry
 from contin.simulate.scan.grid import ScanSpec
 
@@ -45,14 +46,14 @@ def plan_scan(
     entry = read_entries(document.data, source, ScanFileEntry)
     problems = Problems(source)
     typed = dict(overrides or {})
-    model = _model(entry, source, path, problems, typed)  # type: ignore[arg-type]
+    model = model_of(entry, source, path, problems, typed)  # type: ignore[arg-type]
     problems.raise_if_any()
     written = {
         "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "save": entry.outputs.save,
     }  # fmt: skip
     wanted = {kind: name for kind, name in written.items() if name is not None}
     files = output_paths(wanted, path, problems, ENDINGS | {"save": (".scan",)})
-    planner = _Planner(model, problems, {**entry.parameters, **typed})
+    planner = Planner(model, problems, {**entry.parameters, **typed})
     planner.check_parameters(entry.parameters, typed)
     axes = []
     for name, axis in entry.scan.axes.items():

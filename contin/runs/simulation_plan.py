@@ -15,7 +15,8 @@ from contin.errors import ContinError
 from contin.model.source import Path, Problems, Source
 from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
-from contin.runs.plan import Plan, StartPoint, _Planner
+from contin.runs.planner import Planner
+from contin.runs.plans import Plan, StartPoint
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
 from contin.simulate.crossings import section_of
 from contin.symbolic.passes.conserved import with_named_totals
@@ -94,22 +95,22 @@ def _files(
 
 def _planner(
     model: Model, shared: Record, own: Record, problems: Problems, path: Path
-) -> tuple[_Planner, Fields]:
+) -> tuple[Planner, Fields]:
     """The checker of names and numbers for this model, and the parameters of the file and of the entry together."""
     known = {name: value for name, value in shared.items() if name in model.parameter_names}  # a pass may bring others
-    planner = _Planner(model, problems, known)
+    planner = Planner(model, problems, known)
     planner.check_parameters({}, {})
     for name, value in own.items():
         if planner.known(name, (*path, "parameters", name), key=True):
             planner.formula(value, (*path, "parameters", name))
             known[name] = value
-    final = _Planner(model, problems, known)
+    final = Planner(model, problems, known)
     final.check_parameters({}, {})  # the values that formulas and default ranges are taken at
     return final, known
 
 
 def _start(
-    planner: _Planner, written: Json, parameters: Record, problems: Problems, path: Path
+    planner: Planner, written: Json, parameters: Record, problems: Problems, path: Path
 ) -> StartPoint:
     start = None if written is None else planner.start(written, (*path, "start"))
     if not problems:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 from contin.abi import Array
 from contin.continuation import march as generic
 from contin.continuation.halting import HALF_PERIOD
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Renewal, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Renewal, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.normalforms.result import sense
 from contin.problems import special
 from contin.problems.describe import with_normal_form
-from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 from contin.problems.hybrid.grazing import cut_where_events_change, ending
 from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, extremes, sampled
+from contin.problems.of_fixed_points import OfFixedPoints
 from contin.problems.polish import at_parameter
 from contin.problems.scales import parameter_width
 from contin.records import Fields
@@ -48,14 +48,10 @@ COEFFICIENTS: Final = ("a", "b", "c", "d")  # of the map's normal forms; those o
 
 
 @dataclass(frozen=True, eq=False)
-class HybridOrbits(Problem):
+class HybridOrbits(OfFixedPoints):
     """Fixed points (`inner`) of the map of a cycle of events, as periodic orbits."""
 
-    inner: EquilibriumProblem
-
     kind = "orbit"
-    locus = None
-    is_map = True
     maximum_chunk = 10
 
     @property
@@ -73,39 +69,13 @@ class HybridOrbits(Problem):
         return self.flow.described
 
     @property
-    def n(self) -> int:
-        return self.inner.n
-
-    @property
-    def base(self) -> Array:
-        return self.inner.base
-
-    @property
-    def active(self) -> int:
-        return self.inner.active
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        return self.inner.parameters
-
-    @property
     def angle_periods(self) -> Array:
         return self.inner.angle_periods
-
-    def with_active(self, name: str, z: Array | None = None) -> Self:
-        """The same orbits with another parameter free."""
-        return replace(self, inner=self.inner.with_active(name, z))
 
     def doubled(self) -> HybridOrbits:
         """Orbits with the cycle of events twice."""
         twice = replace(self.map, arcs=2 * self.map.arcs, winding=2.0 * self.map.winding)
         return HybridOrbits(replace(self.inner, system=twice))
-
-    def constants(self) -> dict[str, float]:
-        return self.inner.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.inner.default_range(parameter)
 
     def passage(self, z: Array) -> Passage | None:
         """The cycle from the solution z."""

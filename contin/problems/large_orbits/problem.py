@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Problem, Sample, Verified, unverified
+from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.factor import Factoriser
@@ -28,6 +28,7 @@ from contin.problems.large_orbits.multipliers import leading, tests_of
 from contin.problems.large_orbits.points import Points
 from contin.problems.large_orbits.radau import STAGES, WEIGHTS, A, Trajectory
 from contin.problems.large_orbits.sweeps import Closed, Sweeps
+from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.orbits.birth import cut_at_birth
 from contin.problems.scales import parameter_width
 from contin.problems.sparse.jacobian import JacobianSource
@@ -85,12 +86,10 @@ class OrbitLinearisation:
 
 
 @dataclass(frozen=True, eq=False)
-class LargeOrbitProblem(Problem):
+class LargeOrbitProblem(InOneParameterProblem):
     """Orbits of a large system; `base` holds all parameters, entry `active` varies."""
 
     system: FunctionSystem
-    base: Array
-    active: int
     intervals: int
     memory: Memory = field(default_factory=Memory)
 
@@ -100,18 +99,10 @@ class LargeOrbitProblem(Problem):
     adaptive = True  # tests of a discretised problem: what is found beside a point is told apart down to 1e-4
     maximum_chunk = 2
 
-    @property
-    def n(self) -> int:
-        return self.system.n
-
     @cached_property
     def source(self) -> JacobianSource:
         """The Jacobian of the equations."""
         return JacobianSource(self.system)
-
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.system.parameter_names[self.active],)
 
     @cached_property
     def angle_periods(self) -> Array:
@@ -122,24 +113,8 @@ class LargeOrbitProblem(Problem):
         """No state is an angle here."""
         return np.zeros(self.n)
 
-    def full_parameters(self, z: Array) -> Array:
-        """All parameters."""
-        p = self.base.copy()
-        p[self.active] = z[-1]
-        return p
-
-    def constants(self) -> dict[str, float]:
-        return dict(zip(self.system.parameter_names, self.base.tolist(), strict=True))
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        """The model's own."""
-        return self.system.model.parameter_range(parameter)
-
-    def with_active(self, name: str, z: Array) -> LargeOrbitProblem:
-        """The same with another parameter free."""
-        return replace(
-            self, base=self.full_parameters(z), active=list(self.system.parameter_names).index(name), memory=Memory()
-        )
+    def with_active(self, name: str, z: Array | None = None) -> Self:
+        return replace(super().with_active(name, z), memory=Memory())
 
     def configured(self, seed: Any, settings: Settings) -> Any:
         """A seed on as many intervals as the settings want."""

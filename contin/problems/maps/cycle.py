@@ -19,13 +19,14 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Problem, Rejected, Sample, Verified
+from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.machine import elementary
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.march import DenseMarch
+from contin.problems.of_fixed_points import OfFixedPoints
 from contin.problems.polish import at_parameter
 from contin.special.table import test_on_branch
 from contin.systems.iterate import IteratedSystem
@@ -37,14 +38,10 @@ SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class CycleProblem(Problem):
+class CycleProblem(OfFixedPoints):
     """Cycles of period k of a map; `inner` is the problem of fixed points of its k-th iterate."""
 
-    inner: EquilibriumProblem
-
-    locus = None
     kind = "fixed-point"
-    is_map = True
     maximum_chunk = 25
 
     @property
@@ -56,34 +53,9 @@ class CycleProblem(Problem):
     def period(self) -> int:
         return self.system.times
 
-    @property
-    def n(self) -> int:
-        return self.inner.n
-
-    @property
-    def base(self) -> Array:
-        return self.inner.base
-
-    @property
-    def active(self) -> int:
-        return self.inner.active
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        return self.inner.parameters
-
     @cached_property
     def angle_periods(self) -> Array:
         return np.tile(self.inner.angle_periods, self.period)
-
-    def with_active(self, name: str, z: Array | None = None) -> CycleProblem:
-        return CycleProblem(self.inner.with_active(name, z))
-
-    def constants(self) -> dict[str, float]:
-        return self.inner.constants()
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.inner.default_range(parameter)
 
     # between the cycle and its first point ----------------------------------------------------------------------------
 

@@ -21,6 +21,7 @@ from contin.linalg.vectors import norm
 from contin.normalforms.jet import DerivativeJet
 from contin.normalforms.multiple import multiple_directions
 from contin.normalforms.reduction import Reduction
+from contin.problems.sparse.reduced import settled
 
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
@@ -89,16 +90,11 @@ class Kernel:
 
     def onto(self, z: Array, mu: Array, a: Array) -> tuple[Array, Array]:
         """The point with C^T (z - origin) = a and F + B mu = 0, by Newton from (z, mu)."""
-        before = np.inf
-        for _ in range(STEPS):
+        def correction(z: Array, mu: Array) -> tuple[Array, Array]:
             f = self.problem.residual(z) + self.columns @ mu
-            dz, dmu = self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
-            size = norm(dz)
-            if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
-                break
-            z, mu = z + dz, mu + dmu
-            before = size
-        return z, mu
+            return self.solve(self.solver(z), -f, a - self.rows.T @ (z - self.origin))
+
+        return settled(correction, z, mu)
 
     def slopes(self, z: Array) -> tuple[Solver, Array, Array]:
         """The solver at z, z_i as rows (k + 1, n + 1), and mu_i as columns (k, k + 1)."""

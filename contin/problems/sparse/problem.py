@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Rejected, Sample, Verified, unverified
+from contin.continuation.problem import Chunk, Frame, Outcome, Rejected, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.linalg.copies import SMALL, every, with_copies
 from contin.linalg.eigen import Region, Spectrum, followed, leading
@@ -24,6 +25,7 @@ from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
+from contin.problems.one_parameter import InOneParameterProblem
 from contin.problems.sparse import special
 from contin.problems.sparse.jacobian import JacobianSource
 from contin.problems.symmetry import reversing_symmetries
@@ -80,22 +82,16 @@ class Workspace:
 
 
 @dataclass(frozen=True, eq=False)
-class LargeProblem(Problem):
+class LargeProblem(InOneParameterProblem):
     """F(u, p) = 0 with one parameter free; `base` holds all parameters, entry `active` varies."""
 
     system: FunctionSystem
-    base: Array
-    active: int
     source: JacobianSource
     work: Workspace = field(default_factory=Workspace)
 
     locus = None
     kind = "equilibrium"
     is_map = False
-
-    @property
-    def n(self) -> int:
-        return self.system.n
 
     @cached_property
     def angle_periods(self) -> Array:
@@ -105,26 +101,8 @@ class LargeProblem(Problem):
     def maximum_chunk(self) -> int:
         return int(np.clip(200_000 // self.n, 2, 20))
 
-    @cached_property
-    def parameters(self) -> tuple[str, ...]:
-        return (self.system.parameter_names[self.active],)
-
-    def with_active(self, name: str, z: Array | None = None) -> LargeProblem:
-        base = self.base.copy()
-        if z is not None:
-            base[self.active] = z[-1]
-        return replace(self, base=base, active=list(self.system.parameter_names).index(name), work=Workspace())
-
-    def full_parameters(self, z: Array) -> Array:
-        p = self.base.copy()
-        p[self.active] = z[-1]
-        return p
-
-    def constants(self) -> dict[str, float]:
-        return dict(zip(self.system.parameter_names, self.base.tolist(), strict=True))
-
-    def default_range(self, parameter: str) -> tuple[float, float] | None:
-        return self.system.model.parameter_range(parameter)
+    def with_active(self, name: str, z: Array | None = None) -> Self:
+        return replace(super().with_active(name, z), work=Workspace())
 
     # evaluation -------------------------------------------------------------------------------------------------------
 

@@ -12,8 +12,9 @@ A branch point is where mu = mu_1 = mu_2 = 0; its branches leave along the zeros
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 
@@ -25,7 +26,21 @@ from contin.linalg.vectors import norm
 if TYPE_CHECKING:
     from contin.problems.sparse.equations import SparseEquations
 
-STEPS = 12
+STEPS: Final = 12
+M = TypeVar("M", float, Array)
+
+
+def settled(correction: Callable[[Array, M], tuple[Array, M]], z: Array, mu: M) -> tuple[Array, M]:
+    """(z, mu) by Newton's steps `correction`, until they no longer become smaller."""
+    before = np.inf
+    for _ in range(STEPS):
+        dz, dmu = correction(z, mu)
+        size = norm(dz)
+        if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
+            break
+        z, mu = z + dz, mu + dmu
+        before = size
+    return z, mu
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +68,11 @@ class Reduced:
 
     def onto(self, z: Array, mu: float, target: Array, origin: Array) -> tuple[Array, float]:
         """The point with C^T (z - origin) = target and F + mu b = 0, by Newton from (z, mu)."""
-        before = np.inf
-        for _ in range(STEPS):
+        def correction(z: Array, mu: float) -> tuple[Array, float]:
             f = self.problem.residual(z) + mu * self.column
-            dz, dmu = self.solve(self.solver(z), -f, target - self.rows.T @ (z - origin))
-            size = norm(dz)
-            if not np.isfinite(size) or (size >= 0.5 * before and size < 1e-6 * (norm(z) + 1.0)):
-                break
-            z, mu = z + dz, mu + dmu
-            before = size
-        return z, mu
+            return self.solve(self.solver(z), -f, target - self.rows.T @ (z - origin))
+
+        return settled(correction, z, mu)
 
     def first(self, z: Array) -> tuple[Solution, Array, Array]:
         """The solver at z, z_i as rows (2, n + 1), and the gradient mu_i (2,)."""
