@@ -9,9 +9,9 @@ from pydantic import BaseModel, ValidationError
 
 from contin.errors import FormatVersionError, InputError
 from contin.model import features, schema
-from contin.model.advice import closest
 from contin.model.expression import Expression
-from contin.model.schema import FORMAT_VERSION, TAGS, ModelEntry, shown
+from contin.model.misshapen import note, place_of
+from contin.model.schema import FORMAT_VERSION, ModelEntry, shown
 from contin.model.source import Path, Problems
 from contin.records import Fields, Json
 
@@ -82,46 +82,29 @@ def validate(data: Json, problems: Problems) -> ModelEntry:
             return ModelEntry.model_validate(data)
         except ValidationError as error:
             for item in error.errors(include_url=False, include_context=False):
-                _note(item, data, problems)
+                _note(item, problems)
             for item in error.errors(include_url=False, include_context=False):
-                _mend(data, _real_path(item["loc"]), item["type"])
+                _mend(data, place_of(item), item["type"])
     problems.raise_if_any()
     raise InputError("the model cannot be read")
 
 
-def _real_path(loc: tuple[int | str, ...]) -> Path:
-    return tuple(part for part in loc if part not in TAGS)
-
-
-def _note(item: Json, data: Json, problems: Problems) -> None:
-    path, kind = _real_path(item["loc"]), item["type"]
-    value = item.get("input")
-    if kind == "extra_forbidden":
-        allowed = _allowed_keys(item["loc"])
-        feature = features.of_key(str(path[-1])) if len(path) == 1 else ""
-        advice = feature or closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
-        problems.add(path, f"unknown key: {advice}", key=True)
-    elif kind == "missing":
-        example = _EXAMPLES.get(str(path[-1]), "")
-        problems.add(path[:-1], f"{path[-1]!r} is missing" + (f"; {example}" if example else ""))
-    elif kind in ("dict_type", "model_type", "model_attributes_type"):
-        problems.add(path, f"expected a mapping {{name: value}}, got {shown(value)}")
-    elif kind == "list_type":
-        problems.add(path, f"expected a list [ ... ], got {shown(value)}")
-    elif kind == "literal_error":
+def _note(item: Json, problems: Problems) -> None:
+    path, kind, value = place_of(item), item["type"], item.get("input")
+    own = {}
+    if kind == "extra_forbidden" and len(path) == 1 and features.of_key(str(path[0])):
+        problems.add(path, f"unknown key: {features.of_key(str(path[0]))}", key=True)
+        return
+    if kind == "literal_error":
         expected = str(item["msg"]).removeprefix("Input should be ").replace("'", "")
-        advice = ""
+        feature = ""
         if path == ("kind",):
             expected, feature = expected.replace(" or ", ", ") + " or pde", features.of_kind(value)
-            advice = f"; {feature}" if feature else ""
-        problems.add(path, f"expected {expected}, got {shown(value)}{advice}")
-    elif kind == "too_short":
-        problems.add(path, "is empty; at least one entry is needed")
-    else:
-        problems.add(path, item["msg"])
+        own[kind] = f"expected {expected}, got {shown(value)}" + (f"; {feature}" if feature else "")
+    note(item, problems, lambda _: _allowed_keys(path), _EXAMPLES, own)
 
 
-def _allowed_keys(loc: tuple[int | str, ...]) -> list[str]:
+def _allowed_keys(real: Path) -> list[str]:
     entries: dict[tuple[int, str], type[BaseModel]] = {
         (1, ""): schema.ModelEntry,
         (3, "states"): schema.StateEntry,
@@ -131,7 +114,6 @@ def _allowed_keys(loc: tuple[int | str, ...]) -> list[str]:
         (2, "forcing"): schema.ForcingEntry,
         (3, "expect"): schema.ExpectEntry,
     }
-    real = _real_path(loc)
     section = "" if len(real) == 1 else str(real[0])
     entry = entries.get((len(real), section))
     return list(entry.model_fields) if entry is not None else []

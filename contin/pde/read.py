@@ -13,9 +13,10 @@ from contin.model.evaluate import evaluate
 from contin.model.expression import Expression, number
 from contin.model.inline import Formulas
 from contin.model.lexer import canonical_name
+from contin.model.misshapen import note
 from contin.model.naming import check_label, check_name
 from contin.model.parts import Parameter, Start
-from contin.model.schema import TAGS, ParameterEntry, shown
+from contin.model.schema import ParameterEntry, shown
 from contin.model.scope import Calls, Scope
 from contin.model.shape import check_version, plain
 from contin.model.source import CallSource, Path, Problems, Source
@@ -54,34 +55,14 @@ def _validated(data: Json, problems: Problems) -> PdeEntry:
         return PdeEntry.model_validate(data)
     except ValidationError as error:
         for item in error.errors(include_url=False, include_context=False):
-            _note(item, problems)
+            note(item, problems, _allowed, _EXAMPLES, {"too_long": "a domain has one axis or two"})
         problems.raise_if_any()
         raise InputError(str(error)) from None
 
 
-def _note(item: Json, problems: Problems) -> None:
-    path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
-    if kind == "extra_forbidden":
-        entry = PdeEntry if len(path) == 1 else AxisEntry if path[0] == "domain" else ParameterEntry
-        allowed = [field.alias or name for name, field in entry.model_fields.items()]
-        advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
-        problems.add(path, f"unknown key: {advice}", key=True)
-    elif kind == "missing":
-        problems.add(path[:-1], f"{path[-1]!r} is missing; {_EXAMPLES.get(str(path[-1]), 'add it')}")
-    elif kind in ("dict_type", "model_type", "model_attributes_type"):
-        problems.add(path, f"expected a mapping {{name: value}}, got {shown(value)}")
-    elif kind == "list_type":
-        problems.add(path, f"expected a list [ ... ], got {shown(value)}")
-    elif kind == "literal_error":
-        problems.add(path, f"expected {item['msg'].removeprefix('Input should be ')}, got {shown(value)}")
-    elif kind == "bool_type":
-        problems.add(path, f"expected true or false, got {shown(value)}")
-    elif kind == "too_long":
-        problems.add(path, "a domain has one axis or two")
-    elif kind == "too_short":
-        problems.add(path, "is empty; at least one entry is needed")
-    else:
-        problems.add(path, item["msg"])
+def _allowed(path: Path) -> list[str]:
+    entry = PdeEntry if not path else AxisEntry if path[0] == "domain" else ParameterEntry
+    return [field.alias or name for name, field in entry.model_fields.items()]
 
 
 class _PdeFormulas(Formulas):

@@ -8,8 +8,8 @@ from typing import Final, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from contin.errors import InputError
-from contin.model.advice import closest
-from contin.model.schema import TAGS, shown
+from contin.model.misshapen import note
+from contin.model.schema import shown
 from contin.model.shape import check_version, plain
 from contin.model.source import Path, Problems, Source
 from contin.model.yaml_reader import read_file
@@ -66,38 +66,11 @@ def read_entries(data: Json, source: Source, shape: type[_Shape], *, version_req
     return entry
 
 
-_LIMITS = {
-    "greater_than_equal": "not below", "less_than_equal": "not above", "greater_than": "above", "less_than": "below",
-}  # fmt: skip
-
-
 def _note(item: Json, problems: Problems, shape: type[BaseModel]) -> None:
-    path, kind, value = tuple(part for part in item["loc"] if part not in TAGS), item["type"], item.get("input")
-    if kind == "extra_forbidden":
-        allowed = _keys_at(path[:-1], shape)
-        advice = closest(str(path[-1]), allowed) or f"allowed are {', '.join(allowed)}"
-        problems.add(path, f"unknown key: {advice}", key=True)
-    elif kind == "missing":
-        problems.add(path[:-1], f"{path[-1]!r} is missing; {_EXAMPLES.get(str(path[-1]), 'add it')}")
-    elif kind in ("dict_type", "model_type", "model_attributes_type"):
-        problems.add(path, f"expected a mapping {{name: value}}, got {shown(value)}")
-    elif kind == "list_type":
-        problems.add(path, f"expected a list [ ... ], got {shown(value)}")
-    elif kind == "bool_type":
-        problems.add(path, f"expected true or false, got {shown(value)}")
-    elif kind == "literal_error":
-        problems.add(path, f"expected {item['msg'].removeprefix('Input should be ')}, got {shown(value)}")
-    elif kind == "too_long":
-        problems.add(
-            path, f"expected one parameter or two, got {len(value) if isinstance(value, list) else shown(value)}"
-        )
-    elif kind == "too_short":
-        problems.add(path, "is empty; at least one entry is needed")
-    elif kind in _LIMITS:
-        limit = item["msg"].rsplit(" ", 1)[1]
-        problems.add(path, f"expected a number {_LIMITS[kind]} {limit}, got {shown(value)}")
-    else:
-        problems.add(path, item["msg"])
+    value = item.get("input")
+    count = len(value) if isinstance(value, list) else shown(value)
+    own = {"too_long": f"expected one parameter or two, got {count}"}
+    note(item, problems, lambda path: _keys_at(path, shape), _EXAMPLES, own)
 
 
 def _keys_at(path: Path, shape: type[BaseModel]) -> list[str]:

@@ -28,7 +28,7 @@ from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.store.digest import parts_digest
 from contin.store.json_format import FORMAT_VERSION, branch_document
-from contin.store.lock import Lock
+from contin.store.lock import Lock, opening
 from contin.store.places import State, beside, discard, foreign, state_of
 from contin.store.sqlite import APPLICATION_ID, begin, in_words, insert_branch, insert_meta
 
@@ -67,18 +67,12 @@ class SqliteJournal:
         self.path, self.trouble, self.replayed = path, "", 0
         self.notes: list[str] = []
         self._lock = Lock(path)
-        try:
+        with opening(self._lock, path):
             self._open(mark, resume, model or {})
             self._branches = dict(self._connection.execute("SELECT name, position FROM branch").fetchall())
             found = self._connection.execute("SELECT number, sha256 FROM chunk ORDER BY number DESC LIMIT 1").fetchone()
             self._number: int = 0 if found is None else found[0] + 1
             self._last: str = "" if found is None else found[1]
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            self._lock.release()
-            raise InputError(in_words(path, error)) from None
-        except BaseException:
-            self._lock.release()
-            raise
 
     def _open(self, mark: str, resume: bool, model: Record) -> None:
         """The file of the earlier run if it is resumed, or a new one: where nothing stands, else beside."""

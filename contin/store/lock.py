@@ -7,11 +7,14 @@ lock is held.
 from __future__ import annotations
 
 import os
+import sqlite3
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from contin.errors import InputError
+from contin.store.sqlite import in_words
 
 IN_USE = "in use by another process; wait for it, or save under another name"
 
@@ -82,3 +85,22 @@ else:
         except OSError as error:
             return error.errno not in (errno.EWOULDBLOCK, errno.EACCES, errno.EAGAIN)
         return True
+
+
+@contextmanager
+def opening(lock: Lock, path: Path) -> Iterator[None]:
+    """While a result file is opened: the lock is released where that fails, and what a database says is put in words.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or written.
+    """
+    try:
+        yield
+    except (sqlite3.Error, UnicodeDecodeError) as error:
+        lock.release()
+        raise InputError(in_words(path, error)) from None
+    except BaseException:
+        lock.release()
+        raise

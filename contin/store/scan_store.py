@@ -25,7 +25,7 @@ from contin.records import Fields, Record
 from contin.simulate.scan.grid import Outcome, table
 from contin.store.atomic import flush_folder
 from contin.store.digest import DamageWarning, LeftOutWarning, parts_digest
-from contin.store.lock import Lock
+from contin.store.lock import Lock, opening
 from contin.store.places import State, beside, discard, foreign, state_of
 from contin.store.sqlite import in_words
 
@@ -51,14 +51,8 @@ class ScanStore:
         self.rows: dict[int, Outcome] = {}
         self._committed = time.monotonic()
         self._lock = Lock(path)
-        try:
+        with opening(self._lock, path):
             self._open(mark, json.dumps(head), resume)
-        except (sqlite3.Error, UnicodeDecodeError) as error:
-            self._lock.release()
-            raise InputError(in_words(path, error)) from None
-        except BaseException:
-            self._lock.release()
-            raise
 
     def _open(self, mark: str, head: str, resume: bool) -> None:
         states = {place: state_of(place, APPLICATION_ID) for place in (beside(self.path), self.path)}
