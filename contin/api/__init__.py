@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from contin.api.searches import find_equilibria
     from contin.api.solutions import solution
     from contin.api.starts import equilibrium
-    from contin.api.survey import survey
+    from contin.api.surveys import survey
 
 _HOMES = {
     "boundary_problem": "boundary",
@@ -36,7 +36,7 @@ _HOMES = {
     "phase": "diagrams",
     "prepare": "machine_code",
     "solution": "solutions",
-    "survey": "survey",
+    "survey": "surveys",
     "walk": "branches",
 }
 

@@ -22,7 +22,7 @@ from contin.continuation.stored import StoredProblem
 from contin.errors import InputError
 from contin.plot.figure import draw
 from contin.plot.look import Look
-from contin.plot.scan import figure as draw_scan
+from contin.plot.scan import drawn as drawn_scan
 from contin.records import Record
 from contin.store.digest import mistake
 from contin.store.json_format import read_mapping
@@ -79,11 +79,11 @@ class ScanResults(Results):
         return dict(Counter(self.columns["class"]).most_common())
 
     def plot(self, ax: Axes | None = None, **options: object) -> Figure:
-        """Classes over one or two axes, a panel a start; options: x and y, axes of the scan."""
-        look = Look.of(options)
-        if ax is not None or (look.y is not None and not isinstance(look.y, str)):
-            raise InputError("a scan is drawn into a figure of its own; its options are x and y")
-        return draw_scan(dict(self.document), x=look.x, y=look.y)
+        """Classes over one or two axes, a panel a start.
+
+        options : x, y, limits, log, size, legend, title, style; `start`, to draw this one alone (into `ax`).
+        """
+        return drawn_scan(dict(self.document), ax, options)
 
 
 def read(file: str | Path) -> Results:

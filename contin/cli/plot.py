@@ -26,7 +26,7 @@ def plot_file(
     """Draw the results in `file`; the ending of `out` chooses the kind of picture."""
     out = out or file.with_suffix(".png")
     if ending_of(file) == ".scan":
-        return plot_scan(file, out, x, y[0] if y else None, over)
+        return plot_scan(file, out, as_look(look or {}, x, y), over)
     if over is not None:
         raise InputError("--over is for a scan: contin plot FILE.scan --over RESULTS")
     if orbit is not None:

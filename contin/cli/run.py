@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from contin import lazy
 from contin.cli.interrupt import check, hold
+from contin.cli.look_options import written_look
 from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_on, writable, write_all
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker, duration
@@ -77,17 +78,21 @@ def run_diagram(
     orbits: bool,
     quiet: bool,
     began: float,
+    look: Record,
 ) -> int:
     """Explore a diagram from the command line: the same as a run file with `diagram:`.
 
-    given : NAME=VALUE texts of `budget` and `settings`.  files : outputs by kind.
+    given : NAME=VALUE texts of `budget` and `settings`.  files : outputs by kind.  look : options of the picture.
     """
+    shown = written_look(look, look.get("x"), look.get("y"))
     written = {key: parse_pairs(f"--{key}", texts) for key, texts in given.items() if texts}
     outputs = _asked_for(files)
     source = CallSource("contin diagram")
-    entry = read_run({"model": model, "diagram": {**diagram, **written}}, source, version_required=False)
+    axes = {key: shown[key] for key in ("x", "y") if key in shown}
+    asked = {"model": model, "diagram": {**diagram, **written}, "outputs": axes}
+    entry = read_run(asked, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
-    return carry_out(replace(plan, outputs=outputs), json, orbits, quiet, began, told=True)
+    return carry_out(replace(plan, outputs=outputs, look=shown), json, orbits, quiet, began, told=True)
 
 
 def run_phase(
@@ -101,8 +106,10 @@ def run_phase(
     orbits: bool,
     quiet: bool,
     began: float,
+    look: Record,
 ) -> int:
     """A phase diagram from the command line: the same as a run file with `phase:`.  files : outputs by kind."""
+    shown = written_look(look, None, None)
     outputs = _asked_for(files)
     bounds = {name: list(pair) for name, pair in zip(parameters, ranges, strict=True)}
     chosen = {"start": list(starts)} if starts else {}
@@ -110,7 +117,7 @@ def run_phase(
     source = CallSource("contin phase")
     entry = read_run({"model": model, "phase": phase}, source, version_required=False)
     plan = make_plan(entry, source, Path.cwd() / "command line", parse_sets(sets))
-    return carry_out(replace(plan, outputs=outputs) if outputs else plan, json, False, quiet, began)
+    return carry_out(replace(plan, outputs=outputs, look=shown), json, False, quiet, began)
 
 
 def _asked_for(files: Mapping[str, Path | None]) -> dict[str, Path]:

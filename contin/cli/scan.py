@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from contin.cli.run import parse_sets
 from contin.cli.simulate import PICTURES, write_figure, write_json, write_table
 from contin.cli.terminal import console
 from contin.errors import InputError
+from contin.plot.look import Look
 from contin.plot.scan import figure
 from contin.records import Fields, Record
 from contin.runs.outputs import make_folder
@@ -80,7 +81,7 @@ def scan_file(
     notes = [*(store.notes if store is not None else []), *([stopped] if stopped else [])]
     if notes:
         document["notes"] = notes
-    written = write_all(_outputs(plan.outputs, document, beneath, json), report, lambda: _tell(document, report))
+    written = write_all(_outputs(plan, document, beneath, json), report, lambda: _tell(document, report))
     if store is not None and store.trouble:
         written.add(store.trouble)
     return written.code(CUT_SHORT if stopped else DONE)
@@ -111,11 +112,11 @@ def _store(plan: ScanPlan, file: Path, sets: Sequence[str], resume: bool) -> Sca
     return store
 
 
-def plot_scan(file: Path, out: Path, x: str | None, y: str | None, over: Path | None) -> int:
+def plot_scan(file: Path, out: Path, look: Look, over: Path | None) -> int:
     """Draw a saved scan, also one that is not finished."""
     if out.suffix not in PICTURES:
         raise InputError(f"{out}: pictures end in {', '.join(PICTURES)}")
-    write_figure(figure(read_scan(file), x=x, y=y, over=_results(over)), out)
+    write_figure(figure(read_scan(file), look=look, over=_results(over)), out)
     print(out)
     return DONE
 
@@ -150,20 +151,21 @@ def _tell(document: Record, report: Console) -> None:
         report.print(f"{unsettled} runs did not settle within `longest`; their class is that of the last window")
 
 
-def _outputs(outputs: Mapping[str, Path], document: Fields, beneath: Record | None, json: str | None) -> list[Output]:
+def _outputs(plan: ScanPlan, document: Fields, beneath: Record | None, json: str | None) -> list[Output]:
     """Every file that the scan file and the command line ask for; the store is there already."""
-    files = [Output(kind, partial(_write, kind, path, document, beneath)) for kind, path in outputs.items()]
+    files = [Output(kind, partial(_write, plan, kind, document, beneath)) for kind in plan.outputs]
     return [*files, *([Output("json", partial(write_json, document, json))] if json is not None else [])]
 
 
-def _write(kind: str, path: Path, document: Fields, beneath: Record | None) -> str | None:
+def _write(plan: ScanPlan, kind: str, document: Fields, beneath: Record | None) -> str | None:
+    path = plan.outputs[kind]
     make_folder(path)
     if kind == "csv":
         write_table(document["columns"], path)
     elif kind == "plot":
         if not document["columns"]["class"]:
             return f"{path.name} is not drawn: no run is done"
-        write_figure(figure(document, over=beneath), path)
+        write_figure(figure(document, look=Look.of(plan.look), over=beneath), path)
     elif kind == "json":
         write_json(document, str(path))
     return f"wrote {path.name}"

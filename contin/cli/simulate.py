@@ -7,16 +7,17 @@ import io
 import json as json_library
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from contin.cli.look_options import as_look
 from contin.cli.outputs import CUT_SHORT, DONE, Output, json_to_stdout, writable, write_all
 from contin.cli.run import parse_sets
 from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.model.registry import load
-from contin.plot.look import Look
 from contin.plot.trajectory import figure
 from contin.records import Fields
 from contin.simulate.run import simulate
@@ -41,6 +42,7 @@ def simulate_model(
     picture, table = out["plot"], out["csv"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    look = as_look(out["look"], out["x"], None if out["y"] is None else [out["y"]])
     for path in (picture, table):
         if path is not None and not path.absolute().parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
@@ -56,8 +58,8 @@ def simulate_model(
         report.print(str(found), style="" if found.complete else "yellow")
 
     def draw() -> str:
-        look = Look(title=model.title or model.name, x=out["x"], y=out["y"])
-        drawing = figure(found.drawn, list(model.state_names), look=look, section=section)
+        named = replace(look, title=look.title or model.title or model.name)
+        drawing = figure(found.drawn, list(model.state_names), look=named, section=section)
         write_figure(drawing, picture)
         return str(picture)
 

@@ -40,7 +40,7 @@ def _write(plan: SimulationPlan, kind: str, path: Path, entry: Fields) -> str:
 
     make_folder(path)
     title = f"{plan.model.title or plan.model.name}: {plan.name}"
-    look = Look(title=title, x=plan.x, y=plan.y)
+    look = Look.of({"title": title, **plan.look})
     write_figure(figure(columns, list(plan.model.state_names), look=look, section=section), path)
     return f"wrote {os.path.relpath(path)}"
 
@@ -57,8 +57,8 @@ def draw_sweep(plan: Plan, document: Record, path: Path) -> None:
 
     found = document["sweep"]
     over = document if document["branches"] else None
-    y = (plan.look.get("y") or [None])[0]
-    drawing = figure(found["columns"], found["parameter"], found["quantities"], title=plan.title, y=y, over=over)
+    look = Look.of({"title": plan.title, **plan.look})
+    drawing = figure(found["columns"], found["parameter"], found["quantities"], look=look, over=over)
     write_figure(drawing, path)
 
 

@@ -12,15 +12,17 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
-from contin.api.survey import Survey, said, survey
+from contin.api.surveys import Survey, said, survey
 from contin.cli.counting import counted
 from contin.cli.interrupt import check
+from contin.cli.look_options import as_look
 from contin.cli.outputs import CUT_SHORT, DONE, writable, write_all
 from contin.cli.run import parse_sets
 from contin.cli.simulate import PICTURES, table_outputs, write_figure
 from contin.cli.terminal import console
 from contin.errors import InputError
 from contin.model.registry import load
+from contin.plot.survey import figure
 from contin.records import Fields
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ def survey_model(
     picture: Path | None = out["plot"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    look = as_look(out["look"], None, None)
     writable(out["json"], {}, [])
     model = load(reference)
     report = console(sys.stderr if out["json"] == "-" else sys.stdout, quiet)
@@ -54,7 +57,7 @@ def survey_model(
         report.print(f"{time.perf_counter() - began:.2f} s in all", style="dim", highlight=False)
 
     def draw(path: Path) -> str:
-        write_figure(found.plot(), path)
+        write_figure(figure(found.document(), look=look), path)
         return str(path)
 
     document = found.document()

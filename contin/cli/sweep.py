@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from contin.cli.counting import counted
+from contin.cli.look_options import as_look
 from contin.cli.outputs import CUT_SHORT, DONE, writable, write_all
 from contin.cli.run import parse_sets
 from contin.cli.simulate import PICTURES, starting_point, table_outputs, write_figure
@@ -29,6 +31,7 @@ def sweep_model(
     picture, table = out["plot"], out["csv"]
     if picture is not None and picture.suffix not in PICTURES:
         raise InputError(f"--plot {picture}: pictures end in {', '.join(PICTURES)}")
+    look = as_look(out["look"], None, out["y"])
     writable(out["json"], {}, [over] if over is not None else [])
     model = load(reference)
     document = None
@@ -55,7 +58,8 @@ def sweep_model(
             report.print(f"  {found.names[0]} jumps on the way {word} between {parameter} = {before:g} and {after:g}")
 
     def draw() -> str:
-        drawing = figure(found.columns, parameter, found.names, title=model.title, y=out["y"], over=document)
+        named = replace(look, title=look.title or model.title)
+        drawing = figure(found.columns, parameter, found.names, look=named, over=document)
         write_figure(drawing, picture)
         return str(picture)
 

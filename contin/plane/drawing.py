@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from contin.abi import Array
 from contin.machine import elementary
+from contin.plot.canvas import canvas, finish, fixed
+from contin.plot.dress import dress
 from contin.plot.house_style import style
+from contin.plot.look import Look
 from contin.plot.typeset import typeset
 from contin.plot.vocabulary import PALETTE
 
@@ -30,24 +34,17 @@ DASHES: Final = {"unstable": "-", "stable": "--"}
 SIZE: Final = (5.2, 5.0)
 
 
-def drawn(plane: PhasePlane, ax: Axes | None, title: str | None) -> Figure:
+def drawn(plane: PhasePlane, ax: Axes | None, options: Mapping[str, object]) -> Figure:
     """Everything, with a legend below (inside, where `ax` is the caller's)."""
-    from contin.plot.picture import picture
-
-    with style():
-        if ax is not None:
-            _draw(plane, ax)
-            ax.legend(frameon=False, fontsize=7, loc="upper right")
-            ax.set_title(title or "")
-            found = ax.get_figure(root=True)
-            assert found is not None
-            return found
-        drawing = picture(*SIZE)
-        axes = drawing.subplots()
-        _draw(plane, axes)
-        handles, labels = axes.get_legend_handles_labels()
-        drawing.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
-        drawing.suptitle(title if title is not None else _title(plane), fontsize=10)
+    look = Look.of(options)
+    x, y = plane.field.names
+    fixed(look, "a phase plane", x, y)
+    look.check_columns([x, y])
+    with style(look.style):
+        drawing, [axes] = canvas(look, ax, [f"{y} over {x}"], SIZE)
+        _draw(plane, axes, look)
+        handles, words = axes.get_legend_handles_labels()
+        finish(drawing, [axes], look, ax, handles, words, _title(plane), 3)
     return drawing
 
 
@@ -56,7 +53,7 @@ def _title(plane: PhasePlane) -> str:
     return str(getattr(model, "title", None) or model.name)
 
 
-def _draw(plane: PhasePlane, ax: Axes) -> None:
+def _draw(plane: PhasePlane, ax: Axes, look: Look) -> None:
     x, y = plane.field.names
     periods = plane.field.periods
     _arrows(plane, ax)
@@ -94,6 +91,7 @@ def _draw(plane: PhasePlane, ax: Axes) -> None:
         )  # fmt: skip
     ax.set_xlim(*plane.window[0])
     ax.set_ylim(*plane.window[1])
+    dress(ax, look, x, y)
     units = {s.name: s.unit for s in getattr(plane.field.planar, "states", ()) or () if getattr(s, "unit", None)}
     for name, setter in ((x, ax.set_xlabel), (y, ax.set_ylabel)):
         setter(typeset(name) + (f" ({units[name]})" if name in units else ""))

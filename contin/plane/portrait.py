@@ -53,9 +53,12 @@ class PhasePlane:
     trajectories: tuple[Flight, ...]
     notes: tuple[str, ...]
 
-    def plot(self, ax: Axes | None = None, *, title: str | None = None) -> Figure:
-        """A matplotlib figure, or the plane drawn into `ax`."""
-        return drawn(self, ax, title)
+    def plot(self, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure, or the plane drawn into `ax`.
+
+        options : limits, log, size, legend, title, style (`contin.plot.look.Look`).
+        """
+        return drawn(self, ax, options)
 
     def document(self) -> Fields:
         """The plane as plain data."""

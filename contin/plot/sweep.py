@@ -2,76 +2,98 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contin.errors import InputError
+from contin.model.advice import closest
+from contin.plot.canvas import canvas, finish, fixed, several
+from contin.plot.dress import dress
 from contin.plot.figure import figure as diagram_figure
 from contin.plot.figure import image_names
-from contin.plot.house_style import style
-from contin.plot.look import Look
+from contin.plot.house_style import chosen_palette, style
+from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.series import from_document, panels
 from contin.plot.vocabulary import PALETTE
 from contin.records import Record
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-UP, DOWN = PALETTE[0], PALETTE[1]
-ON_DIAGRAM, ON_DIAGRAM_DOWN = "0.1", "0.5"  # the diagram has the colours
+ON_DIAGRAM: tuple[str, str] = ("0.1", "0.5")  # the diagram has the colours
 
 
 def figure(
-    columns: Record, parameter: str, names: Sequence[str], *, title: str | None = None, y: str | None = None,
+    columns: Record, parameter: str, names: Sequence[str], *, look: Look = PLAIN_LOOK, ax: Axes | None = None,
     over: Record | None = None,
 ) -> Figure:  # fmt: skip
-    """Largest and smallest value of quantity y (default: the first) against the parameter.
+    """Largest and smallest value of quantities (default: the first) against the parameter, a panel each.
 
-    over : a result document; its diagram of y is drawn beneath (of orbits, their column y.max).
+    over : a result document; its diagram of the quantity is drawn beneath (of orbits, their column y.max).
+    ax : draw one quantity into these axes instead.
     """
-    from contin.plot.picture import picture
-
-    quantity = y or names[0]
-    if quantity not in names:
-        raise InputError(f"there is no quantity {quantity!r} in the sweep; there are {', '.join(names)}")
-    with style():
-        if over is None:
-            drawing: Figure = picture(5.4, 4.0)
-            ax = drawing.subplots()
-            ax.set_xlabel(parameter)
-            ax.set_ylabel(quantity)
-            if title:
-                drawing.suptitle(title, fontsize=10)
+    fixed(look, "a sweep", parameter)
+    shown = several(look.y) or [names[0]]
+    for quantity in shown:
+        if quantity not in names:
+            advice = closest(quantity, names) or f"there are {', '.join(names)}"
+            raise InputError(f"there is no quantity {quantity!r} in the sweep: {advice}")
+    look.check_columns([parameter, *shown])
+    with style(look.style):
+        if over is not None:
+            drawing, axes = _diagram(over, parameter, shown, look, ax)
         else:
-            drawing, ax = _diagram(over, parameter, quantity, title)
-        values, directions = np.asarray(columns[parameter]), np.asarray(columns["direction"])
-        colours = (UP, DOWN) if over is None else (ON_DIAGRAM, ON_DIAGRAM_DOWN)
-        for direction, marker, colour, words in ((1, "^", colours[0], "up"), (-1, "v", colours[1], "down")):
-            chosen = directions == direction
-            if not np.any(chosen):
-                continue
-            for what, face in (("max", colour), ("min", "none")):
-                ax.plot(
-                    values[chosen], np.asarray(columns[f"{quantity}.{what}"])[chosen], marker, markersize=4.0,
-                    markerfacecolor=face, markeredgecolor=colour, markeredgewidth=0.8, linestyle="none",
-                    label=f"sweep {words}: {what}",
-                )  # fmt: skip
+            drawing, axes = canvas(look, ax, shown, (max(5.4, 4.4 * len(shown)), 4.0))
+        colours: Sequence[str] = chosen_palette(PALETTE) if over is None else ON_DIAGRAM
+        for one, quantity in zip(axes, shown, strict=True):
+            _triangles(one, columns, parameter, quantity, colours)
+            dress(one, look, parameter, quantity)
+        handles, words = axes[0].get_legend_handles_labels()
         if over is None:
-            drawing.legend(loc="outside lower center", ncols=4, frameon=False)
-        else:
-            ax.legend(loc="best", framealpha=0.9, fontsize=6.5, ncols=2)
+            finish(drawing, axes, look, ax, handles, words)
+        elif look.legend != "none" and handles:  # the lines of the diagram have theirs
+            if earlier := axes[0].get_legend():
+                axes[0].add_artist(earlier)
+            axes[0].legend(handles, words, loc="best", framealpha=0.9, fontsize=6.5, ncols=2)
     return drawing
 
 
-def _diagram(over: Record, parameter: str, quantity: str, title: str | None) -> tuple[Figure, Any]:
+def drawn(
+    columns: Record, parameter: str, names: Sequence[str], ax: Axes | None, options: Mapping[str, object]
+) -> Figure:
+    """`figure` with the options as a user writes them."""
+    return figure(columns, parameter, names, look=Look.of(options), ax=ax)
+
+
+def _triangles(ax: Axes, columns: Record, parameter: str, quantity: str, colours: Sequence[str]) -> None:
+    """Filled at the largest value, open at the smallest."""
+    values, directions = np.asarray(columns[parameter]), np.asarray(columns["direction"])
+    for direction, marker, colour, words in ((1, "^", colours[0], "up"), (-1, "v", colours[1], "down")):
+        chosen = directions == direction
+        if not np.any(chosen):
+            continue
+        for what, face in (("max", colour), ("min", "none")):
+            ax.plot(
+                values[chosen], np.asarray(columns[f"{quantity}.{what}"], dtype=float)[chosen], marker,
+                markersize=4.0, markerfacecolor=face, markeredgecolor=colour, markeredgewidth=0.8, linestyle="none",
+                label=f"sweep {words}: {what}",
+            )  # fmt: skip
+
+
+def _diagram(
+    over: Record, parameter: str, shown: Sequence[str], look: Look, ax: Axes | None
+) -> tuple[Figure, list[Axes]]:
+    """The branches beneath, with axes for the sweep's quantities."""
     sources = from_document(over)
     if not sources:
         raise InputError("the results to draw over hold no branch")
     model = over["model"]
     drawing = diagram_figure(
-        panels(sources, x=parameter, y=quantity, periods=model.get("periods"), units=model.get("units")),
-        look=Look(title=title), images=image_names(sources), periods=model.get("periods"),
+        panels(sources, x=parameter, y=list(shown), periods=model.get("periods"), units=model.get("units")),
+        look=replace(look, x=None, y=None), images=image_names(sources), periods=model.get("periods"), ax=ax,
     )  # fmt: skip
-    return drawing, drawing.axes[0]
+    return drawing, [ax] if ax is not None else list(drawing.axes)

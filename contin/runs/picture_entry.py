@@ -7,6 +7,7 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from contin.model.schema import Text
+from contin.records import Fields
 from contin.runs.entry_types import File, Interval, Section, Texts, mapping_or_not, wrong
 
 SAFE: Final = (
@@ -45,3 +46,14 @@ class PictureEntry(Section):
 Picture = Annotated[
     Annotated[File, Tag("(short)")] | Annotated[PictureEntry, Tag("(long)")], Discriminator(mapping_or_not)
 ]
+
+
+def file_of(picture: str | PictureEntry | None) -> str | None:
+    """The picture's file, however it was written."""
+    return picture.file if isinstance(picture, PictureEntry) else picture
+
+
+def look_of(picture: str | PictureEntry | None, **axes: object) -> Fields:
+    """What is said of it, over the axes that are written beside it, as `Look.of` takes it."""
+    said = picture.look() if isinstance(picture, PictureEntry) else {}
+    return {**{key: value for key, value in axes.items() if value is not None}, **said}

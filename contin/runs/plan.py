@@ -16,6 +16,7 @@ from contin.model.yaml_loader import model_from_mapping
 from contin.records import Json
 from contin.runs.columns import check_columns, formulas
 from contin.runs.outputs import output_paths
+from contin.runs.picture_entry import file_of, look_of
 from contin.runs.planner import Planner
 from contin.runs.plans import Number, Plan
 from contin.runs.references import check_references
@@ -61,7 +62,7 @@ def make_plan_for(
     phase = None if entry.phase is None else planner.phase(entry.phase)
     runs = planner.runs(entry.continuations, file)
     check_references(entry, model, problems)
-    look = entry.outputs.look()
+    look = look_of(entry.outputs.plot, x=entry.outputs.x, y=entry.outputs.y)
     quantities = [] if entry.sweep is None else list(entry.sweep.measures)
     shown = [(("outputs", "x"), look.get("x")), *((("outputs", "y"), name) for name in look.get("y") or [])]
     check_columns(shown, model, problems, quantities)
@@ -75,7 +76,7 @@ def make_plan_for(
 
 def _written_files(entry: RunEntry) -> dict[str, str]:
     files = {
-        "plot": entry.outputs.plot_file,
+        "plot": file_of(entry.outputs.plot),
         "html": entry.outputs.html,
         "save": entry.outputs.save,
         "json": entry.outputs.json_,

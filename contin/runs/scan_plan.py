@@ -15,6 +15,7 @@ from contin.model.yaml_reader import read_file
 from contin.records import Record
 from contin.runs.load import read_entries
 from contin.runs.outputs import ENDINGS, files_read, output_paths
+from contin.runs.picture_entry import file_of, look_of
 from contin.runs.plan import model_of
 from contin.runs.planner import Planner
 from contin.runs.scan_schema import AxisEntry, ScanFileEntry
@@ -29,6 +30,7 @@ class ScanPlan:
     outputs: Mapping[str, FilePath] = field(default_factory=dict)
     title: str | None = None
     reads: Sequence[FilePath] = ()  # files that no output may overwrite
+    look: Record = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
 
 
 def plan_scan(
@@ -49,7 +51,8 @@ def plan_scan(
     model = model_of(entry, source, path, problems, typed)  # type: ignore[arg-type]
     problems.raise_if_any()
     written = {
-        "plot": entry.outputs.plot, "csv": entry.outputs.csv, "json": entry.outputs.json_, "save": entry.outputs.save,
+        "plot": file_of(entry.outputs.plot), "csv": entry.outputs.csv, "json": entry.outputs.json_,
+        "save": entry.outputs.save,
     }  # fmt: skip
     wanted = {kind: name for kind, name in written.items() if name is not None}
     files = output_paths(wanted, path, problems, ENDINGS | {"save": (".scan",)})
@@ -87,4 +90,4 @@ def plan_scan(
         spec.check()
     except ContinError as error:
         raise InputError(f"{path}: scan: {error}") from None
-    return ScanPlan(spec, files, entry.title or model.title, files_read(entry, path))
+    return ScanPlan(spec, files, entry.title or model.title, files_read(entry, path), look_of(entry.outputs.plot))

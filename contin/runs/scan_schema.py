@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag,
 from contin.limits import MOST_RUNS
 from contin.model.schema import FORMAT_VERSION, Formula, Text
 from contin.runs.entry_types import Count, File, Positive, Section, listed
+from contin.runs.picture_entry import Picture
 from contin.runs.schema import ModelReference, Pass, Start, Starts, _version
 
 
@@ -65,7 +66,7 @@ class ScanEntry(Section):
 class ScanOutputsEntry(Section):
     """Files to write, in or below the scan file's folder; `save` is the store that a killed scan resumes from."""
 
-    plot: File | None = None
+    plot: Picture | None = None
     csv: File | None = None
     json_: File | None = Field(default=None, alias="json")
     save: File | None = None

@@ -38,7 +38,7 @@ from contin.runs.entry_types import (
     not_negative,
     wrong,
 )
-from contin.runs.picture_entry import Picture, PictureEntry
+from contin.runs.picture_entry import Picture
 
 DIRECTIONS: Final = ("both", "up", "down")
 
@@ -225,7 +225,7 @@ class SimulateEntry(Section):
     rtol: Positive | None = None
     box: Positive | None = None
     section: WrittenSection | None = None
-    plot: File | None = None
+    plot: Picture | None = None
     csv: File | None = None
     x: Text | None = None
     y: Text | None = None
@@ -271,17 +271,6 @@ class OutputsEntry(Section):
     json_: File | None = Field(default=None, alias="json")
     x: Text | None = None
     y: Texts | None = None
-
-    @property
-    def plot_file(self) -> str | None:
-        """The picture's file."""
-        return self.plot.file if isinstance(self.plot, PictureEntry) else self.plot
-
-    def look(self) -> Fields:
-        """What is said of the picture, as `contin.plot.look.Look.of` takes it."""
-        said = self.plot.look() if isinstance(self.plot, PictureEntry) else {}
-        axes = {"x": self.x, "y": self.y}
-        return {**{key: value for key, value in axes.items() if value is not None}, **said}
 
 
 def _version(value: object) -> object:

@@ -15,6 +15,7 @@ from contin.errors import ContinError
 from contin.model.source import Path, Problems, Source
 from contin.records import Fields, Json, Record
 from contin.runs.outputs import output_path
+from contin.runs.picture_entry import PictureEntry, file_of, look_of
 from contin.runs.planner import Planner
 from contin.runs.plans import Plan, StartPoint
 from contin.runs.schema import RunEntry, SimulateEntry, SweepEntry
@@ -37,8 +38,7 @@ class SimulationPlan:
     transient: float
     options: Record = field(default_factory=dict)
     outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
-    x: str | None = None
-    y: str | None = None
+    look: Record = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def with_simulations(plan: Plan, written: Json, entry: RunEntry, source: Source,
         name = item.name or f"simulation{position + 1}"
         if any(name == earlier.name for earlier in simulations):
             problems.add((*path, "name"), f"{name!r} is already the name of an earlier simulation; choose another")
-        files = _files({"plot": item.plot, "csv": item.csv}, file, problems, taken, path)
+        files = _files({"plot": file_of(item.plot), "csv": item.csv}, file, problems, taken, path)
         simulation = _simulation(item, name, model, plan.parameters, problems, path)
         simulations.append(replace(simulation, outputs=files))
     sweep = None
@@ -126,16 +126,21 @@ def _simulation(
 ) -> SimulationPlan:
     planner, parameters = _planner(model, shared, item.parameters, problems, path)
     start = _start(planner, item.start, parameters, problems, path)
+    look = look_of(item.plot, x=item.x, y=item.y)
     columns = ["t", *model.state_names, *model.observables]
-    for key, column in (("x", item.x), ("y", item.y)):
-        if column is not None and column not in columns:
-            problems.add((*path, key), f"there is no column {column!r}; there are {', '.join(columns)}")
+    inside: Path = ("plot",) if isinstance(item.plot, PictureEntry) else ()
+    for key in ("x", "y", "log", "limits"):
+        said = look.get(key) or ()
+        for column in [said] if isinstance(said, str) else said:
+            if column not in columns:
+                place: Path = (*path, key) if getattr(item, key, None) is not None else (*path, *inside, key)
+                problems.add(place, f"there is no column {column!r}; there are {', '.join(columns)}")
     if item.section is not None:
         try:
             section_of(model, item.chosen()["section"])
         except ContinError as error:
             problems.add((*path, "section"), str(error).removeprefix("section: "))
-    return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), x=item.x, y=item.y)
+    return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), look=look)
 
 
 def _sweep(item: SweepEntry, model: Model, shared: Record, problems: Problems) -> SweepPlan | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from contin.simulate.watch import watching
 from contin.symbolic.passes.conserved import with_named_totals
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from contin.lowering.system import CompiledSystem
@@ -55,9 +56,13 @@ class Sweep:
                 columns[f"{name}.{what}"] = self.statistics[:, row, k]
         return columns
 
-    def plot(self, y: str | None = None) -> Figure:
-        """A matplotlib figure: extrema of quantity y (default: the first) over the parameter, up and down."""
-        drawn: Figure = lazy.module("drawn sweeps").figure(self.columns, self.parameter, self.names, y=y)
+    def plot(self, y: str | Sequence[str] | None = None, *, ax: Axes | None = None, **options: object) -> Figure:
+        """A matplotlib figure: extrema of quantity y (default: the first) over the parameter, up and down.
+
+        ax : draw into these axes instead.  options : limits, log, size, legend, title, style (`contin.draw`).
+        """
+        module = lazy.module("drawn sweeps")
+        drawn: Figure = module.drawn(self.columns, self.parameter, self.names, ax, {"y": y, **options})
         return drawn
 
     def _repr_html_(self) -> str:

@@ -9,6 +9,7 @@ import typer
 
 from contin.cli.clock import STARTED
 from contin.cli.commands import work
+from contin.cli.picture_options import Look, pictured
 from contin.cli.verbs.app import app
 from contin.cli.verbs.arguments import Csv, Json, ModelName, OrbitsToo, Page, Picture, Quiet, Sets, Starts, Store
 
@@ -29,6 +30,7 @@ def run(
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+@pictured
 def diagram(
     model: ModelName,
     parameter: Annotated[str, typer.Argument(help="Parameter to vary.")],
@@ -39,6 +41,8 @@ def diagram(
     json: Json = None,
     plot: Picture = None,
     html: Page = None,
+    x: Annotated[str | None, typer.Option("--x", "-x", help="Column for the horizontal axis.")] = None,
+    y: Annotated[list[str] | None, typer.Option("--y", "-y", help="Vertical axis; repeat for more panels.")] = None,
     save: Store = None,
     budget: Annotated[
         list[str] | None,
@@ -51,16 +55,19 @@ def diagram(
     no_orbits: Annotated[bool, typer.Option("--no-orbits", help="Do not follow periodic orbits.")] = False,
     orbits: OrbitsToo = False,
     quiet: Quiet = False,
+    look: Look = None,
 ) -> None:
     """Explore a model's bifurcation diagram in one parameter automatically."""
     entry = {"parameter": parameter, "range": [low, high], "orbits": not no_orbits}
     entry |= {"start": start} if start else {}
     given = {"budget": budget or [], "settings": settings or []}
     files = {"plot": plot, "html": html, "save": save}
-    raise typer.Exit(work("run_diagram")(model, entry, given, sets or [], json, files, orbits, quiet, STARTED))
+    drawn = {**(look or {}), "x": x, "y": y}
+    raise typer.Exit(work("run_diagram")(model, entry, given, sets or [], json, files, orbits, quiet, STARTED, drawn))
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+@pictured
 def phase(
     model: ModelName,
     first: Annotated[str, typer.Argument(metavar="P", help="Parameter of the horizontal axis.")],
@@ -77,15 +84,19 @@ def phase(
     save: Store = None,
     orbits: Annotated[bool, typer.Option(help="Periodic orbits and their curves, too.")] = True,
     quiet: Quiet = False,
+    look: Look = None,
 ) -> None:
     """Cut a box of two parameters into regions by all curves of special points that can be reached."""
     ranges, files = ((low, high), (bottom, top)), {"plot": plot, "html": html, "save": save}
     raise typer.Exit(
-        work("run_phase")(model, (first, second), ranges, start or [], sets or [], json, files, orbits, quiet, STARTED)
+        work("run_phase")(
+            model, (first, second), ranges, start or [], sets or [], json, files, orbits, quiet, STARTED, look or {}
+        )
     )
 
 
 @app.command()
+@pictured
 def survey(
     model: ModelName,
     parameters: Annotated[
@@ -100,9 +111,10 @@ def survey(
     plot: Picture = None,
     json: Json = None,
     quiet: Quiet = False,
+    look: Look = None,
 ) -> None:
     """Which parameters matter: each varied both ways from every attractor, to the first bifurcation."""
-    out = {"csv": csv, "plot": plot, "json": json}
+    out = {"csv": csv, "plot": plot, "json": json, "look": look or {}}
     raise typer.Exit(
         work("survey_model")(
             model, parameters or [], start or [], sets or [], factor, most, processes, out, quiet, STARTED

@@ -8,11 +8,13 @@ from typing import Annotated
 import typer
 
 from contin.cli.commands import work
+from contin.cli.picture_options import Look, pictured
 from contin.cli.verbs.app import app
 from contin.cli.verbs.arguments import Csv, Json, ModelName, Picture, Quiet, Sets, StartName, States
 
 
 @app.command()
+@pictured
 def simulate(
     model: ModelName,
     start: StartName = None,
@@ -40,9 +42,10 @@ def simulate(
     y: Annotated[str | None, typer.Option("--y", "-y", help="Its vertical axis.")] = None,
     json: Json = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No table.")] = False,
+    look: Look = None,
 ) -> None:
     """Integrate a model (iterate a map): table, CSV, time series and phase portrait."""
-    out = {"csv": csv, "plot": plot, "json": json, "x": x, "y": y}
+    out = {"csv": csv, "plot": plot, "json": json, "x": x, "y": y, "look": look or {}}
     raise typer.Exit(
         work("simulate_model")(
             model, start, states or [], sets or [], out, quiet,
@@ -54,6 +57,7 @@ def simulate(
 
 
 @app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+@pictured
 def sweep(
     model: ModelName,
     parameter: Annotated[str, typer.Argument(help="Parameter to step.")],
@@ -73,13 +77,16 @@ def sweep(
     csv: Csv = None,
     plot: Picture = None,
     over: Annotated[Path | None, typer.Option("--over", help="Draw over these results (.contin or .json).")] = None,
-    y: Annotated[str | None, typer.Option("--y", "-y", help="Quantity to draw.")] = None,
+    y: Annotated[
+        list[str] | None, typer.Option("--y", "-y", help="Quantity to draw; repeat for more panels.")
+    ] = None,
     json: Json = None,
     quiet: Quiet = False,
+    look: Look = None,
 ) -> None:
     """Step a parameter up and down, each run started from the last state: hysteresis."""
     waiting = {"window": window, "tolerance": tolerance, "longest": longest}
-    out = {"csv": csv, "plot": plot, "json": json, "y": y}
+    out = {"csv": csv, "plot": plot, "json": json, "y": y, "look": look or {}}
     raise typer.Exit(
         work("sweep_model")(
             model, parameter, low, high, start, states or [], sets or [], measures or [], steps, waiting, out, over,

@@ -8,10 +8,12 @@ from typing import Annotated
 import typer
 
 from contin.cli.commands import work
+from contin.cli.picture_options import Look, pictured
 from contin.cli.verbs.app import app
 
 
 @app.command()
+@pictured
 def plot(
     file: Annotated[Path, typer.Argument(help="Results: .contin, .json or .scan.")],
     out: Annotated[
@@ -24,19 +26,9 @@ def plot(
         typer.Option("--orbit", help="Draw the orbit at a point, BRANCH.LABEL: time series and phase portrait."),
     ] = None,
     over: Annotated[Path | None, typer.Option("--over", help="Curves to draw over a scan.")] = None,
-    log: Annotated[list[str] | None, typer.Option("--log", help="Column with a logarithmic axis; repeatable.")] = None,
-    limits: Annotated[
-        list[str] | None, typer.Option("--limits", help="COLUMN=LOW,HIGH: ends of an axis; repeatable.")
-    ] = None,
-    labels: Annotated[
-        str | None, typer.Option("--labels", help="Types whose labels are written, such as LP,HB; or none.")
-    ] = None,
-    size: Annotated[str | None, typer.Option("--size", help="WIDTH,HEIGHT in inches.")] = None,
-    legend: Annotated[str, typer.Option("--legend", help="below, inside or none.")] = "below",
-    title: Annotated[str | None, typer.Option("--title", help="Written over the picture.")] = None,
+    look: Look = None,
 ) -> None:
     """Draw saved results."""
-    look = {"log": log, "limits": limits, "labels": labels, "size": size, "legend": legend, "title": title}
     raise typer.Exit(work("plot_file")(file, out, x, y, over, orbit, look))
 
 

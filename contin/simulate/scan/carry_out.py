@@ -22,6 +22,7 @@ from contin.simulate.scan.grid import Outcome, ScanSpec, table
 from contin.simulate.scan.runner import Runner, run_batch
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from contin.model.model import Model
@@ -52,9 +53,17 @@ class Scan:
         """How many runs of each class, the most frequent first."""
         return dict(Counter(outcome.label for outcome in self.rows.values()).most_common())
 
-    def plot(self, x: str | None = None, y: str | None = None) -> Figure:
-        """A matplotlib figure: classes over one or two axes, a panel a start."""
-        drawn: Figure = lazy.module("drawn scans").figure(self.document, x=x, y=y)
+    def plot(
+        self, x: str | None = None, y: str | None = None, *, start: str | None = None, ax: Axes | None = None,
+        **options: object,
+    ) -> Figure:  # fmt: skip
+        """A matplotlib figure: classes over one or two axes, a panel a start.
+
+        start : draw this one alone.  ax : draw it into these axes instead.
+        options : limits, log, size, legend, title, style (`contin.draw`).
+        """
+        chosen = {"x": x, "y": y, "start": start, **options}
+        drawn: Figure = lazy.module("drawn scans").drawn(self.document, ax, chosen)
         return drawn
 
     def _repr_html_(self) -> str:

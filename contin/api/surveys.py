@@ -18,12 +18,13 @@ from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.expression import symbols_in
 from contin.model.model import Model
-from contin.plot.survey import figure
+from contin.plot.survey import drawn
 from contin.records import Fields, Record
 from contin.symbolic.passes.conserved import conserved_notes
 from contin.symbolic.passes.translations import translation_notes
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 FACTOR: Final = 10.0
@@ -85,9 +86,13 @@ class Survey:
             "notes": list(self.notes), "seconds": self.seconds,
         }  # fmt: skip
 
-    def plot(self) -> Figure:
-        """Bars over the ratio to the parameter's value, one panel an attractor (a matplotlib figure)."""
-        return figure(self.document())
+    def plot(self, attractor: str | None = None, *, ax: Axes | None = None, **options: object) -> Figure:
+        """Bars over the ratio to the parameter's value, one panel an attractor (a matplotlib figure).
+
+        attractor : draw this one alone.  ax : draw it into these axes instead.
+        options : y (the parameters to show), labels, limits of `ratio`, size, legend, title, style (`contin.draw`).
+        """
+        return drawn(self.document(), ax, options, attractor)
 
     def __str__(self) -> str:
         lines = [f"{self.model}: {len(self.rows)} rows, {self.seconds:.1f} s"]
