@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -9,11 +10,14 @@ import numpy as np
 from contin.abi import Array
 from contin.api.starts import equilibrium
 from contin.continuation.branch import SpecialPoint
-from contin.errors import InputError
+from contin.errors import ExpressionError, InputError
 from contin.lowering.system import CompiledSystem
+from contin.model.expression import Expression
 from contin.model.kinds import need_time
 from contin.model.model import Model
+from contin.model.parser import parse
 from contin.problems.orbits.frame import system_of_orbits
+from contin.problems.orbits.homoclinic.reversor import reversor_of
 from contin.problems.orbits.homoclinic.start import ConnectingOrbit
 from contin.problems.orbits.homoclinic.table import Path
 from contin.problems.orbits.problem import OrbitProblem
@@ -31,6 +35,7 @@ def connection(
     *,
     samples: tuple[Array, Array] | None = None,
     truncation: float | None = None,
+    reversor: Mapping[str, str | float] | None = None,
 ) -> ConnectingOrbit:
     """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
 
@@ -42,6 +47,9 @@ def connection(
         homotopy in the first parameter.
     truncation : distance of the orbit's ends from the saddles, relative to its extent (default 1e-5, where rounding and
         mesh allow it); the error is of the order of its square.
+    reversor : images of states under a reflection R with f(R u) = -R f(u), formulas such as {"v": "-v"}. The orbits are
+        then those that R maps onto themselves; of them half is solved for. They persist in one parameter where the
+        unstable manifold and the fixed space of R have dimensions with sum n, and need two where it is n - 1.
 
     `continuation(..., (p, q), ranges)` solves for the orbit at the present value of q. Where the dimensions of the two
     manifolds add up to n + 1, the connection persists, and `continuation(..., p, range)` follows it in one parameter.
@@ -53,6 +61,10 @@ def connection(
             f"truncation: a relative distance from 1e-8 to {LARGEST_TRUNCATION:g} of the ends from the saddles; got "
             f"{truncation:g}"
         )
+    if reversor is not None and last is not None:
+        raise InputError("a connecting orbit that a reversor maps onto itself leads to the image of `start`: no `to`")
+    if isinstance(origin, SpecialPoint) and reversor is not None:
+        raise InputError("a symmetric connecting orbit starts from a model and `samples`, not from a periodic orbit")
     if isinstance(origin, SpecialPoint):
         return _of_orbit(origin, first, last, samples, truncation)
     need_time(origin, "connecting orbits")
@@ -61,7 +73,21 @@ def connection(
     system = system_of_orbits(found[0].system)
     if not isinstance(system, CompiledSystem):
         raise InputError("connecting orbits need a flow given by formulas")
-    return ConnectingOrbit(system, found[0].p, np.array([saddle.u for saddle in found]), path, truncation)
+    symmetric = None if reversor is None else reversor_of(system, found[0].p, _images(origin, reversor))
+    return ConnectingOrbit(system, found[0].p, np.array([saddle.u for saddle in found]), path, truncation, symmetric)
+
+
+def _images(model: Model, reversor: Mapping[str, str | float]) -> dict[str, Expression]:
+    """Formulas in states and parameters."""
+    images, names = {}, [*model.state_names, *model.parameter_names]
+    for name, formula in reversor.items():
+        if name not in model.state_names:
+            raise InputError(f"reversor: {name!r} is no state; states are {', '.join(model.state_names)}")
+        try:
+            images[name] = parse(str(formula), names, model.functions)
+        except ExpressionError as error:
+            raise InputError(f"reversor: {name}: {error}") from None
+    return images
 
 
 connecting_orbit = connection

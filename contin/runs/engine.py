@@ -97,7 +97,7 @@ class ContinEngine:
             return api.manifold(model, run.start, parameters, name=run.name, **run.manifold)
         if run.as_ == "connection":
             along = _table(run.samples)
-            return api.connection(model, run.start, run.to, parameters, samples=along, truncation=run.truncation)
+            return api.connection(model, run.start, run.to, parameters, samples=along, **run.connecting)
         if run.as_ is None:
             return api.solution(model, run.start, parameters)
         return api.equilibrium(model, run.start, parameters)
@@ -107,7 +107,7 @@ class ContinEngine:
         if run.as_ == "manifold":
             return _verbs().manifold(point, name=run.name, **run.manifold)
         if run.as_ == "connection":
-            return _verbs().connection(point, run.start, run.to, truncation=run.truncation)
+            return _verbs().connection(point, run.start, run.to, **run.connecting)
         if len(run.parameters) > 1:
             return point.locus(run.parameters)
         if _goes_on(branch, point, run):

@@ -120,7 +120,7 @@ class Planner(EntryParts):
         return RunPlan(
             name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
             free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
-            truncation=entry.truncation,
+            connecting=_written(truncation=entry.truncation, reversor=entry.reversor),
         )  # fmt: skip
 
     def manifold(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan:
@@ -132,8 +132,7 @@ class Planner(EntryParts):
             reference = (branch, label)
         else:
             start = self.start(entry.of, (*path, "of"))
-        chosen = {"side": entry.side, "dimension": entry.dimension, "length": entry.length, "spacing": entry.spacing}
-        options = {key: value for key, value in chosen.items() if value is not None}
+        options = _written(side=entry.side, dimension=entry.dimension, length=entry.length, spacing=entry.spacing)
         return RunPlan(name, (), {}, start, reference, as_="manifold", manifold=options)
 
     def stored(self, text: str, file: FilePath, varying: tuple[str, ...], path: Path) -> StoredStart | None:
@@ -204,3 +203,8 @@ def _mistake(attempt: Callable[[], object]) -> str:
     except InputError as error:
         return str(error).splitlines()[0]
     return ""
+
+
+def _written(**keys: object) -> Fields:
+    """The options that are there."""
+    return {key: value for key, value in keys.items() if value is not None}

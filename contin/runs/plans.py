@@ -44,7 +44,7 @@ class RunPlan:
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
     recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
     manifold: Record = field(default_factory=dict)  # side, dimension, length, spacing
-    truncation: float | None = None  # of a connecting orbit: distance of its ends from the saddles, relative
+    connecting: Record = field(default_factory=dict)  # of a connecting orbit: truncation, reversor
     spectra: bool = False  # eigenvalues are columns
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from contin.continuation.defects import noted
 from contin.continuation.fields import fields_along, has_fields
+from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.records import Record
 
@@ -34,7 +35,7 @@ class OrbitSamples:
 def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
     if branch.kind != "orbit" and has_fields(branch.problem):
         return {"fields": point.fields}
-    if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits):
+    if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits | ConnectionProblem):
         return None
     profile = branch.problem.profile(point.z)
     if has_fields(branch.problem):

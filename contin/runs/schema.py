@@ -88,6 +88,13 @@ MANY: Final = Field(max_length=6)
 ORIGINS: Final = {"start": "start", "from": "from_", "samples": "samples"}  # where a run may begin, and its field
 
 
+OF_CONNECTIONS: Final = {
+    "to": "the saddle that a connecting orbit leads to",
+    "truncation": "how near to its saddles a connecting orbit is cut",
+    "reversor": "the reflection under which a connecting orbit is symmetric",
+}
+
+
 class ContinuationEntry(Section):
     """One run: from a start of the model, or from a point of an earlier branch."""
 
@@ -98,6 +105,7 @@ class ContinuationEntry(Section):
     as_: Literal["equilibrium", "orbit", "locus", "connection", "manifold"] | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     truncation: Annotated[Positive, Field(ge=1e-8, le=0.1)] | None = None  # distance of its ends from them, relative
+    reversor: dict[str, Formula] | None = None  # ... images of states under a reflection that reverses time
     of: Start | None = None  # of a manifold: the equilibrium that it belongs to, or NAME.LABEL
     side: Literal["stable", "unstable"] | None = None
     dimension: Annotated[Count, Field(le=2)] | None = None
@@ -126,15 +134,14 @@ class ContinuationEntry(Section):
             raise wrong("has `samples` of an orbit; write `as: orbit`, `as: connection`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
             raise wrong(f"names {self.parameter[0]!r} twice in `parameter`")
-        enough = len(self.parameter) == 2 or (len(self.parameter) == 1 and self.to is not None)
+        persists = len(self.parameter) == 1 and (self.to is not None or self.reversor is not None)
+        enough = len(self.parameter) == 2 or persists
         if connects and (self.start is None or not enough):
-            one = " (one is enough where connections to a second saddle, `to`, persist)"
+            one = " (one is enough where connections to a second saddle, `to`, or symmetric ones, `reversor`, persist)"
             raise wrong(f"is a connection: give `start`, the saddle that it leaves, and two parameters{one}")
-        if not connects and (self.to is not None or self.truncation is not None):
-            key, what = ("to", "the saddle that a connecting orbit leads to") if self.to is not None else (
-                "truncation", "how near to its saddles a connecting orbit is cut"
-            )  # fmt: skip
-            raise wrong(f"has `{key}`, {what}; write `as: connection`")
+        own = [(key, what) for key, what in OF_CONNECTIONS.items() if getattr(self, key) is not None]
+        if not connects and own:
+            raise wrong(f"has `{own[0][0]}`, {own[0][1]}; write `as: connection`")
         if len(self.parameter) > 1 and self.from_ is None and not connects:
             many = {2: "two", 3: "three"}.get(len(self.parameter), str(len(self.parameter)))
             raise wrong(f"{many} parameters need a point to start from; write `from: NAME.LABEL`")

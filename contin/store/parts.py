@@ -70,6 +70,7 @@ PARTS: Final[Mapping[str, Part]] = {
     "ShotPeriodCurve": Part("contin.problems.shooting.loci.same_period"),
     "ConnectionProblem": Part("contin.problems.orbits.homoclinic.problem", made=("_last",)),
     "ConnectionCurve": Part("contin.problems.orbits.homoclinic.curve"),
+    "Reversor": Part("contin.problems.orbits.homoclinic.reversor"),
     "Gauge": Part("contin.problems.orbits.homoclinic.curve"),
     # curves on any equations
     "AugmentedCurve": Part("contin.loci.problem"),

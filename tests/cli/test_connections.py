@@ -101,3 +101,28 @@ def test_fronts_that_persist_are_followed_in_one_parameter(tmp_path):
     assert [end["reason"] for end in branch["ends"]] == ["bound", "bound"]
     (point,) = branch["points"]
     assert point["values"]["v.min"] == pytest.approx(-8 / 27 / math.sqrt(6), abs=1e-6)
+
+
+def test_a_run_follows_symmetric_orbits(tmp_path, capsys):
+    """u'' = m u - k u^3: u = sqrt(2 m / k) / cosh(sqrt(m) t)."""
+    model = {
+        "contin": 1, "name": "pulse", "states": {"u": 0.0, "v": 0.0}, "parameters": {"k": 1.0, "m": 1.0},
+        "equations": {"u": "v", "v": "m*u - k*u^3"},
+    }  # fmt: skip
+    entry = {
+        "name": "pulse", "as": "connection", "start": {"u": 0}, "reversor": {"v": "-v"}, "parameter": "k",
+        "range": {"k": [0.5, 2]}, "values": {"k": [1.5]},
+    }  # fmt: skip
+    path = run_file(tmp_path, model, continuations=[entry], outputs={"json": "out.json"})
+    assert call("run", path, "--quiet", "--orbits") == 0
+    (branch,) = results(tmp_path / "out.json")["branches"]
+    assert branch["kind"] == "connection"
+    columns = branch["columns"]
+    largest = [max(-low, high) for low, high in zip(columns["u.min"], columns["u.max"], strict=True)]
+    assert largest == pytest.approx([math.sqrt(2 / k) for k in columns["k"]], abs=1e-9)
+    orbit = branch["points"][0]["orbit"]
+    assert abs(orbit["v"][0] + orbit["v"][-1]) < 1e-12
+    assert max(map(abs, orbit["u"])) == pytest.approx(math.sqrt(2 / 1.5), abs=1e-6)
+    bad = run_file(tmp_path, model, continuations=[entry | {"reversor": {"u": "v"}}])
+    assert call("run", bad) == 2
+    assert "reversor" in capsys.readouterr().err

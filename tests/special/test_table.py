@@ -69,7 +69,7 @@ def test_curves_that_meet_are_those_of_the_points_with_folds_of_cycles_for_folds
 
 def test_a_type_lies_on_branches_or_on_curves_by_its_codimension():
     for code, row in table().items():
-        kinds = ("equilibrium", "fixed-point", "orbit", "algebraic", "bvp")
+        kinds = ("equilibrium", "fixed-point", "orbit", "algebraic", "bvp", "connection")
         where = kinds if row.codimension < 2 else (*POINTS, "LPC", "BPC", "HOM")
         where = (*where, "CP", "BT", "GH", "ZH", "HH") if row.codimension > 2 else where
         assert row.on, code

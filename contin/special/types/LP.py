@@ -4,7 +4,7 @@ from contin.special.sources import KUZNETSOV
 from contin.special.special_type import SpecialType
 
 TYPE = SpecialType(
-    code="LP", words="fold", codimension=1, on=("equilibrium", "fixed-point", "algebraic", "bvp"),
+    code="LP", words="fold", codimension=1, on=("equilibrium", "fixed-point", "algebraic", "bvp", "connection"),
     also="limit point, turning point, saddle-node",
     condition="f = 0, f_u v = 0 (maps: f_u v = v), the parameter turns: <w, f_p> != 0", critical=1,
     source=f"{KUZNETSOV}, sec. 3.2",

@@ -26,6 +26,7 @@ from contin.abi import Array
 from contin.kernels.collocation_basis import basis
 from contin.machine import elementary
 from contin.problems.orbits.homoclinic.projections import linearised_projections
+from contin.problems.orbits.homoclinic.reversor import Reversor
 from contin.problems.orbits.homoclinic.subspaces import left_subspace
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
@@ -48,7 +49,8 @@ class Gauge:
 class ConnectionCurve(CurveOfOrbits):
     """`orbits` gives the equations, with the first parameter free; counts: stable directions of x0, unstable of x1.
 
-    They add up to n, to n - 1 at a saddle-node (`node`) and where only p is free.
+    They add up to n, to n - 1 at a saddle-node (`node`) and where only p is free. With a `reversor` the orbit is half
+    of a symmetric one and ends in its fixed space, which `unstable_count` conditions say (see `reversor.py`).
     winding : whole turns of angles, by which u(1) is farther.
     """
 
@@ -60,6 +62,7 @@ class ConnectionCurve(CurveOfOrbits):
     node: bool = False
     winding: Array | None = None
     slots: tuple[int, ...] = (-2, -1)  # of q and p those that are unknowns
+    reversor: Reversor | None = None
     aim: Array | None = None  # of a homotopy, whose parameter stands in the place of q: see `projections`
     truncation: float | None = None  # distance of the ends from the saddles, relative to the orbit's extent
     doubting: bool = False  # for the error of its tests: the adjoint solution is followed less far
@@ -97,7 +100,19 @@ class ConnectionCurve(CurveOfOrbits):
     def termini(self, z: Array) -> tuple[Array, Array]:
         """Where the orbit comes from and where it goes to, both (n,)."""
         ends = self.equilibria(z)
+        if self.reversor is not None:
+            return ends[0], self.reversor.image(ends[0])
         return ends[0], ends[-1] if self.winding is None else ends[-1] + self.winding
+
+    def orbit_of(self, z: Array) -> Profile:
+        """The whole orbit, of which `profile` may be half."""
+        half = self.profile(z)
+        return half if self.reversor is None else self.reversor.whole(half)
+
+    def is_complete(self) -> bool:
+        """True where there are as many equations as unknowns but one."""
+        wanted = self.n - int(self.node or len(self.slots) == 1) + int(self.reversor is not None)
+        return self.stable_count + self.unstable_count == wanted
 
     def unknowns(self, z: Array) -> NDArray[np.intp]:
         """Places of (u, saddles, those of q and p that are free) in z."""
@@ -120,7 +135,8 @@ class ConnectionCurve(CurveOfOrbits):
         first, last = self.equilibria(z)[0], self.equilibria(z)[-1]
         self.gauge.reference = z.copy()
         self.gauge.stable = left_subspace(self.scaled_matrix(first, z, sizes), self.stable_count, True)
-        self.gauge.unstable = left_subspace(self.scaled_matrix(last, z, sizes), self.unstable_count, False)
+        if self.reversor is None:
+            self.gauge.unstable = left_subspace(self.scaled_matrix(last, z, sizes), self.unstable_count, False)
         if self.node:
             self.gauge.borders = borders(self.scaled_matrix(first, z, sizes))
 
@@ -202,6 +218,8 @@ class ConnectionCurve(CurveOfOrbits):
         row[:, nu : nu + self.saddles * n], row[:, -2:] = found.by_saddles, found.by_parameters
         values.append(found.values)
         rows.append(row * units)
+        if self.reversor is not None:  # no phase: the half is isolated on the unstable manifold
+            return np.concatenate(values), np.vstack(rows)
         phase = self._phase(z, sizes)
         gap = float(phase @ (z[:nu] - self.gauge.reference[:nu]))  # type: ignore[index]
         row = np.zeros((1, total))

@@ -30,9 +30,11 @@ if TYPE_CHECKING:
     from contin.problems.orbits.homoclinic.curve import ConnectionCurve
     from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 
+LOST: Final = 1e-6  # rate of an unstable direction of a reversible flow, of the largest, at which it is none any more
 ROUNDING: Final = 1e-11  # of a sum of two eigenvalues, relative
 ABOVE_ROUNDING: Final = 1e-8  # of its largest value: where the adjoint solution, which decays, has a direction
 NOT_AS_FAR: Final = 5.0  # ... times this where the error that is left there is estimated
+FOLD: Final = "LP"
 JUMP: Final = 1e-4  # of a test at its zero
 ASIDE, RESOLVED = 1e-2, 1e-6  # arclength; a flip's test that is smaller there is zero up to its error
 
@@ -50,6 +52,11 @@ def tests_at(
     if curve.node:
         tests = np.full(len(tests_of_connections()), np.nan)
         tests[1] = centrality(matrices[0], leaving, arriving, extent_of(curve.profile(z), sizes))
+        return tests, values
+    if curve.reversor is not None:  # the reversor maps stable directions to unstable ones: no resonance, no flips
+        slow_out = leading(matrices[0], n - curve.stable_count, False)
+        tests = np.full(len(tests_of_connections()), np.nan)
+        tests[1] = slow_out.value.real / float(np.abs(values).max()) - LOST
         return tests, values
     leave, arrive = n - curve.stable_count, n - curve.unstable_count  # dimensions of the manifolds that it lies in
     slow_out, slow_in = leading(matrices[0], leave, False), leading(matrices[-1], arrive, True)
@@ -100,13 +107,21 @@ def _component(memory: dict[str, Array], name: str, slow: Leading, direction: Ar
     return float(unit @ vector) / length if length > 0.0 else 1.0
 
 
-def explain(a: Sample, b: Sample) -> tuple[str, ...] | None:
-    names = tests_of_connections()
-    changed = tuple(name for name, x, y in zip(names, a.tests[2:], b.tests[2:], strict=True) if x * y < 0.0)
+def explain(problem: ConnectionProblem, a: Sample, b: Sample) -> tuple[str, ...] | None:
+    changed = changes(problem, a, b)
     return changed if len(changed) <= 1 else None
 
 
+def changes(problem: ConnectionProblem, a: Sample, b: Sample) -> tuple[str, ...]:
+    """The tests that change sign between two points; of connections that persist, the fold of their branch too."""
+    names, start = (FOLD, *tests_of_connections()), (a.tests[0], *a.tests[2:])
+    signs = zip(names, start, (b.tests[0], *b.tests[2:]), strict=True)
+    return tuple(name for name, x, y in signs if x * y < 0.0 and (name != FOLD or problem.isolated))
+
+
 def watch(type_: str) -> int | None:
+    if type_ == FOLD:
+        return 0
     tests = tests_of_connections()
     return 2 + tests.index(type_) if type_ in tests else None
 
@@ -121,7 +136,7 @@ def verify(problem: ConnectionProblem, type_: str, near: Sample, frame: Frame) -
     found = zero.sample
     if zero.value > JUMP:
         return unverified(type_, "its test function jumps")
-    if _vanishes(problem, found, frame, index):
+    if type_ != FOLD and _vanishes(problem, found, frame, index):
         return NOTHING  # an invariant plane or a skew product: no coupling, all along the curve
     moved = problem.discretisation(found, frame, index)
     if moved is None:

@@ -23,7 +23,7 @@ from contin.errors import InputError, NoSolutionError
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.interval import Reach, distances, fitted
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.homoclinic.projections import basis_at
+from contin.problems.orbits.homoclinic.projections import arriving_parts
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.mesh import choose_mesh
 from contin.problems.two_parameters import UNBOUNDED
@@ -53,7 +53,7 @@ def brought_home(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) 
     sizes = curve.orbits.state_sizes(piece)
     piece = piece.on_mesh(choose_mesh(piece, sizes, curve.orbits.tolerance, curve.orbits.intervals).h)
     z = curve.join(piece, ends, q)
-    if max(distances(curve, z, sizes)) <= NEAR:
+    if curve.reversor is None and max(distances(curve, z, sizes)) <= NEAR:
         return piece, ends
     if curve.unstable_count:
         z = _in_the_stable_eigenspace(curve, z, sizes)
@@ -65,8 +65,7 @@ def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) ->
     """Step 1; the result has q in its place again."""
     persists = len(curve.slots) == 1
     curve.settle(z, sizes)
-    _, finish = curve.offsets(z, sizes)
-    missed = basis_at(curve, curve.equilibria(z)[-1], z, sizes, False).T @ finish
+    missed = arriving_parts(curve, z, sizes)
     base = curve.orbits.base.copy()
     if not persists:
         base[curve.second] = z[-2]
@@ -104,7 +103,8 @@ def _in_the_stable_eigenspace(curve: ConnectionCurve, z: Array, sizes: Array) ->
         problem.settle(z, scale)
         length = min(LARGEST, 1.5 * length) if found.iterations <= EASY else length
     raise StepFailed(
-        f"step 1 of the homotopy (bringing the trajectory's end into the stable eigenspace of the saddle, with "
+        f"step 1 of the homotopy (bringing the trajectory's end into the "
+        f"{'stable eigenspace of the saddle' if curve.reversor is None else 'fixed space of the reversor'}, with "
         f"{'the direction in which it leaves' if persists else name} free) stops where {max(z[-2], 0.0):.2g} of the "
         f"distance is left, at {name} = {z[-1]:.8g}"
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
@@ -47,7 +48,7 @@ def distances(curve: ConnectionCurve, z: Array, sizes: Array) -> tuple[float, fl
     """Of both ends from their saddles, relative to the orbit's extent."""
     extent = extent_of(curve.profile(z), sizes)
     first, last = (float(np.max(np.abs(offset))) for offset in curve.offsets(z, sizes))
-    return first / extent, last / extent
+    return first / extent, (first if curve.reversor is not None else last) / extent  # (of half an orbit, one end)
 
 
 def fits(curve: ConnectionCurve, z: Array, sizes: Array) -> bool:
@@ -62,11 +63,11 @@ def fitted(curve: ConnectionCurve, z: Array, sizes: Array, reach: Reach | None =
     if first > reach.farthest:
         tail = tail_of(curve, z, sizes, ends[0], profile.u[0] - ends[0], False, reach.wanted / first)
         profile = _extended(profile, ends[0], tail, False)
-    if last > reach.farthest:
+    if last > reach.farthest and curve.reversor is None:
         tail = tail_of(curve, z, sizes, ends[-1], profile.u[-1] - ends[-1], True, reach.wanted / last)
         profile = _extended(profile, ends[-1], tail, True)
     if first < reach.nearest or last < reach.nearest:
-        profile = _cut(profile, ends, sizes, reach.wanted)
+        profile = _cut(profile, ends[: 1 if curve.reversor is not None else 2], sizes, reach.wanted)
     return np.asarray(curve.join(profile, curve.equilibria(z), float(z[-2])))
 
 
@@ -87,12 +88,14 @@ def _extended(profile: Profile, saddle: Array, tail: Tail, at_end: bool) -> Prof
     return replace(profile, u=np.vstack([piece[::-1], profile.u]), period=total, h=np.concatenate([new[::-1], own]))
 
 
-def _cut(profile: Profile, ends: tuple[Array, Array], sizes: Array, wanted: float) -> Profile:
-    """Without what is nearer to the saddles than a tenth of the distance that is wanted."""
+def _cut(profile: Profile, ends: Sequence[Array], sizes: Array, wanted: float) -> Profile:
+    """Without what is nearer to the saddle(s) than a tenth of the distance that is wanted; of half an orbit one."""
     times = np.unique(np.concatenate([profile.times, np.linspace(0.0, 1.0, 8 * len(profile.u))]))
     u = profile.at(times)
     extent = extent_of(profile, sizes)
     away = np.max(np.abs(u - ends[0]) / sizes, axis=1) > 0.1 * wanted * extent
+    if len(ends) == 1:
+        return piece_of(profile, float(times[np.argmax(away)]), 1.0)
     arrived = np.max(np.abs(u - ends[-1]) / sizes, axis=1) > 0.1 * wanted * extent
     return piece_of(profile, float(times[np.argmax(away)]), float(times[len(times) - 1 - np.argmax(arrived[::-1])]))
 

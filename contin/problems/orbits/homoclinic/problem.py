@@ -23,7 +23,7 @@ from contin.problems.orbits.homoclinic.curve import ConnectionCurve, Gauge
 from contin.problems.orbits.homoclinic.interval import farther, fits, fitted
 from contin.problems.orbits.homoclinic.linear import Factorised, factorised
 from contin.problems.orbits.homoclinic.surfaces import surface_met, why_not
-from contin.problems.orbits.layout import make_scale, sizes_of
+from contin.problems.orbits.layout import Profile, make_scale, sizes_of
 from contin.problems.orbits.marched_in_python import MarchedInPython
 from contin.problems.orbits.mesh import choose_mesh, estimate
 from contin.problems.orbits.zero_of_test import zero_of_test
@@ -65,6 +65,10 @@ class ConnectionProblem(MarchedInPython):
         names = self.system.parameter_names
         both = names[self.curve.first], names[self.curve.second]
         return both[:1] if self.isolated else both
+
+    def profile(self, z: Array) -> Profile:
+        """The whole orbit of a point."""
+        return self.curve.orbit_of(z)
 
     def at_held(self, z: Array, scale: Array) -> Array | None:
         """Solved with the second parameter as it is; where that is no unknown, the first one."""
@@ -134,7 +138,7 @@ class ConnectionProblem(MarchedInPython):
 
     def _adjoint(self, jacobian: csc_matrix, z: Array) -> Array | None:
         """The bounded solution of the adjoint variational equation at the Gauss points, (N m, n), scaled."""
-        if self.curve.node or self.isolated:
+        if self.curve.node or self.isolated or self.curve.reversor is not None:
             return None
         n, m, nu = self.curve.n, self.curve.orbits.points, self.curve.nodes(z)
         inside = nu - n
@@ -147,7 +151,7 @@ class ConnectionProblem(MarchedInPython):
         return np.asarray(values.reshape(-1, n))
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
-        return events.explain(a, b)
+        return events.explain(self, a, b)
 
     def watch(self, type_: str) -> int | None:
         return events.watch(type_)
@@ -168,8 +172,7 @@ class ConnectionProblem(MarchedInPython):
         return None if again is None else float(np.max(np.abs(again.sample.z[-2:] - found.z[-2:])))
 
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
-        changed = a.tests[2:] * b.tests[2:] < 0.0
-        return [self.verify(t, a, frame) for t, c in zip(tests_of_connections(), changed, strict=True) if c]
+        return [self.verify(t, a, frame) for t in events.changes(self, a, b)]
 
     def renew(
         self, origin: Sample, before: Sample | None, loop: Sample | None, frame: Frame, settings: Settings
@@ -252,7 +255,13 @@ class ConnectionProblem(MarchedInPython):
         """Both parameters, smallest and largest values of the states over the orbit, the saddle(s), and what it is."""
         names = self.system.state_names
         columns = self.parameter_columns(z)
+        reversor = self.curve.reversor
         ranges = orbit_columns(z, names, self.curve.profile, lambda u, _: u)
+        if reversor is not None:  # the other half
+            image = orbit_columns(z, names, self.curve.profile, lambda u, _: reversor.image(u))
+            for name in names:
+                ranges[f"{name}.min"] = np.minimum(ranges[f"{name}.min"], image[f"{name}.min"])
+                ranges[f"{name}.max"] = np.maximum(ranges[f"{name}.max"], image[f"{name}.max"])
         ends = np.empty((len(z), self.curve.saddles, self.curve.n))
         for chosen, rows in of_one_size(z):
             ends[chosen] = [self.curve.equilibria(row) for row in rows]

@@ -41,10 +41,9 @@ class Projections:
 def projections(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
     """The conditions alone, (k,)."""
     ends = curve.equilibria(z)
-    start, finish = curve.offsets(z, sizes)
+    start, _ = curve.offsets(z, sizes)
     stable = basis_at(curve, ends[0], z, sizes, True)
-    unstable = basis_at(curve, ends[-1], z, sizes, False)
-    arriving = unstable.T @ finish
+    arriving = arriving_parts(curve, z, sizes)
     if curve.aim is not None:
         arriving = arriving - z[-2] * curve.aim
     conditions = [stable.T @ start, arriving]
@@ -54,23 +53,36 @@ def projections(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
     return np.concatenate(conditions)
 
 
+def arriving_parts(curve: ConnectionCurve, z: Array, sizes: Array) -> Array:
+    """What vanishes at the orbit's end: its unstable parts, or the distance from the fixed space of a reversor."""
+    if curve.reversor is not None:
+        return curve.reversor.missed(z[: curve.nodes(z)][-curve.n :], sizes)
+    _, finish = curve.offsets(z, sizes)
+    return np.asarray(basis_at(curve, curve.equilibria(z)[-1], z, sizes, False).T @ finish)
+
+
 def linearised_projections(curve: ConnectionCurve, z: Array, sizes: Array, units: Array) -> Projections:
     """The conditions and their derivatives; `units` (2,) of the second and the first parameter."""
     n, ends = curve.n, curve.equilibria(z)
     start, finish = curve.offsets(z, sizes)
     stable = basis_at(curve, ends[0], z, sizes, True)
-    unstable = basis_at(curve, ends[-1], z, sizes, False)
     values = projections(curve, z, sizes)
-    leaving, arriving = slice(0, curve.stable_count), slice(curve.stable_count, curve.stable_count + unstable.shape[1])
+    leaving = slice(0, curve.stable_count)
+    arriving = slice(curve.stable_count, curve.stable_count + curve.unstable_count)
     by_first, by_last = np.zeros((len(values), n)), np.zeros((len(values), n))
-    by_first[leaving], by_last[arriving] = stable.T / sizes, unstable.T / sizes
     by_saddles, by_parameters = np.zeros((len(values), curve.saddles * n)), np.zeros((len(values), 2))
+    by_first[leaving] = stable.T / sizes
     by_saddles[leaving, :n] -= by_first[leaving]
-    by_saddles[arriving, -n:] -= by_last[arriving]
     changes = [_changes(curve, u, z, sizes, units) for u in ends]
-    for rows, basis, reference, offset, k in (
-        (leaving, stable, curve.gauge.stable, start, 0), (arriving, unstable, curve.gauge.unstable, finish, -1),
-    ):  # fmt: skip
+    turning_ends = [(leaving, stable, curve.gauge.stable, start, 0)]
+    if curve.reversor is not None:
+        by_last[arriving] = curve.reversor.rows / curve.reversor.lengths(sizes)[:, None]
+    else:
+        unstable = basis_at(curve, ends[-1], z, sizes, False)
+        by_last[arriving] = unstable.T / sizes
+        by_saddles[arriving, -n:] -= by_last[arriving]
+        turning_ends.append((arriving, unstable, curve.gauge.unstable, finish, -1))
+    for rows, basis, reference, offset, k in turning_ends:
         moved = turned(curve.scaled_matrix(ends[k], z, sizes).T, basis, reference, changes[k].transpose(0, 2, 1))
         turning = np.einsum("cij,i->jc", moved, offset)
         by_saddles[rows, slice(0, n) if k == 0 else slice(-n, None)] += turning[:, :n]

@@ -21,7 +21,7 @@ def solved_connection(curve: ConnectionCurve, piece: Profile, ends: Array, q: fl
     source = "connection" if parent is None else f"{parent.branch}.{parent.label}"
     problem = ConnectionProblem(curve)
     orbits = curve.orbits
-    if curve.stable_count + curve.unstable_count != curve.n - int(curve.node or len(curve.slots) == 1):
+    if not curve.is_complete():
         raise InputError(
             f"{source}: {curve.stable_count} stable directions of the first and {curve.unstable_count} unstable ones "
             f"of the second saddle in {curve.n} dimensions: such a connection does not form curves in two parameters"

@@ -15,7 +15,9 @@ from contin.errors import ContinError, InputError, NoSolutionError
 from contin.problems.orbits.homoclinic.curve import ConnectionCurve
 from contin.problems.orbits.homoclinic.homotopy import brought_home
 from contin.problems.orbits.homoclinic.interval import distances
+from contin.problems.orbits.homoclinic.reversor import Reversor
 from contin.problems.orbits.homoclinic.solved import solved_connection
+from contin.problems.orbits.homoclinic.symmetric import crossings, half_of
 from contin.problems.orbits.homoclinic.table import Path, as_profile
 from contin.problems.orbits.homoclinic.trajectories import Between, approaches, trajectory, turns
 from contin.problems.orbits.layout import Profile
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
 NEAR: Final = 0.3  # distance of the ends from the saddles, of the extent, at which Newton's method is tried first
+NEUTRAL: Final = 1e-6  # rates this small beside the largest are those of a centre
+POINT: Final = 0.05  # extent of the solution, of the guess's, below which it is the saddle
 ONE_SADDLE: Final = 1e-8  # of the states' sizes: saddles this near are one
 
 
@@ -43,6 +47,7 @@ class ConnectingOrbit:
     saddles: Array  # (2, n)
     path: Path | None = None
     truncation: float | None = None
+    reversor: Reversor | None = None  # then the orbit is symmetric, and half of it is solved for
 
     def locus(self, parameters: tuple[str, str]) -> list[Seed]:
         """The curve of connecting orbits in two parameters, which starts at the present value of the second one."""
@@ -56,12 +61,14 @@ class ConnectingOrbit:
 
     def _found(self, first: int, second: int) -> Seed:
         """The first guess that leads to a connecting orbit; one parameter where they are the same."""
+        if self.reversor is not None:
+            return self._symmetric(first, second, self.reversor)
         n, persists = self.system.n, first == second
         rates = [np.linalg.eigvals(self._matrix(u)).real for u in self.saddles]
         stable, unstable = int(np.sum(rates[0] < 0.0)), int(np.sum(rates[1] > 0.0))
         self._check_count(n - stable, n - unstable, persists)
         orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(n), 4)
-        failures: list[str] = []
+        q, guesses = 0.0 if persists else float(self.p[second]), []
         for piece in self._guesses(float(self.p[first])):
             winding = turns(self.periods, piece.u[-1] - self.saddles[1])
             loop = self.between.is_loop
@@ -70,13 +77,39 @@ class ConnectingOrbit:
                 winding=winding if loop and winding.any() else None, truncation=self.truncation,
             )  # fmt: skip
             ends = self.saddles[:1] if loop else np.array([self.saddles[0], self.saddles[1] + winding])
-            q = 0.0 if persists else float(self.p[second])
-            try:
-                return _solved(curve, piece, ends, q)
-            except ContinError as error:
-                failures.append(str(error))
-        tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""
-        raise NoSolutionError(f"no connecting orbit was found: {failures[0]}{tried}")
+            guesses.append((curve, piece, ends))
+        return _first_solved(guesses, q)
+
+    def _symmetric(self, first: int, second: int, reversor: Reversor) -> Seed:
+        """Half of an orbit that the reversor maps onto itself."""
+        n, persists = self.system.n, first == second
+        rates = np.linalg.eigvals(self._matrix(self.saddles[0])).real
+        leaving = int(np.sum(rates > NEUTRAL * np.abs(rates).max()))
+        self._check_symmetric(leaving, n - len(reversor.rows), persists)
+        orbits = OrbitProblem(self.system, self.p.copy(), first, np.zeros(n), 4)
+        curve = ConnectionCurve(
+            orbits, second, 1, n - leaving, len(reversor.rows), slots=(-1,) if persists else (-2, -1),
+            truncation=self.truncation, reversor=reversor,
+        )  # fmt: skip
+        parameter, q = float(self.p[first]), 0.0 if persists else float(self.p[second])
+        if self.path is not None:
+            pieces = [half_of(self.path, self.between, reversor, parameter)]
+        else:
+            pieces = [trajectory(self.between, one, parameter) for one in crossings(self.between, reversor)]
+        return _first_solved([(curve, piece, self.saddles[:1]) for piece in pieces], q)
+
+    def _check_symmetric(self, leaving: int, fixed: int, persists: bool) -> None:
+        n, free = self.system.n, leaving + fixed - self.system.n
+        words = (
+            f"the unstable manifold of the saddle has dimension {leaving}, the fixed space of the reversor {fixed}, in "
+            f"{n} dimensions: symmetric orbits "
+        )
+        if leaving == 0 or free > 0 or free < -1:
+            raise InputError(words + ("form families" if free > 0 else "need more parameters; these are not followed"))
+        if free == 0 and not persists:
+            raise InputError(words + "persist; name one parameter, in which they are followed")
+        if free < 0 and persists:
+            raise InputError(words + "exist on curves in the plane of two parameters; name two parameters")
 
     def _check_count(self, leaving: int, arriving: int, persists: bool) -> None:
         """Dimensions of both manifolds decide how many parameters a connection needs."""
@@ -119,11 +152,32 @@ class ConnectingOrbit:
         return np.asarray(self.system.jacobian(u, self.p)[1][:, : self.system.n])
 
 
+def _first_solved(guesses: list[tuple[ConnectionCurve, Profile, Array]], q: float) -> Seed:
+    failures: list[str] = []
+    for curve, piece, ends in guesses:
+        try:
+            return _solved(curve, piece, ends, q)
+        except ContinError as error:
+            failures.append(str(error))
+    tried = f" (the best of {len(failures)} trajectories that were tried)" if len(failures) > 1 else ""
+    raise NoSolutionError(f"no connecting orbit was found: {failures[0]}{tried}")
+
+
 def _solved(curve: ConnectionCurve, piece: Profile, ends: Array, q: float) -> Seed:
     """By Newton's method where the guess is near, and by homotopy where that fails or the guess is not near."""
     z = curve.join(piece, ends, q)
+    if curve.reversor is not None:
+        return _no_point(solved_connection(curve, piece, ends, q, None), piece)
     if max(distances(curve, z, curve.orbits.state_sizes(piece))) <= NEAR:
         with suppress(InputError):  # homotopy is tried next, whose failure is told
             return solved_connection(curve, piece, ends, q, None)
     home, ends = brought_home(curve, piece, ends, q)
     return solved_connection(curve, home, ends, q, None)
+
+
+def _no_point(seed: Seed, guess: Profile) -> Seed:
+    """The seed, unless its orbit is the saddle itself, which solves the equations of symmetric orbits too."""
+    found = seed.problem.profile(seed.z)  # type: ignore[attr-defined]
+    if float(np.ptp(found.u, axis=0).max()) < POINT * float(np.ptp(guess.u, axis=0).max()):
+        raise NoSolutionError("Newton's method came to the saddle itself")
+    return seed

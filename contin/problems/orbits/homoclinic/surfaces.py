@@ -18,7 +18,7 @@ def surface_met(curve: ConnectionCurve, z: Array) -> str | None:
     system = curve.orbits.system
     if not system.n_switches or system.pieces.count == 0:
         return None
-    u = curve.profile(z).u
+    u = curve.orbit_of(z).u
     h = system.switches(u, np.ascontiguousarray(np.tile(curve.full_parameters(z), (len(u), 1))))
     met = np.flatnonzero((h.min(axis=0) < 0.0) & (h.max(axis=0) > 0.0))
     return f"{to_text(system.switching[int(met[0])])} = 0" if met.size else None

@@ -61,7 +61,7 @@ def as_profile(path: Path, between: Between, parameter: float) -> Profile:
     chosen = slice(max(int(away[0]) - 1, 0), int(arrived[-1]) + 2)
     t, u = t[chosen], u[chosen]
     u = u - (u[0] - u0 - between.apart(u[0], u0))
-    return _laid(t, u, sizes, parameter)
+    return laid(t, u, sizes, parameter)
 
 
 def _rolled(t: Array, u: Array, first: int) -> tuple[Array, Array]:
@@ -72,7 +72,7 @@ def _rolled(t: Array, u: Array, first: int) -> tuple[Array, Array]:
     return t - t[0], u
 
 
-def _laid(t: Array, u: Array, sizes: Array, parameter: float) -> Profile:
+def laid(t: Array, u: Array, sizes: Array, parameter: float) -> Profile:
     from scipy.interpolate import PchipInterpolator
 
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(u / sizes, axis=0), axis=1))])

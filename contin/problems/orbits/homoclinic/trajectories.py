@@ -75,7 +75,7 @@ def approaches(between: Between) -> list[Approach]:
     found, nearest = [], np.inf
     for direction in _directions(vectors[:, growing]):
         start = u0 + LEAVING * extent * direction * d
-        path = _until_lost(system, start, p, times)
+        path = until_lost(system, start, p, times)
         gone = np.linalg.norm((path - u0) / d, axis=1)
         begin = _turning(gone, AWAY * extent) if between.is_loop else 0
         if begin is None:
@@ -131,13 +131,25 @@ def _directions(vectors: Array) -> list[Array]:
     return [elementary.cos(a) * basis[:, 0] + elementary.sin(a) * basis[:, 1] for a in angles]
 
 
-def _until_lost(system: CompiledSystem, u: Array, p: Array, times: Array) -> Array:
-    """States at the times, as far as the trajectory has a value."""
-    duration, count = float(times[-1]), len(times)
-    while count > 10:
+def until_lost(system: CompiledSystem, u: Array, p: Array, times: Array) -> Array:
+    """States at the times, as far as the trajectory has a value (but for a thirtieth of its time)."""
+
+    def path(count: int) -> Array | None:
         try:
-            return np.asarray(integrate(system, u, p, duration, times=times[:count], budget=100_000).u)
+            return np.asarray(integrate(system, u, p, float(times[count - 1]), times=times[:count], budget=100_000).u)
         except NotFiniteError:
-            count = (count * 2) // 3
-            duration = float(times[count - 1])
-    return u[None]
+            return None
+
+    lost = len(times)
+    found = path(lost)
+    if found is not None:
+        return found
+    kept, best = 10, u[None]
+    while lost > kept + 1 + kept // 30:
+        middle = int(np.sqrt(kept * lost)) if lost > 2 * kept else (kept + lost) // 2
+        found = path(middle)
+        if found is None:
+            lost = middle
+        else:
+            kept, best = middle, found
+    return best
