@@ -33,17 +33,20 @@ CREEP: Final = 1e-2  # makes them short, and the branch would go on so
 OUTGROWN: Final = 1e2  # ... or only to so many times its scale, while this part of the rows has a change that does
 FAILING: Final = 0.1  # not verify
 LONG: Final = 1e-3  # ... in such steps; near a fold on the bound only much shorter ones stay as near
+NEARING: Final = 8  # rows in turn of a curve in two parameters that come nearer to a bound, where it is so near,
+STAYING: Final = 1e-2  # ... while no parameter moves by more than this part of its range
 
 
 def until_lost(pieces: Iterable[Piece], arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm up to the row where it is lost; then `arm.end` says how.
 
-    Periodic orbits have ends of their own; a locus may well run along a line of constant parameter.
+    Periodic orbits have ends of their own; a locus may well run along a line of constant parameter, but not come ever
+    nearer to one of its bounds.
     """
-    if arm.problem.adaptive:
+    if arm.problem.adaptive and not is_planar(arm.problem):
         yield from pieces
         return
-    record = _Record(arm, start.copy(), arm.scale[:-1].copy(), last=start)
+    record = _Record(arm, start.copy(), arm.scale[:-1].copy(), arm.problem.adaptive, last=start)
     for piece in pieces:
         stop = record.lost(piece)
         if stop is None:
@@ -75,11 +78,14 @@ class _Record:
     arm: Arm
     anchor: Array  # a row, from which nothing may have moved since
     scale: Array  # of the states, at the first row
+    adaptive: bool = False  # the unknowns follow a mesh
     decades: list[Array] = field(default_factory=list)  # parameters where a state passed 10, 100, .. times it
     vertical: int = 0  # rows without a move of the parameter, and of anything
     standing: int = 0
     approaching: int = 0  # rows in turn that came nearer to a bound
     last: Array = field(default_factory=lambda: np.zeros(0))  # the row before the next piece
+    nearing: dict[str, tuple[float, Array]] = field(default_factory=dict)  # of a locus, by parameter: its last distance
+    # from a bound, and the parameters at the rows in turn that came nearer to it
     crept: list[tuple[Array, int]] = field(default_factory=list)  # last rows of a state that has grown, notes on each
 
     def lost(self, piece: Piece) -> _Stop | None:
@@ -87,7 +93,7 @@ class _Record:
         if not len(piece.z):
             return None
         if is_planar(self.arm.problem):
-            return self._infinite(piece)
+            return self._nearing(piece) or (None if self.adaptive else self._infinite(piece))
         size = self._size(piece)
         growing = self._infinite(piece) or self._unresolved(piece) or self._creeping(piece, size)
         return growing or self._approaching(piece, size) or self._unmoved(piece)
@@ -202,6 +208,24 @@ class _Record:
             if self.approaching == APPROACHING:
                 bound = bounds[np.argmin(np.abs(bounds - piece.z[row, -1]))]
                 return self._stop(row, piece, "bound", f"the branch approaches {bound:g} ever more closely")
+        return None
+
+    def _nearing(self, piece: Piece) -> _Stop | None:
+        """A locus that comes ever nearer to the bound of a parameter, but not onto it, while the others hardly move."""
+        problem = self.arm.problem
+        walls = problem.walls if is_planar(problem) else ()
+        parameters = piece.z[:, -len(problem.parameters) :]
+        for name, (place, low, high) in zip(reversed(problem.parameters[: len(walls)]), walls, strict=True):
+            values = piece.z[:, place]
+            distances = np.minimum(np.abs(values - low), np.abs(values - high))
+            for row, distance in enumerate(distances.tolist()):
+                last, rows = self.nearing.get(name, (np.inf, parameters[:0]))
+                nearer = 0.0 < distance < last and distance < NEAR * (high - low)
+                rows = np.vstack([rows, parameters[row]])[-NEARING:] if nearer else parameters[:0]
+                self.nearing[name] = distance, rows
+                if len(rows) == NEARING and np.all(np.ptp(rows, axis=0) <= STAYING * self._widths):
+                    bound = low if abs(values[row] - low) < abs(values[row] - high) else high
+                    return self._stop(row, piece, "bound", f"the curve approaches {name} = {bound:g} ever more closely")
         return None
 
     def _unmoved(self, piece: Piece) -> _Stop | None:

@@ -42,6 +42,28 @@ def test_a_curve_in_two_parameters_that_goes_to_infinity_ends_there():
     assert len(folds) < 2000
 
 
+def test_a_curve_that_comes_ever_nearer_to_a_corner_of_its_box_ends_there():
+    """p exp(x/(1 + q x)) = x: the upper fold has x near 1/q^2 and p near exp(-1/q)/q^2, which never vanishes."""
+    model = Model(
+        "ignition", states={"x": 0.0}, parameters={"p": 0.0, "q": 0.2}, equations={"x": "p*exp(x/(1 + q*x)) - x"}
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "p", (0.0, 2.0))
+    folds = contin.continuation(line["LP1"].locus(("p", "q")), ("p", "q"), {"p": (0, 2), "q": (0, 0.4)})
+    assert sum("the curve approaches p = 0 ever more closely" in end.text for end in folds.ends) == 1
+    assert 0.0 < folds.columns["p"].min() < 1e-9
+    assert [point.type for point in folds.points] == ["CP"]
+    assert folds["CP1"].values["q"] == pytest.approx(0.25, abs=1e-9)
+    assert len(folds) < 250
+
+
+def test_a_curve_that_runs_along_a_bound_is_followed_to_its_end():
+    """Folds of x' = p - exp(-q) - x^2 are p = exp(-q), which is nearer to 0 in every row up to q = 60."""
+    model = Model("far", states={"x": 1.0}, parameters={"p": 2.0, "q": 0.0}, equations={"x": "p - exp(-q) - x^2"})
+    line = contin.continuation(contin.equilibrium(model), "p", (-1.0, 2.0))
+    folds = contin.continuation(line["LP1"].locus(("p", "q")), ("p", "q"), {"p": (0, 2), "q": (0, 60)})
+    assert folds.columns["q"].max() == pytest.approx(60.0)
+
+
 def test_growth_by_itself_is_no_end():
     """A transcritical branch that starts at 1e-9 of its later size, and a parabola: nothing converges."""
     rising = follow({"x": "x*(p - x)"}, {"x": 1e-9}, {"p": 1e-9}, (-1.0, 1.0))
