@@ -5,8 +5,9 @@ Special points are verified in these unknowns with the bordered solves of large 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,8 +33,13 @@ class Evaluated:
 
     x: Array
     residual: Array
-    linear: DirectLinear
     slope: Array
+    matrix: Callable[[], DirectLinear]
+
+    @cached_property
+    def linear(self) -> DirectLinear:
+        """F_u, put together when it is asked for."""
+        return self.matrix()
 
 
 @dataclass(eq=False)
@@ -140,8 +146,11 @@ class OnMesh:
         fu = np.asarray(w.fu if n > LANES else np.moveaxis(w.fu, -1, 0))  # (N, m, n, n)
         fp = np.moveaxis(w.fp, -1, 0)
         slope = np.concatenate([(-self.h[:, None, None] * fp).ravel(), dg[:, 2 * n + problem.active]])
-        linear = DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
-        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), linear, slope)
+
+        def linear() -> DirectLinear:
+            return DirectLinear(self._matrix(fu, dg), self.factoriser, balanced=True)
+
+        return Evaluated(x.copy(), np.concatenate([-right.T.ravel(), g]), slope, linear)
 
     def _matrix(self, fu: Array, dg: Array) -> csc_matrix:
         """F_u, (n, n) in CSC form: rows by interval, Gauss point, function; then the conditions."""
@@ -150,13 +159,21 @@ class OnMesh:
         n, m, count, scheme = self.problem.n, self.problem.points, len(self.h), basis(self.problem.points)
         blocks = -np.einsum("i,cj,ickq->ickjq", self.h, scheme.values, fu)
         blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(n))
-        i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
-        rows, columns = (i * m * n + r).ravel(), (i * m * n + c).ravel()
-        a, b = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
-        first, last = self.n - n + a.ravel(), self.n - n
-        rows = np.concatenate([rows, first, first])
-        columns = np.concatenate([columns, b.ravel(), last + b.ravel()])
+        order, indices, indptr = _pattern(n, m, count)
         values = np.concatenate([blocks.ravel(), dg[:, :n].ravel(), dg[:, n : 2 * n].ravel()])
-        matrix = sparse.coo_matrix((values, (rows, columns)), shape=(self.n, self.n)).tocsc()
-        matrix.sort_indices()
-        return matrix
+        return sparse.csc_matrix((values[order], indices, indptr), shape=(self.n, self.n))
+
+
+@lru_cache(maxsize=16)
+def _pattern(n: int, m: int, count: int) -> tuple[NDArray[np.intp], NDArray[np.int32], NDArray[np.int32]]:
+    """Of the matrix on `count` intervals: the order of its values, by column, and CSC's two tables."""
+    size = (count * m + 1) * n
+    i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
+    rows, columns = (i * m * n + r).ravel(), (i * m * n + c).ravel()
+    a, b = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    first, last = size - n + a.ravel(), size - n
+    rows = np.concatenate([rows, first, first])
+    columns = np.concatenate([columns, b.ravel(), last + b.ravel()])
+    order = np.lexsort((rows, columns))
+    indptr = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=size))])
+    return order, rows[order].astype(np.int32), indptr.astype(np.int32)

@@ -18,6 +18,7 @@ from contin.bvp.functionals import columns_of
 from contin.bvp.on_mesh import OnMesh
 from contin.bvp.problem import BoundaryProblem
 from contin.continuation.problem import Sample
+from contin.linalg.csc import scaled_columns, with_columns, with_rows
 from contin.loci.augmented import Scalars
 from contin.loci.meshed import MeshedBase, trimmed
 from contin.loci.singular import Borders, critical, null_vectors, singular
@@ -79,8 +80,6 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
         return np.ones(z.size)
 
     def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
-        from scipy import sparse
-
         where = self.where(z)
         on_mesh = _OnMesh(self, self.profile(z).h, z, np.delete(scale[where], self._unfolding(z)))
         y = np.delete(z[where] / scale[where], self._unfolding(z))
@@ -100,11 +99,11 @@ class BoundaryBase(MeshedBase[BoundaryProblem]):
                 nodes = matrix.shape[0]
                 beta = float(z[-self.behind])
                 f = f + beta * borders.left
-                columns = sparse.hstack([matrix[:, :nodes], borders.left[:, None], matrix[:, nodes:]])
+                columns = with_columns(matrix, borders.left[:, None], nodes)
                 gradient = np.insert(gradient, nodes, 0.0, axis=1)
             equations = np.append(f, found.values)
-            columns = sparse.vstack([columns, sparse.csr_matrix(gradient)])
-        whole = sparse.vstack([columns, sparse.csr_matrix(rows[:, where])], format="csc")
+            columns = with_rows(columns, gradient)
+        whole = with_rows(columns, rows[:, where])
         still = z.size - len(where)
         return SparseBordered(np.append(equations, np.zeros(still)), whole, where, z.size)
 
@@ -205,24 +204,19 @@ class _OnMesh:
         return len(self.scale) - len(self.base.places)
 
     def at(self, y: Array) -> tuple[Array, csc_matrix] | None:
-        from scipy import sparse
-
         values, base = y * self.scale, self.base
         parameters = values[self._nodes :]
         p = base.problem.base.copy()
         p[list(base.places)] = parameters[::-1]
-        slopes, f, matrix = [], None, None
+        slopes, mesh, x = [], None, values[: self._nodes]
         for place, value in zip(base.places[::-1], parameters, strict=True):
             mesh = OnMesh(replace(base.problem, base=p, active=place, spaces={}), self.h)
-            here = mesh.at(np.append(values[: self._nodes], value))
-            if here is None:
-                return None
-            f, matrix = here.residual, here.linear.matrix
-            slopes.append(here.slope)
-        assert f is not None
-        assert matrix is not None
-        whole = sparse.hstack([matrix, np.array(slopes).T]) @ sparse.diags(self.scale)
-        return f, whole.tocsc()
+            x = np.append(values[: self._nodes], value)
+            slopes.append(mesh.parameter_slope(x))
+        here = None if mesh is None else mesh.at(x)
+        if here is None or not np.all(np.isfinite(slopes)):
+            return None
+        return here.residual, scaled_columns(with_columns(here.linear.matrix, np.array(slopes).T), self.scale)
 
 
 def _sums(left: Array, n: int) -> Array:

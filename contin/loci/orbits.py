@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Outcome, Sample, Verified
+from contin.linalg.csc import with_columns, with_rows
 from contin.loci.augmented import Scalars
 from contin.loci.meshed import MeshedBase, trimmed
 from contin.loci.singular import Borders, critical, null_vectors, singular
@@ -108,8 +109,6 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         return own.tocsc()
 
     def linearise(self, z: Array, scale: Array, rows: Array) -> SparseBordered | None:
-        from scipy import sparse
-
         where = self.where(z)
         on_mesh = _OnMesh(self, z, scale)
         y = on_mesh.unknowns(z)
@@ -119,7 +118,7 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         f, matrix = here
         still = z.size - len(where)
         if not self.type:
-            whole = sparse.vstack([matrix, sparse.csr_matrix(rows[:, where])], format="csc")
+            whole = with_rows(matrix, rows[:, where])
             return SparseBordered(np.append(f, np.zeros(still)), whole, where, z.size)
         own = self._critical(matrix, z)
         borders = self._borders(z, own)
@@ -129,11 +128,9 @@ class OrbitBase(MeshedBase[OrbitProblem]):
         gradient, columns, count = found.gradient, matrix, matrix.shape[0]
         if self.extra:
             f = f + float(z[-self.behind]) * borders.left
-            columns = sparse.hstack([matrix[:, :count], borders.left[:, None], matrix[:, count:]])
+            columns = with_columns(matrix, borders.left[:, None], count)
             gradient = np.insert(gradient, count, 0.0, axis=1)
-        whole = sparse.vstack(
-            [columns, sparse.csr_matrix(gradient), sparse.csr_matrix(rows[:, where])], format="csc"
-        )
+        whole = with_rows(with_rows(columns, gradient), rows[:, where])
         return SparseBordered(np.concatenate([f, found.values, np.zeros(still)]), whole, where, z.size)
 
     def _borders(self, z: Array, own: csc_matrix) -> Borders:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from contin.abi import Array
+from contin.linalg.csc import with_columns, with_rows
 from contin.linalg.vectors import norm
 from contin.loci.sparse import Factors
 
@@ -52,9 +53,8 @@ class Singular:
 
 def stacked(matrix: csc_matrix, columns: Array, rows: Array) -> csc_matrix:
     """[M columns; rows^T 0]"""
-    from scipy import sparse
-
-    return sparse.bmat([[matrix, sparse.csc_matrix(columns)], [sparse.csc_matrix(rows.T), None]], format="csc")
+    below = np.hstack([rows.T, np.zeros((rows.shape[1], columns.shape[1]))])
+    return with_rows(with_columns(matrix, columns), below)
 
 
 def null_vectors(matrix: csc_matrix, count: int) -> Borders:

@@ -1,0 +1,60 @@
+"""Sparse matrices in CSC form with a few dense rows and columns more, put together without a detour by triplets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contin.abi import Array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+
+def scaled_columns(matrix: csc_matrix, scale: Array) -> csc_matrix:
+    """M diag(scale); the pattern is shared."""
+    from scipy import sparse
+
+    values = matrix.data * np.repeat(scale, np.diff(matrix.indptr))
+    return sparse.csc_matrix((values, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def with_columns(matrix: csc_matrix, columns: Array, place: int | None = None) -> csc_matrix:
+    """M (n, m) with dense columns (n, k) before its column `place`, or after the last one; zeros are not stored."""
+    from scipy import sparse
+
+    n, m = matrix.shape
+    place = m if place is None else place
+    there = columns.T != 0.0
+    cut, added = int(matrix.indptr[place]), int(there.sum())
+    rows = np.broadcast_to(np.arange(n, dtype=matrix.indices.dtype), there.shape)[there]
+    starts = matrix.indptr[place] + np.cumsum(there.sum(axis=1))
+    return sparse.csc_matrix(
+        (
+            np.concatenate([matrix.data[:cut], columns.T[there], matrix.data[cut:]]),
+            np.concatenate([matrix.indices[:cut], rows, matrix.indices[cut:]]),
+            np.concatenate([matrix.indptr[: place + 1], starts, matrix.indptr[place + 1 :] + added]),
+        ),
+        shape=(n, m + columns.shape[1]),
+    )
+
+
+def with_rows(matrix: csc_matrix, rows: Array) -> csc_matrix:
+    """M (n, m), its indices sorted, with dense rows (k, m) below; zeros are not stored."""
+    from scipy import sparse
+
+    n, m = matrix.shape
+    there = rows.T != 0.0  # (m, k)
+    added = there.sum(axis=1)
+    shift = np.concatenate([[0], np.cumsum(added)])
+    indptr = matrix.indptr + shift
+    size = int(indptr[-1])
+    new = np.repeat(indptr[1:] - added, added) + (np.arange(size - matrix.nnz) - np.repeat(shift[:-1], added))
+    old = np.ones(size, bool)
+    old[new] = False
+    values, indices = np.empty(size, matrix.data.dtype), np.empty(size, matrix.indices.dtype)
+    values[old], indices[old] = matrix.data, matrix.indices
+    values[new] = rows.T[there]
+    indices[new] = np.broadcast_to(n + np.arange(len(rows), dtype=indices.dtype), there.shape)[there]
+    return sparse.csc_matrix((values, indices, indptr), shape=(n + len(rows), m))
