@@ -8,42 +8,55 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from contin.abi import Vector
-from contin.continuation.branch import Branch, End, ImageOf, Parent, SpecialPoint
-from contin.continuation.stored import StoredProblem
+from contin.api.read_branches import branch_of
+from contin.api.read_regions import phase_of
+from contin.api.read_runs import StoredSimulation, simulation_of, survey_of, sweep_of
+from contin.api.surveys import Survey
+from contin.continuation.branch import Branch
+from contin.diagram.diagram import Diagram
+from contin.diagram.phase.diagram import PhaseDiagram
 from contin.errors import InputError
 from contin.plot.figure import draw
 from contin.plot.look import Look
 from contin.plot.scan import drawn as drawn_scan
-from contin.records import Record
-from contin.store.digest import mistake
+from contin.records import Fields, Record
+from contin.simulate.sweep import Sweep
 from contin.store.json_format import read_mapping
 from contin.store.places import ending_of
 from contin.store.results import read_results
+from contin.store.run_files import checked, kind_of
 from contin.store.scan_store import read_scan
 from contin.store.solution_tables import load_solutions
-from contin.store.solutions import Solutions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
+class Drawable(Protocol):
+    """What draws itself with the options of a picture."""
+
+    def plot(self, *, ax: Axes | None = None, **options: Any) -> Figure: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Results:
-    """The branches of a result file in their order, by name; `notes` in words; `document`, all that the file says."""
+    """The branches of a result file in their order, by name; `notes` in words; `document`, all that the file says.
+
+    diagram, phase : of a run that has them beside other branches.  simulations : trajectories by name.  sweep : if any.
+    """
 
     branches: tuple[Branch, ...]
     notes: tuple[str, ...]
     document: Record
+    diagram: Diagram | None = None
+    phase: PhaseDiagram | None = None
+    simulations: Mapping[str, StoredSimulation] = field(default_factory=dict)
+    sweep: Sweep | None = None
 
     def __iter__(self) -> Iterator[Branch]:
         return iter(self.branches)
@@ -59,8 +72,24 @@ class Results:
         raise KeyError(f"no branch {name!r}; branches: {known}")
 
     def plot(self, ax: Axes | None = None, **options: object) -> Figure:
-        """A matplotlib figure, as that of the diagram or branches that were saved; options: `contin.plot.look.Look`."""
+        """A matplotlib figure, as that of what was saved; options: `contin.plot.look.Look`."""
+        if not self.branches:
+            alone: list[Drawable] = [*self.simulations.values(), *([self.sweep] if self.sweep is not None else [])]
+            if len(alone) == 1:
+                return alone[0].plot(ax=ax, **options)
+            known = ", ".join(f"simulations[{name!r}]" for name in self.simulations) or "nothing"
+            raise InputError(f"there is no branch to draw; the file holds {known}{', sweep' if self.sweep else ''}")
         return draw(self.branches, ax=ax, look=Look.of(options))
+
+    def __str__(self) -> str:
+        parts = [*map(repr, self.branches), *map(str, self.simulations.values())]
+        parts += [f"sweep in {self.sweep.parameter}, {len(self.sweep.values)} runs"] if self.sweep is not None else []
+        return "\n".join([*parts, *self.notes])
+
+    def _repr_html_(self) -> str:
+        pages = [part._repr_html_() for part in self.branches]
+        pages += [part._repr_html_() for part in self.simulations.values()]
+        return "".join([*pages, *([self.sweep._repr_html_()] if self.sweep is not None else [])])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,85 +115,92 @@ class ScanResults(Results):
         return drawn_scan(dict(self.document), ax, options)
 
 
-def read(file: str | Path) -> Results:
-    """The results in a `.contin` or `.json` file: `contin.read(file)[branch][label]`; of a `.scan` its table of runs.
+Read = Results | Diagram | PhaseDiagram | StoredSimulation | Sweep | Survey
 
-    Columns, points, values, eigenvalues, normal forms and ends are those that were saved; `point.orbit` where the file
-    keeps it. From the points of a `.contin` file branches are followed: `point.switch()`, `point.locus()`. InputError
-    for any other file.
+
+def read(file: str | Path) -> Any:
+    """What contin wrote, as it was, from a `.contin`, `.json` or `.scan` file.
+
+    A saved diagram or phase diagram is a `Diagram` or `PhaseDiagram` again; a run of several things `Results`, with its
+    branches, `contin.read(file)[branch][label]`; a scan its table; the JSON of `contin simulate`, `sweep` and `survey`
+    a trajectory, a `Sweep` and a `Survey`. Columns, points, values, eigenvalues, normal forms and ends are those that
+    were saved; `point.orbit` and `branch.orbit(row)` where the file keeps them. From the points of a `.contin` file
+    branches are followed: `point.switch()`, `point.locus()`. InputError for any other file.
     """
     path = Path(file)
-    runs = _scan(path)
-    if runs is not None:
+    if ending_of(path) == ".scan":
+        runs = read_scan(path)
         return ScanResults((), tuple(runs.get("notes", ())), runs)
+    if ending_of(path) == ".json":
+        written = read_mapping(path)
+        kind = kind_of(written)
+        if kind is not None:
+            return _of_command(checked(written, kind, path), kind)
     document = read_results(path)
     solutions = load_solutions(path) if ending_of(path) == ".contin" else None
-    branches = tuple(_branch(branch, solutions) for branch in document["branches"])
-    return Results(branches, tuple(document.get("notes", ())), document)
+    branches = tuple(branch_of(branch, document, solutions) for branch in document["branches"])
+    return _whole(document, branches)
 
 
-def _scan(path: Path) -> Record | None:
-    """The document of a scan, from its store or from JSON; None for any other file."""
-    if ending_of(path) == ".scan":
-        return read_scan(path)
-    if ending_of(path) != ".json":
-        return None
-    document = read_mapping(path)
-    if "branches" in document or not {"scan", "columns"} <= set(document):
-        return None
-    wrong = mistake(document)
-    columns = document["columns"]
-    if not isinstance(columns, dict) or not isinstance(columns.get("class"), list):
-        raise InputError(f"{path}: not the results of a scan, or damaged")
-    return document if wrong is None else {**document, "notes": [f"{path.name} {wrong}"]}
+def _of_command(document: Fields, kind: str) -> Read:
+    """What a command wrote alone."""
+    notes = tuple(document.get("notes", ()))
+    if kind == "simulation":
+        return simulation_of(document, notes)
+    if kind == "sweep":
+        return sweep_of(document, document["sweep"], document["model"])
+    return survey_of(document) if kind == "survey" else ScanResults((), notes, document)
 
 
-def _branch(stored: Record, solutions: Solutions | None) -> Branch:
-    columns = {str(name): _column(name, column) for name, column in stored["columns"].items()}
-    rows = len(next(iter(columns.values()), ()))
-    parent, image = stored["parent"], stored["image_of"]
-    nothing = np.empty((rows, 0))
-    return Branch(
-        name=stored["name"], kind=stored["kind"], parameters=tuple(stored["parameters"]), columns=columns,
-        points=tuple(_point(stored, point, solutions) for point in stored["points"]),
-        ends=(_end(stored["ends"][0]), _end(stored["ends"][1])), z=nothing, tangents=nothing,
-        eigenvalues=nothing.astype(complex), start_row=0, steps=stored["steps"], seconds=stored["seconds"],
-        effort=stored.get("effort", {}), problem=None, locus=stored["locus"],
-        parent=None if parent is None else Parent(parent["branch"], parent["label"]),
-        image_of=None if image is None else ImageOf(image["branch"], image["symmetry"]),
-        free=tuple(stored.get("free", ())),
-    )  # fmt: skip
+def _whole(document: Record, branches: tuple[Branch, ...]) -> Read:
+    """A diagram or a phase diagram, where the file holds nothing else; all that it holds."""
+    notes = list(document.get("notes", ()))
+    diagram = _diagram(document, branches, _own(document, "diagram")) if "diagram" in document else None
+    phase = phase_of(document, branches, _own(document, "phase")) if "phase" in document else None
+    simulations = {one["name"]: simulation_of(one) for one in document.get("simulations", ())}
+    swept = document.get("sweep")
+    model = document["model"]["name"]
+    sweep = None if swept is None else sweep_of(swept, swept["parameter"], swept.get("model", model))
+    if not simulations and sweep is None:
+        if diagram is not None and phase is None and len(diagram.branches) == len(branches):
+            return diagram
+        if phase is not None and diagram is None:
+            return phase
+    return Results(branches, tuple(notes), document, diagram, phase, simulations, sweep)
 
 
-def _column(name: str, column: list[float | None]) -> Vector:
-    kind = bool if name in ("stable", "neutral") else int if name == "unstable" else float  # null becomes NaN
-    return np.array(column, dtype=float if None in column else kind)
+def _own(document: Record, part: str) -> list[str]:
+    """The notes of a diagram as it had them, and those of the file; without those that are its branches' alone."""
+    every, own = list(document.get("notes", ())), document[part].get("notes")
+    if own is None:
+        return every
+    heads = tuple(f"{branch['name']}: " for branch in document["branches"])
+    return [*own, *(note for note in every if note not in own and not note.startswith(heads))]
 
 
-def _point(branch: Record, stored: Record, solutions: Solutions | None) -> SpecialPoint:
-    where = f"{branch['name']}.{stored['label']}"
-    solution = None
-    if solutions is not None:
-        solution = partial(solutions.point, branch["name"], stored["label"], where)
-    problem = StoredProblem(branch["kind"], tuple(branch["parameters"]), where, stored.get("orbit"), solution)
-    errors = [_number(stored["errors"][n]) for n in branch["parameters"][1:2] if n in stored.get("errors", {})]
-    return SpecialPoint(
-        type=stored["type"], label=stored["label"], index=stored["index"], z=np.empty(0), tangent=np.empty(0),
-        values={name: _number(value) for name, value in stored["values"].items()},
-        residual=_number(stored["residual"]), error=_number(stored["error"]),
-        eigenvalues=_complex(stored.get("multipliers", stored.get("eigenvalues", []))),
-        normal_form=stored["normal_form"], also=tuple(filter(None, stored.get("also", "").split(", "))),
-        branch=branch["name"], problem=problem, vectors=dict(zip(("second",), errors, strict=False)),
-    )  # fmt: skip
+def _diagram(document: Record, branches: Sequence[Branch], notes: list[str]) -> Diagram:
+    """Those of the branches that an explorer found."""
+    data = document["diagram"]
+    low, high = (float(end) for end in data["range"])
+    mine = [branch for branch in branches if branch.name in data["branches"]]
+    stopped, unfinished = bool(data.get("stopped")), list(data.get("unfinished", ()))
+    return Diagram(data["parameter"], (low, high), mine, notes, FromFile(), stopped, unfinished)
 
 
-def _end(stored: Record) -> End:
-    return End(stored["reason"], stored["text"], {k: v for k, v in stored.items() if k not in ("reason", "text")})
+class FromFile:
+    """In place of the explorer of a diagram from a file: says how to go on."""
 
+    def extend(self, diagram: Diagram, branch: str, end: str, bounds: object) -> Branch:
+        """InputError."""
+        raise InputError(
+            f"{branch}: a diagram from a file is not extended; compute it again with another range, or follow a point: "
+            f"contin.continuation(diagram[{branch!r}][LABEL].switch(), {diagram.parameter!r}, (LOW, HIGH))"
+        )
 
-def _number(value: float | None) -> float:
-    return float("nan") if value is None else value
-
-
-def _complex(pairs: list[list[float | None]]) -> NDArray[np.complex128]:
-    return np.array([complex(_number(re), _number(im)) for re, im in pairs], dtype=complex)
+    def follow(self, diagram: Diagram, branch: str, label: str) -> list[Branch]:
+        """InputError."""
+        low, high = diagram.bounds
+        raise InputError(
+            f"{branch}.{label}: what starts at a point from a file is followed by contin.continuation("
+            f"diagram[{branch!r}][{label!r}].switch(), {diagram.parameter!r}, ({low:g}, {high:g}))"
+        )

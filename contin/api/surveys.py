@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing import get_all_start_methods, get_context
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.api.attractors import MOST, attractors
 from contin.api.auto_start import FoundStart, is_singular
@@ -49,12 +49,25 @@ class Row:
         return min((max(r, 1.0 / r) if r > 0.0 else float("inf") for r in ratios), default=float("inf"))
 
 
+class Attractor(Protocol):
+    """What a survey started from: a `FoundStart`, or one from a file in words."""
+
+    @property
+    def solution(self) -> object: ...
+
+    @property
+    def how(self) -> str: ...
+
+    @property
+    def words(self) -> str: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Survey:
     """Rows sorted by attractor, then by how soon something happens; `attractors` are the starts, by name."""
 
     model: str
-    attractors: dict[str, FoundStart]
+    attractors: Mapping[str, Attractor]
     rows: tuple[Row, ...]
     factor: float
     notes: tuple[str, ...]

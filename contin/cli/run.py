@@ -18,6 +18,7 @@ from contin.cli.outputs import CUT_SHORT, DONE, outputs_of, provenance, report_o
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker, duration
 from contin.cli.told import Told
+from contin.continuation.kept_rows import kept_rows
 from contin.errors import InputError
 from contin.kernels.clock import CLOCK
 from contin.machine.progress import telling
@@ -254,6 +255,8 @@ def compute(
         orbit=samples,
         phase=result.phase,
         simulated=simulated.found,
+        diagram=result.diagram,
+        rows=kept_rows if samples is not None else None,
     )
     solutions = solutions_of(result.branches.values()) if "save" in plan.outputs else None
     page = any(path.suffix in PAGES for path in plan.outputs.values())

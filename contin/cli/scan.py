@@ -26,7 +26,10 @@ from contin.runs.scan_plan import plan_scan
 from contin.simulate.scan.carry_out import carry_out, document_of
 from contin.store.digest import DamageWarning
 from contin.store.journal import fingerprint
+from contin.store.json_format import read_mapping
+from contin.store.places import ending_of
 from contin.store.results import read_results
+from contin.store.run_files import checked
 from contin.store.scan_store import ScanStore, read_scan
 
 if TYPE_CHECKING:
@@ -116,14 +119,19 @@ def plot_scan(file: Path, out: Path, look: Look, over: Path | None) -> int:
     """Draw a saved scan, also one that is not finished."""
     if out.suffix not in PICTURES:
         raise InputError(f"{out}: pictures end in {', '.join(PICTURES)}")
-    write_figure(figure(read_scan(file), look=look, over=_results(over)), out)
+    write_figure(figure(_stored(file), look=look, over=_results(over)), out)
     print(out)
     return DONE
 
 
+def _stored(file: Path) -> Fields:
+    """A scan from its store or from JSON."""
+    return read_scan(file) if ending_of(file) == ".scan" else checked(read_mapping(file), "scan", file)
+
+
 def export_scan(file: Path, out: Path) -> int:
     """Write a saved scan as a table (.csv) or as JSON."""
-    document = read_scan(file)
+    document = _stored(file)
     if out.suffix == ".csv":
         write_table(document["columns"], out)
     elif out.suffix == ".json":

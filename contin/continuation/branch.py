@@ -14,6 +14,7 @@ from contin.abi import Array, Vector
 from contin.continuation.fields import Fields, fields_of
 from contin.continuation.frames import dataframe, dataset
 from contin.continuation.orbit import Orbit, orbit_of
+from contin.errors import InputError
 from contin.records import Record
 
 if TYPE_CHECKING:
@@ -149,6 +150,8 @@ class Branch:
     free: tuple[str, ...] = ()  # parameters that are solved for, under conditions
     unexplained: int = 0  # changes of `unstable` that no label explains, events not told apart; each has its note
     jumped: int = 0  # changes of `unstable` without a label where the equations jump, which their notes say
+    kept: Mapping[int, Mapping[str, Vector]] = field(default_factory=dict)  # of one from a file: orbits by row
+    described: Record | None = None  # of one from a file, which has no problem: its model in words and numbers
 
     def __len__(self) -> int:
         return len(self.z)
@@ -170,7 +173,22 @@ class Branch:
         """The periodic orbit at a row (negative rows count from the last): `t`, `columns`, `multipliers`."""
         if not -len(self) <= row < len(self):
             raise IndexError(f"branch {self.name!r} has rows 0 to {len(self) - 1}; got {row}")
+        if self.problem is None:
+            return self._stored_orbit(row % len(self))
         return orbit_of(self.problem, self.z[row], self.eigenvalues[row], f"row {row} of {self.name}")
+
+    def _stored_orbit(self, row: int) -> Orbit:
+        """Of a branch from a file: at a row that the file keeps, or at that of a label."""
+        if row in self.kept:
+            columns = dict(self.kept[row])
+            return Orbit(columns["t"], columns, self.eigenvalues[row], None)
+        for point in self.points:
+            if point.index == row:
+                return point.orbit
+        if self.kind != "orbit":
+            raise InputError(f"row {row} of {self.name} is no periodic orbit: {self.name} is a branch of another kind")
+        rows = ", ".join(str(one) for one in sorted({*self.kept, *(point.index for point in self.points)})) or "none"
+        raise InputError(f"row {row} of {self.name} was read from a file, which keeps orbits at the rows {rows}")
 
     def fields(self, row: int) -> Fields:
         """Of a model of kind: pde, the coordinates and the fields on them at a row (negative: from the last)."""
@@ -204,6 +222,7 @@ class Branch:
         if self.kind == "locus":
             if self.locus == "EX" and "period" in self.columns:
                 return True
-            system = getattr(self.problem, "system", None)  # a branch that was read from a file has no problem
-            return self.locus in ("LPC", "BPC", "PD", "NS", "UZ") or getattr(system, "kind", "flow") == "map"
+            system = getattr(self.problem, "system", None)
+            kind = (self.described or {}).get("kind", "flow") if system is None else getattr(system, "kind", "flow")
+            return self.locus in ("LPC", "BPC", "PD", "NS", "UZ") or kind == "map"
         return self.kind in ("orbit", "fixed-point")

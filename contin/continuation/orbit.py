@@ -92,8 +92,6 @@ class Orbit:
 
 def orbit_of(problem: object, z: Array, multipliers: NDArray[np.complex128], where: str) -> Orbit:
     """The orbit that the vector z of a problem stands for; InputError where it stands for none."""
-    if problem is None:
-        raise InputError(f"{where} was read from a file: files keep orbits at labelled points, `branch[label].orbit`")
     profile_of = getattr(problem, "profile", None)
     if profile_of is None:
         raise InputError(f"{where} is no periodic orbit: orbits are at the rows and points of branches of orbits")

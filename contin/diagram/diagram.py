@@ -92,5 +92,12 @@ class Diagram:
         return {branch.name: branch.to_xarray() for branch in self.branches}
 
     def save(self, path: str | Path) -> None:
-        """Write a `.contin` file, which `contin plot` and `contin export` read."""
-        save_branches(self.branches, path, self.notes)
+        """Write a `.contin` (or `.json`) file, which `contin.read`, `contin plot` and `contin export` read."""
+        save_branches(self.branches, path, self.notes, diagram=self.as_data())
+
+    def as_data(self) -> Fields:
+        """What the diagram is besides its branches, for files."""
+        return {
+            "parameter": self.parameter, "range": list(self.bounds), "branches": [b.name for b in self.branches],
+            "stopped": self.stopped, "unfinished": list(self.unfinished), "notes": list(self.notes),
+        }  # fmt: skip

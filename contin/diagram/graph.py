@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from networkx import MultiGraph
 
     from contin.abi import Array
+    from contin.continuation.branch import Branch
     from contin.diagram.diagram import Diagram
 
 SAME_NODE = 1e-7  # distance of two points that are one node, relative to the size of each unknown on the branch
@@ -39,8 +40,8 @@ def build_graph(diagram: Diagram) -> MultiGraph:
         return node
 
     for branch in diagram.branches:
-        periods = branch.problem.angle_periods
-        size = np.maximum(np.abs(branch.z).max(axis=0), 1e-3 * np.abs(branch.z).max())
+        unknowns, periods = _unknowns(branch)
+        size = np.maximum(np.abs(unknowns).max(axis=0), 1e-3 * np.abs(unknowns).max())
         stops: list[tuple[int, Any]] = []
         for row, end in ((0, branch.ends[0]), (len(branch) - 1, branch.ends[1])):
             stops.append((row, (f"end: {end.reason}", None)))
@@ -53,7 +54,7 @@ def build_graph(diagram: Diagram) -> MultiGraph:
                 merged[row] = (type_, label)
         rows = sorted(merged)
         nodes = [
-            node_at(branch.z[row], size, periods, *merged[row], float(branch.columns[diagram.parameter][row]))
+            node_at(unknowns[row], size, periods, *merged[row], float(branch.columns[diagram.parameter][row]))
             for row in rows
         ]
         for (first, a), (last, b) in zip(
@@ -62,3 +63,16 @@ def build_graph(diagram: Diagram) -> MultiGraph:
             stable = "stable" in branch.columns and bool(branch.columns["stable"][(first + last) // 2])
             graph.add_edge(a, b, branch=branch.name, rows=(first, last), stable=stable)
     return graph
+
+
+def _unknowns(branch: Branch) -> tuple[Array, Array]:
+    """Unknowns of the rows (N, m) and their periods; of a branch from a file its parameters and states."""
+    if branch.problem is not None:
+        return branch.z, branch.problem.angle_periods
+    known = branch.described or {}
+    states = [name for name in known.get("states", ()) if name in branch.columns]
+    if branch.kind == "orbit":
+        states = ["period", *[name for name in branch.columns if name.endswith((".min", ".max"))]]
+    names = [*states, *branch.parameters]
+    periods = [float(known.get("periods", {}).get(name, 0.0)) for name in names]
+    return np.column_stack([np.asarray(branch.columns[name], float) for name in names]), np.array(periods)

@@ -100,7 +100,7 @@ def _draw(ax: Axes, panel: Panel, look: Look, colours: Mapping[str, str], period
 def draw(branches: Iterable[Branch], *, ax: Axes | None = None, look: Look = PLAIN_LOOK) -> Figure:
     """The figure of branches in memory; units and periods of angles are those of their model."""
     branches = list(branches)
-    model = model_of(branches) if all(branch.problem is not None for branch in branches) else {}
+    model = model_of(branches)
     shown = [look.x, *([look.y] if isinstance(look.y, str) else look.y or [])]
     sources, periods = from_branches(branches, asked(shown)), model.get("periods", {})
     manifolds = [source for source in sources if source.kind == "manifold"]

@@ -1,6 +1,6 @@
 """What the page shows of a row of a branch besides its columns: spectra of all rows, orbits of some.
 
-Branches in memory have both; a result file has them at its labelled points.
+Branches in memory have both, and so have result files that keep them (`contin.continuation.kept_rows`).
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.branch import Branch
-from contin.errors import ContinError
-from contin.records import Fields
+from contin.continuation.kept_rows import spaced_orbits
+from contin.records import Fields, Record
 
 MOST_VALUES: Final = 12  # of a spectrum: those nearest to instability
-MOST_ORBITS: Final = 16  # of a branch, equally spaced in its rows, besides those at its labels
 MOST_STATES: Final = 6
 SAMPLES: Final = 160  # of an orbit
 DIGITS: Final = 6
@@ -48,18 +47,31 @@ def _spectra(branch: Branch) -> list[list[list[float]]]:
 
 
 def _orbits(branch: Branch) -> list[Fields]:
-    if branch.kind != "orbit" or branch.problem is None:
-        return []
-    labelled = {int(point.index) for point in branch.points}
-    spaced = np.linspace(0, len(branch) - 1, min(MOST_ORBITS, len(branch))).round().astype(int)
-    found = []
-    for row in sorted(labelled | set(spaced.tolist())):
-        try:
-            orbit = branch.orbit(row)
-        except ContinError:  # fields, or an orbit without a profile: the page says at which row it shows one
-            continue
-        found.append({"row": row, "columns": thinned(dict(orbit.columns))})
+    return [{"row": row, "columns": thinned(dict(orbit.columns))} for row, orbit in spaced_orbits(branch).items()]
+
+
+def kept_in(document: Record) -> dict[str, Fields]:
+    """The same of a result document: what it keeps of its branches; nothing of those of earlier files."""
+    found = {}
+    for branch in document["branches"]:
+        rows = branch.get("rows", {})
+        columns = [(one["row"], one["orbit"]) for one in rows.get("orbits", [])]
+        columns += [(point["index"], point["orbit"]) for point in branch["points"] if "orbit" in point]
+        multipliers = branch["kind"] in ("orbit", "fixed-point") or any("multipliers" in p for p in branch["points"])
+        values = [[complex(*map(_number, pair)) for pair in row] for row in rows.get("eigenvalues", [])]
+        found[branch["name"]] = {
+            "spectrum": [leading(np.array(row, dtype=complex), multipliers) for row in values],
+            "orbits": [{"row": row, "columns": thinned(dict(orbit))} for row, orbit in sorted(columns, key=_first)],
+        }
     return found
+
+
+def _first(pair: tuple[int, Record]) -> int:
+    return pair[0]
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
 
 
 def thinned(columns: Fields) -> Fields:

@@ -15,6 +15,7 @@ from contin.plot.house_style import style
 from contin.plot.html import html_page
 from contin.plot.look import PLAIN_LOOK, Look
 from contin.plot.phase import draw
+from contin.plot.rows import kept_in
 from contin.plot.series import from_document, panels
 from contin.records import Fields, Record
 from contin.store.atomic import write_bytes
@@ -32,7 +33,7 @@ def picture(
 ) -> bytes:
     """The bytes of a picture (`.png`, `.pdf`, `.svg`) or interactive page (`.html`) of the results.
 
-    rows : spectra and orbits of rows for the page (`contin.plot.rows.rows_of`).
+    rows : spectra and orbits of rows for the page (`contin.plot.rows.rows_of`; default: what the document keeps).
     """
     model = document["model"]
     title, periods, units = look.title or model.get("title") or model["name"], model.get("periods"), model.get("units")
@@ -49,7 +50,7 @@ def picture(
     if suffix in PAGES:
         page = html_page(
             sources, title=title, x=look.x, y=look.y, periods=periods, units=units, phase=document.get("phase"),
-            rows=rows,
+            rows=rows or kept_in(document),
         )
         return page.encode()
     if suffix not in PICTURES:

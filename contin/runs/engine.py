@@ -33,6 +33,8 @@ class Found(Protocol):
     @property
     def stopped(self) -> bool: ...
 
+    def as_data(self) -> Record: ...
+
 
 class FoundPhase(Protocol):
     """What a phase diagram consists of."""

@@ -31,6 +31,7 @@ class RunResult:
     seconds: float
     phase: Record | None = None  # the regions of a phase diagram, as plain data
     stopped: bool = False  # by the user
+    diagram: Record | None = None  # which of the branches are those of a diagram, and of which
 
 
 @dataclass
@@ -39,6 +40,7 @@ class _State:
     notes: list[str] = field(default_factory=list)
     complete: bool = True
     phase: Record | None = None
+    diagram: Record | None = None
     stopped: bool = False
     refused: list[InputError] = field(default_factory=list)  # what is wrong with runs as they are written
 
@@ -87,7 +89,7 @@ def execute(plan: Plan, engine: Engine, progress: Progress | None = None) -> Run
     if state.refused and nothing_else and len(state.refused) == len(state.notes):
         raise state.refused[0]
     notes = [*conserved_notes(plan.model), *state.notes]
-    return RunResult(state.branches, notes, state.complete, seconds, state.phase, state.stopped)
+    return RunResult(state.branches, notes, state.complete, seconds, state.phase, state.stopped, state.diagram)
 
 
 def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) -> None:
@@ -96,6 +98,7 @@ def _explore(plan: Plan, diagram: DiagramPlan, engine: Engine, state: _State) ->
         for branch in found.branches:
             state.add(_shown(branch, diagram.spectra))
         state.notes.extend(found.notes)
+        state.diagram = found.as_data()
         if found.stopped:
             state.stop()
 
@@ -105,7 +108,7 @@ def _cut_into_regions(plan: Plan, phase: PhasePlan, engine: Engine, state: _Stat
         found = engine.phase(plan.model, phase, plan.parameters)
         for branch in found.loci:  # a curve that leads into a degenerate point does not make the diagram incomplete
             state.branches[branch.name] = branch
-        state.phase = found.as_data()
+        state.phase = {**found.as_data(), "notes": list(found.notes)}
         state.notes.extend(found.notes)
         if any(DEFECT in note for note in found.notes):
             state.complete = False

@@ -21,7 +21,7 @@ from contin.runs.outputs import path_mistake
 from contin.store.digest import DamageWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 SAME: Final = 1e-12  # relative: two values of a parameter that are one
 
@@ -80,7 +80,7 @@ def stored_start(
 
 
 def _branch(start: StoredStart) -> Branch:
-    results = read(start.file)
+    results: Iterable[Branch] = read(start.file)
     for branch in results:
         if branch.name == start.branch:
             return branch

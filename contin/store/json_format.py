@@ -30,6 +30,9 @@ FORMAT_VERSION: Final = 1
 OrbitSampler = Callable[[Branch, SpecialPoint], Record | None]
 """Gives {'orbit': {'t': .., state: ..}} (or {'fields': ..}) at a point, or None where the point has neither."""
 
+RowSampler = Callable[[Branch], Record]
+"""Gives `eigenvalues` and `orbits` of the rows of a branch."""
+
 
 def result_document(
     model: Record,
@@ -40,6 +43,8 @@ def result_document(
     orbit: OrbitSampler | None = None,
     phase: Record | None = None,
     simulated: Record | None = None,
+    diagram: Record | None = None,
+    rows: RowSampler | None = None,
 ) -> Fields:
     """The results of a run as nested dicts, lists, numbers and strings only.
 
@@ -59,15 +64,20 @@ def result_document(
         The regions of a phase diagram, whose curves are among the branches.
     simulated : mapping, optional
         `simulations` (a list) and `sweep`.
+    diagram : mapping, optional
+        Of a diagram whose branches are among these: `parameter`, `range`, `branches` (names).
+    rows : callable, optional
+        Adds spectra and orbits of its rows to every branch.
     """
     branches = list(branches)
-    written = [branch_document(branch, orbit) for branch in branches]
+    written = [branch_document(branch, orbit, rows) for branch in branches]
     of_branches = (f"{branch.name}: {note}" for branch in branches for note in branch.notes if note not in notes)
     every_note = [*notes, *of_branches]
     return {
         "contin": FORMAT_VERSION,
         "model": plain(model),
         "branches": written,
+        **({} if diagram is None else {"diagram": plain(diagram)}),
         **({} if phase is None else {"phase": plain(phase)}),
         **({} if simulated is None else plain(simulated)),
         "built": built(),
@@ -76,7 +86,9 @@ def result_document(
     }
 
 
-def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> Fields:
+def branch_document(
+    branch: Branch, orbit: OrbitSampler | None = None, rows: RowSampler | None = None
+) -> Fields:
     """One branch as in the document."""
     parent, image = branch.parent, branch.image_of
     return {
@@ -93,6 +105,7 @@ def branch_document(branch: Branch, orbit: OrbitSampler | None = None) -> Fields
         "steps": int(branch.steps),
         "seconds": float(branch.seconds),
         "effort": plain(branch.effort),
+        **({} if rows is None else {"rows": plain(rows(branch))}),
     }
 
 
@@ -130,6 +143,8 @@ def describe_model(model: Model, overrides: Record | None = None) -> Fields:
     fields = getattr(model, "fields", ())
     if fields:
         described.update({"fields": list(fields), "axes": list(model.axes), "unknowns": model.n})  # type: ignore[attr-defined]
+    if getattr(model, "kind", "flow") != "flow":
+        described["kind"] = model.kind
     if getattr(model, "forcing", None) is not None:
         described["forced"] = True
     totals = getattr(model, "totals", ())
@@ -153,6 +168,8 @@ def model_of(branches: Sequence[Branch]) -> Fields:
     if not branches:
         raise InputError("there is no branch to draw or to save")
     problem = branches[0].problem
+    if problem is None:
+        return dict(branches[0].described or {})
     return describe_model(problem.system.model, problem.constants())
 
 

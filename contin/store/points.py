@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.defects import described
+from contin.continuation.stored import as_computed
 from contin.errors import ContinError, InputError
-from contin.store.encoded import NotKeptError, Table, decode, encode
+from contin.store.encoded import Table, decode, encode
 from contin.store.sound import check
 
 if TYPE_CHECKING:
@@ -61,8 +62,9 @@ def texts_of(branches: Iterable[Branch]) -> tuple[Texts, str, Texts]:
         for point in branch.points:
             key = branch.name, point.label
             try:
-                data = {name: encode(getattr(point, name), table) for name in FIELDS}
-            except NotKeptError as error:
+                computed = as_computed(point)
+                data = {name: encode(getattr(computed, name), table) for name in FIELDS}
+            except InputError as error:
                 missing[key] = str(error)
             else:
                 points[key] = json.dumps(data, separators=(",", ":"), allow_nan=False)

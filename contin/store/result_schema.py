@@ -63,6 +63,24 @@ BRANCH: Final[Fields] = {
         "steps": {"type": "integer", "minimum": 0},
         "seconds": {"type": "number", "minimum": 0},
         "effort": {"type": "object"},
+        "rows": {
+            "type": "object",
+            "properties": {
+                "start": {"type": "integer", "minimum": 0},
+                "eigenvalues": {"type": "array", "items": _PAIRS},
+                "orbits": {
+                    "type": "array",
+                    "items": {
+                        "type": "object",
+                        "required": ["row", "orbit"],
+                        "properties": {
+                            "row": {"type": "integer", "minimum": 0},
+                            "orbit": {"type": "object", "required": ["t"], "additionalProperties": {"type": "array"}},
+                        },
+                    },
+                },
+            },
+        },
     },
 }  # fmt: skip
 
@@ -109,6 +127,7 @@ PHASE: Final[Fields] = {
                 },
             },
         },
+        "notes": {"type": "array", "items": {"type": "string"}},
         "borders": {"type": "array", "items": {"type": "object", "required": ["regions", "curves"]}},
     },
 }
@@ -150,6 +169,18 @@ RESULT_SCHEMA: Final[Fields] = {
             },
         },
         "branches": {"type": "array", "items": BRANCH},
+        "diagram": {
+            "type": "object",
+            "required": ["parameter", "range", "branches"],
+            "properties": {
+                "parameter": {"type": "string"},
+                "range": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2},
+                "branches": {"type": "array", "items": {"type": "string"}},
+                "stopped": {"type": "boolean"},
+                "unfinished": {"type": "array", "items": {"type": "string"}},
+                "notes": {"type": "array", "items": {"type": "string"}},
+            },
+        },
         "phase": PHASE,
         "simulations": {"type": "array", "items": SIMULATION},
         "sweep": SWEEP,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contin.continuation.defects import noted
+from contin.continuation.kept_rows import kept_rows
 from contin.errors import InputError
 from contin.records import Fields, Record
 from contin.store import json_format, sqlite
@@ -35,8 +36,13 @@ def read_results(path: Path) -> Fields:
     raise InputError(f"{path}: expected a result file that ends in .contin or .json")
 
 
-def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[str] = ()) -> None:
-    """Write branches in memory to a `.contin` (or `.json`) file, with the orbits at labelled points."""
+def save_branches(
+    branches: Iterable[Branch], path: str | Path, notes: Sequence[str] = (), **parts: Record
+) -> None:
+    """Write branches in memory to a `.contin` (or `.json`) file, with orbits at labelled points and some rows.
+
+    parts : `diagram` and `phase`, as `result_document` takes them.
+    """
     branches = list(branches)
     total = sum(branch.seconds for branch in branches)
     told = [*notes]  # and orbits that cannot be sampled
@@ -48,8 +54,9 @@ def save_branches(branches: Iterable[Branch], path: str | Path, notes: Sequence[
         return found[0]
 
     document = json_format.result_document(
-        json_format.model_of(branches), branches, timing={"total": total}, notes=told, orbit=orbit
-    )
+        json_format.model_of(branches), branches, timing={"total": total}, notes=told, orbit=orbit,
+        rows=kept_rows, **parts,
+    )  # fmt: skip
     export_results(document, Path(path), solutions_of(branches))
 
 

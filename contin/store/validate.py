@@ -32,6 +32,13 @@ def validate(document: Record, path: Path) -> None:
         raise InputError(f"{path}: not a contin result, or damaged: {where or 'the document'} {what}")
 
 
+def first_mistake(document: Record, schema: Record) -> str | None:
+    """The first place where a document does not follow a schema, in words; None where it does."""
+    for where, what in _mistakes(document, schema, ""):
+        return f"{where or 'the document'} {what}"
+    return None
+
+
 def _without_parameters(document: Record) -> Iterator[Mistake]:
     """Manifolds alone have no parameter that varies; their rows say which orbit they are of."""
     for k, branch in enumerate(document["branches"]):
@@ -106,10 +113,24 @@ def _uneven(document: Record) -> Iterator[Mistake]:
         for number, point in enumerate(branch["points"]):
             if point["index"] >= rows:
                 yield f"{where}.points[{number}].index", f"is {point['index']}, and the branch has {rows} rows"
+        yield from _uneven_rows(branch, rows, where)
     tables = [*document.get("simulations", []), *([document["sweep"]] if "sweep" in document else [])]
     for table in tables:
         if len({len(column) for column in table["columns"].values()}) > 1:
             yield "simulations or sweep", "have columns of different lengths"
+
+
+def _uneven_rows(branch: Record, rows: int, where: str) -> Iterator[Mistake]:
+    """Spectra and orbits that do not fit to the rows of their branch."""
+    kept = branch.get("rows", {})
+    values = kept.get("eigenvalues")
+    if values is not None and (len(values) != rows or len({len(row) for row in values}) > 1):
+        yield f"{where}.rows.eigenvalues", f"should be one list of equal length for each of {rows} rows"
+    for number, one in enumerate(kept.get("orbits", ())):
+        if one["row"] >= rows:
+            yield f"{where}.rows.orbits[{number}].row", f"is {one['row']}, and the branch has {rows} rows"
+        if len({len(column) for column in one["orbit"].values()}) > 1:
+            yield f"{where}.rows.orbits[{number}].orbit", "has columns of different lengths"
 
 
 def _allowed(schema: Record) -> frozenset[type] | None:

@@ -13,6 +13,7 @@ from contin.store.digest import DamageWarning, mistake
 from contin.store.json_format import read_mapping
 from contin.store.places import ending_of
 from contin.store.results import read_results
+from contin.store.run_files import kind_of
 from contin.store.scan_store import read_scan
 
 STORES: Final = (".contin", ".scan")
@@ -22,7 +23,7 @@ def is_result(path: Path) -> bool:
     """True for a store by its ending, and for JSON results (a model or a run file may be JSON, too)."""
     if ending_of(path) == ".json" and path.is_file():
         try:
-            return not {"branches", "columns"}.isdisjoint(read_mapping(path))
+            return not {"branches", "columns", "survey"}.isdisjoint(read_mapping(path))
         except InputError:
             return False
     return ending_of(path) in STORES
@@ -39,7 +40,7 @@ def verify(path: Path) -> str:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", DamageWarning)
         if ending_of(path) == ".json" and "branches" not in (other := read_mapping(path)):
-            words = "results of a simulation, a sweep or a scan"
+            words = f"results of a {kind_of(other) or 'command'}"
             if (wrong_sum := mistake(other)) is not None:
                 warnings.warn(f"{path}: {wrong_sum}", DamageWarning, stacklevel=2)
         elif ending_of(path) == ".scan":

@@ -50,6 +50,9 @@ class Double:
             notes = ["a note of the explorer"]  # noqa: RUF012
             stopped = False
 
+            def as_data(self):
+                return {"parameter": "p", "range": [0.0, 1.0], "branches": ["low/BP1"]}
+
         return Found()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from contin.plot.look import Look
 from contin.plot.phase import draw
 from contin.records import Fields
 from contin.store.json_format import result_document
+from contin.store.results import save_branches
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -117,6 +118,18 @@ class PhaseDiagram:
             graph.add_edge(i, j, curves=sorted(curves))
         return graph
 
+    def __iter__(self) -> Iterator[Branch]:
+        return iter((*self.loci, *self.branches))
+
+    def __len__(self) -> int:
+        return len(self.loci) + len(self.branches)
+
+    def __getitem__(self, name: str) -> Branch:
+        for branch in self:
+            if branch.name == name:
+                return branch
+        raise KeyError(f"no branch {name!r}; branches: {', '.join(branch.name for branch in self) or 'none'}")
+
     def region_at(self, values: Mapping[str, float]) -> Region | None:
         """The region that contains a point of the box."""
         point = np.array([[values[name] for name in self.parameters]])
@@ -138,6 +151,11 @@ class PhaseDiagram:
     def to_html(self, path: str | Path) -> None:
         """An interactive page in one file: regions, curves, special points."""
         write_html(self.loci, path, phase=self.as_data())
+
+    def save(self, path: str | Path) -> None:
+        """Write a `.contin` (or `.json`) file, from which `contin.read` gives the diagram again."""
+        branches = [*self.loci, *(b for b in self.branches if all(b.name != locus.name for locus in self.loci))]
+        save_branches(branches, path, self.notes, phase={**self.as_data(), "notes": list(self.notes)})
 
     def plot(self, scan: object = None, *, ax: Axes | None = None, **options: object) -> Any:
         """A matplotlib figure: curves by type, points of codimension two marked, regions labelled.
