@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ from contin.model.parts import (
     Limit,
     Oscillator,
     Parameter,
+    Rotator,
     Start,
     State,
     Symmetry,
@@ -337,20 +338,39 @@ class _Builder:
         if item is None:
             return None
         self.one_of(item.small, self.parameters, "parameter", ("averaging", "small"))
-        used: list[str] = []
+        roles: list[tuple[Path, str]] = []
         for i, oscillator in enumerate(item.oscillators):
-            for role, state in (("position", oscillator.position), ("velocity", oscillator.velocity)):
-                path = ("averaging", "oscillators", i, role)
-                self.one_of(state, self.states, "state", path)
-                if state in used:
-                    self.problems.add(path, f"{state} already belongs to an oscillator")
-                used.append(state)
+            roles.append((("oscillators", i, "position"), oscillator.position))
+            roles.append((("oscillators", i, "velocity"), oscillator.velocity))
+        roles += [(("rotators", i, "phase"), rotator.phase) for i, rotator in enumerate(item.rotators)]
+        for key, names in (("slow", item.slow), ("slaved", item.slaved)):
+            roles += [((key, i), name) for i, name in enumerate(names)]
+        self.different_states(roles)
         if self.entry.kind == "map":
             self.problems.add(("averaging",), "a map cannot be averaged; use kind: flow", key=True)
-        oscillators = tuple(
-            Oscillator(canonical_name(o.position), canonical_name(o.velocity)) for o in item.oscillators
+        if "forcing" in item.model_fields_set and self.entry.forcing is None:
+            self.problems.add(("averaging", "forcing"), "the model has no forcing; write `forcing: {period: ...}`")
+        return Averaging(
+            canonical_name(item.small),
+            tuple(
+                Oscillator(canonical_name(o.position), canonical_name(o.velocity), o.harmonic) for o in item.oscillators
+            ),
+            item.forcing,
+            tuple(Rotator(canonical_name(r.phase), r.harmonic) for r in item.rotators),
+            tuple(canonical_name(n) for n in item.slow),
+            tuple(canonical_name(n) for n in item.slaved),
         )
-        return Averaging(canonical_name(item.small), oscillators)
+
+    def different_states(self, roles: Sequence[tuple[Path, str]]) -> None:
+        """Each of the names, with its place under `averaging`, is a state, and no state has two roles."""
+        used: list[str] = []
+        for place, state in roles:
+            path = ("averaging", *place)
+            self.one_of(state, self.states, "state", path)
+            if state in used:
+                what = "belongs to an oscillator" if place[0] == "oscillators" else "has a role"
+                self.problems.add(path, f"{state} already {what}")
+            used.append(state)
 
     def one_of(self, name: str, names: list[str], what: str, path: Path) -> None:
         if canonical_name(name) not in names:

@@ -38,6 +38,7 @@ from contin.model.parts import (
     Limit,
     Oscillator,
     Parameter,
+    Rotator,
     Start,
     State,
     Symmetry,
@@ -51,7 +52,7 @@ PARTS: Final = {
     kind.__name__: kind
     for kind in (
         Averaging, Condition, Constraints, Event, Expectation, Forcing, Function, Functional, Interval, Limit,
-        Oscillator, Parameter, Relation, Start, State, Symmetry, Total,
+        Oscillator, Parameter, Relation, Rotator, Start, State, Symmetry, Total,
     )
 }  # fmt: skip
 OPERATIONS: Final = frozenset({"number", "symbol", "pi", "add", "mul", "pow", "if"}) | COMPARISONS | LOGICAL | FUNCTIONS

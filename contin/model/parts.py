@@ -93,10 +93,19 @@ class Constraints:
 
 @dataclass(frozen=True)
 class Oscillator:
-    """The two states of one weakly nonlinear oscillator."""
+    """The two states of one weakly nonlinear oscillator, of a frequency near `harmonic` times the base frequency."""
 
     position: str
     velocity: str
+    harmonic: int = 1
+
+
+@dataclass(frozen=True)
+class Rotator:
+    """A phase that turns with a frequency near `harmonic` times the base frequency."""
+
+    phase: str
+    harmonic: int = 1
 
 
 @dataclass(frozen=True)
@@ -114,10 +123,18 @@ class Total:
 
 @dataclass(frozen=True)
 class Averaging:
-    """What the averaging pass needs to know: the small parameter and the oscillators."""
+    """What the averaging pass needs to know: the small parameter and the oscillators.
+
+    forcing : the frequency of the model's forcing in units of the base frequency.  slow : states whose rates are of
+    the order of the small parameter.  slaved : states of a linear, damped system that the oscillators drive.
+    """
 
     small: str
     oscillators: tuple[Oscillator, ...]
+    forcing: int = 1
+    rotators: tuple[Rotator, ...] = ()
+    slow: tuple[str, ...] = ()
+    slaved: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -133,23 +133,36 @@ Parameter = Annotated[
 ]
 
 
+Harmonic = Annotated[int, Field(ge=1, le=16)]
 Mass = Annotated[
     Annotated[Formula, Tag("(one)")] | Annotated[dict[str, Formula], Tag("(several)")], Discriminator(_one_or_row)
 ]
 
 
 class OscillatorEntry(_Entry):
-    """One weakly nonlinear oscillator: the names of its two states."""
+    """One weakly nonlinear oscillator: the names of its two states; its frequency in units of the base frequency."""
 
     position: Name
     velocity: Name
+    harmonic: Harmonic = 1
+
+
+class RotatorEntry(_Entry):
+    """A phase that turns with a frequency near `harmonic` times the base frequency."""
+
+    phase: Name
+    harmonic: Harmonic = 1
 
 
 class AveragingEntry(_Entry):
-    """The small parameter and the oscillators for the averaging pass."""
+    """The small parameter and the oscillators for the averaging pass, and what moves beside them."""
 
     small: Name
     oscillators: Annotated[list[OscillatorEntry], Field(min_length=1)]
+    forcing: Harmonic = 1
+    rotators: list[RotatorEntry] = []
+    slow: list[Name] = []
+    slaved: list[Name] = []
 
 
 class ForcingEntry(_Entry):

@@ -116,6 +116,8 @@ def _allowed_keys(real: Path) -> list[str]:
     }
     section = "" if len(real) == 1 else str(real[0])
     entry = entries.get((len(real), section))
+    if real[:2] == ("averaging", "rotators"):
+        entry = schema.RotatorEntry
     return list(entry.model_fields) if entry is not None else []
 
 

@@ -105,6 +105,28 @@ def _names(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
             yield f"  {_key(p.name)}: {_entry(formula(p.value), more, p.unit, p.description)}"
 
 
+def _averaging(model: Model) -> Iterator[str]:
+    item = model.averaging
+    if item is None:
+        return
+    yield "averaging:"
+    yield f"  small: {_key(item.small)}"
+    pairs = [{"position": o.position, "velocity": o.velocity, **_harmonic(o.harmonic)} for o in item.oscillators]
+    yield f"  oscillators: [{', '.join(_mapping(pair) for pair in pairs)}]"
+    if item.forcing != 1:
+        yield f"  forcing: {item.forcing}"
+    if item.rotators:
+        turning = (_mapping({"phase": r.phase, **_harmonic(r.harmonic)}) for r in item.rotators)
+        yield f"  rotators: [{', '.join(turning)}]"
+    for key, names in (("slow", item.slow), ("slaved", item.slaved)):
+        if names:
+            yield f"  {key}: [{', '.join(names)}]"
+
+
+def _harmonic(number: int) -> dict[str, str]:
+    return {} if number == 1 else {"harmonic": str(number)}
+
+
 def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterator[str]:
     """What follows the equations and their symmetries: starts, averaging, forcing, limits and expected points."""
     if model.starts:
@@ -115,11 +137,7 @@ def _declarations(model: Model, formula: Callable[[Expression], str]) -> Iterato
                 inner = _mapping({k: formula(v) for k, v in start.parameters.items()})
                 values["parameters"] = inner
             yield f"  {_key(start.name)}: {_mapping(values)}"
-    if model.averaging is not None:
-        yield "averaging:"
-        yield f"  small: {_key(model.averaging.small)}"
-        pairs = (f"{{position: {o.position}, velocity: {o.velocity}}}" for o in model.averaging.oscillators)
-        yield f"  oscillators: [{', '.join(pairs)}]"
+    yield from _averaging(model)
     if model.forcing is not None:
         yield f"forcing: {{period: {_flow(formula(model.forcing.period))}}}"
     if model.limits:

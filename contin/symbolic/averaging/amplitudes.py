@@ -9,13 +9,14 @@ neither, which stays a function of all the amplitudes to be averaged by quadratu
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from contin.errors import InputError, NotFiniteError
 from contin.model.evaluate import evaluate
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
 from contin.model.model import Model
-from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.weak import WeakOscillators
+from contin.symbolic.averaging.oscillators import slow_values
 from contin.symbolic.averaging.radial import Piece, RadialAverage, Setting, average_over_turn, combined
 from contin.symbolic.averaging.resonant import Powers, StatePowers, resonant_part, state_powers
 from contin.symbolic.averaging.switching_lines import X, Y
@@ -47,17 +48,29 @@ class AmplitudeEquation:
 
 
 @dataclass(frozen=True)
+class MeanEquation:
+    """The rate of a slow state in slow time: `constant`; Re c * products of amplitudes; of `radial` (j, r_j <f> in place
+    of C, a function of oscillator j); and the averages of `general`."""
+
+    constant: Expression
+    products: dict[Powers, Complex]
+    radial: tuple[tuple[int, RadialAverage], ...] = ()
+    general: tuple[General, ...] = ()
+
+
+@dataclass(frozen=True)
 class SlowSystem:
-    """The averaged equations of all oscillators."""
+    """The averaged equations of all oscillators, and of the slow states (`means`)."""
 
     oscillators: WeakOscillators
     setting: Setting
     equations: tuple[AmplitudeEquation, ...]
+    means: tuple[MeanEquation, ...] = ()
     presumes: tuple[str, ...] = field(default=())
 
     @property
     def omega(self) -> Expression:
-        """The common frequency."""
+        """The base frequency."""
         return self.oscillators.omega
 
     def rates(self, i: int, j: int) -> RadialAverage:
@@ -66,7 +79,7 @@ class SlowSystem:
         growth = <E cos phi> - <F sin phi>/omega, turn = -<E sin phi> - <F cos phi>/omega.
         """
         average = self.equations[i].radial[j]
-        scale = neg(power(self.omega, number(-1)))
+        scale = neg(power(self.oscillators.frequency(i), number(-1)))
         pieces = tuple(
             Piece(p.high, p.bound, _scaled(p.sin, scale), _scaled(p.cos, scale), p.arcs, p.nodes)
             for p in average.pieces
@@ -81,12 +94,18 @@ def slow_system(oscillators: WeakOscillators, reach: float | None = None) -> Slo
     """
     model = oscillators.model
     amplitude = reach_of(oscillators) if reach is None else reach
-    setting = Setting(oscillators.omega, model.default_parameters(), amplitude, corners_of(model))
+    slow = slow_values(model)
+    values = {**model.default_parameters(), **slow}
+    corners = tuple({**corner, **slow} for corner in corners_of(model))
+    setting = Setting(oscillators.omega, values, amplitude, corners, frozenset(slow))
     averager = _Averager(oscillators, setting)
     first = zip(oscillators.position[0], oscillators.velocity[0], strict=True)
     equations = tuple(averager.equation(i, e, f) for i, (e, f) in enumerate(first))
-    presumes = dict.fromkeys(p for e in equations for average in e.radial.values() for p in average.presumes)
-    return SlowSystem(oscillators, setting, equations, tuple(presumes))
+    means = tuple(averager.mean(state.rate[0]) for state in oscillators.slow)
+    every = [average for e in equations for average in e.radial.values()]
+    every += [average for m in means for _, average in m.radial]
+    presumes = dict.fromkeys(p for average in every for p in average.presumes)
+    return SlowSystem(oscillators, setting, equations, means, tuple(presumes))
 
 
 def corners_of(model: Model) -> tuple[dict[str, float], ...]:
@@ -100,7 +119,6 @@ def reach_of(oscillators: WeakOscillators) -> float:
     """Amplitudes up to here are checked: four times the largest of the starts, at least 4."""
     model = oscillators.model
     values = model.default_parameters()
-    w = float(evaluate(oscillators.omega, values))
     largest = 1.0
     for start in (None, *(s.name for s in model.starts)):
         try:
@@ -108,7 +126,8 @@ def reach_of(oscillators: WeakOscillators) -> float:
         except NotFiniteError:  # a start that does not exist for these parameters
             continue
         point = dict(zip(model.state_names, u, strict=True))
-        for pair in oscillators.pairs:
+        for i, pair in enumerate(oscillators.pairs):
+            w = float(evaluate(oscillators.frequency(i), values))
             largest = max(largest, abs(point[pair.position]), abs(point[pair.velocity]) / w)
     return 4.0 * largest
 
@@ -116,17 +135,19 @@ def reach_of(oscillators: WeakOscillators) -> float:
 class _Averager:
     def __init__(self, oscillators: WeakOscillators, setting: Setting) -> None:
         self.oscillators, self.setting = oscillators, setting
-        self.known: dict[Expression, RadialAverage] = {}
-        self.states: dict[str, tuple[int, bool]] = {}
-        for i, pair in enumerate(oscillators.pairs):
-            self.states |= {pair.position: (i, False), pair.velocity: (i, True)}
+        self.known: dict[tuple[Expression, int], RadialAverage] = {}
+        self.states = oscillators.places()
+        self.harmonics = oscillators.harmonics
 
     def equation(self, i: int, position: Expression, velocity: Expression) -> AmplitudeEquation:
         radial: dict[int, list[tuple[Expression, RadialAverage]]] = {i: []}
         parts = []
         products: dict[Powers, Complex] = {}
         general = []
+        own = self.harmonics[i]
+        omega = self.oscillators.frequency(i)
         for is_force, perturbation in ((True, velocity), (False, position)):
+            unit = power(omega, number(-1)) if is_force else number(1)
             for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
                 members = self.oscillators.members(term)
                 coefficient = cancelled(coefficient)
@@ -134,35 +155,82 @@ class _Averager:
                     continue  # a constant has no mean over a turn against sin and cos
                 powers = None if members == (i,) else state_powers(term, self.states)
                 if powers is not None:
-                    self.add_products(products, powers, coefficient, is_force)
-                elif len(members) == 1:
+                    self.add_products(products, powers, mul(coefficient, unit), own, is_force)
+                elif self.is_radial(members, own):
                     function = self.one_oscillator(term, members[0])
-                    average = self.average(function)
+                    average = self.average(function, own)
                     parts.append((coefficient, function, average))
-                    as_force = average if is_force else _as_force(average, self.setting.omega)
+                    as_force = average if is_force else _as_force(average, omega)
                     radial.setdefault(members[0], []).append((coefficient, as_force))
                 else:
                     general.append(General(coefficient, term, is_force))
         averages = {j: combined(terms, self.setting.positive) for j, terms in radial.items()}
         return AmplitudeEquation(averages, products, tuple(general), tuple(parts))
 
+    def is_radial(self, members: tuple[int, ...], harmonic: int) -> bool:
+        """One oscillator alone, with the frequency of the equation."""
+        return len(members) == 1 and members[0] < self.oscillators.count and self.harmonics[members[0]] == harmonic
+
+    def mean(self, rate: Expression) -> MeanEquation:
+        """<rate>: what stays of a slow state's rate."""
+        constant: list[Expression] = []
+        products: dict[Powers, Complex] = {}
+        radial, general = [], []
+        for coefficient, term in additive_terms(rate, self.oscillators.mask):
+            members = self.oscillators.members(term)
+            powers = state_powers(term, self.states) if members else None
+            if not members:
+                constant.append(mul(coefficient, term))
+            elif powers is not None:
+                self.add_products(products, powers, coefficient, 0, False)
+            elif len(members) == 1 and members[0] < self.oscillators.count:
+                radial.append((members[0], combined([(coefficient, self.mean_times_radius(term, members[0]))])))
+            else:
+                general.append(General(coefficient, term, False))
+        return MeanEquation(add(*constant), products, tuple(radial), tuple(general))
+
+    def mean_times_radius(self, term: Expression, j: int) -> RadialAverage:
+        """r <f> in place of C: <f> = <f (cos^2 + sin^2)> = (<f x cos> - <f y sin>/omega)/r."""
+        function = self.one_oscillator(term, j)
+        omega = self.oscillators.frequency(j)
+        along = self.average(mul(function, symbol(X)), self.harmonics[j])
+        across = self.average(mul(function, symbol(Y)), self.harmonics[j])
+        inverse = neg(power(omega, number(-1)))
+        pieces = tuple(Piece(p.high, p.bound, ZERO, p.cos, p.arcs, p.nodes) for p in along.pieces)
+        others = tuple(
+            Piece(p.high, p.bound, ZERO, _scaled(p.sin, inverse), p.arcs, p.nodes) for p in across.pieces
+        )
+        parts = [
+            (number(1), RadialAverage(pieces, along.presumes, along.limits)),
+            (number(1), RadialAverage(others, across.presumes, across.limits)),
+        ]
+        return combined(parts, self.setting.positive)
+
     def one_oscillator(self, term: Expression, i: int) -> Expression:
         pair = self.oscillators.pairs[i]
         return substitute([term], {symbol(pair.position): symbol(X), symbol(pair.velocity): symbol(Y)})[0]
 
-    def average(self, function: Expression) -> RadialAverage:
-        if function not in self.known:
-            self.known[function] = average_over_turn(function, self.setting)
-        return self.known[function]
+    def average(self, function: Expression, harmonic: int) -> RadialAverage:
+        key = (function, harmonic)
+        if key not in self.known:
+            setting = replace(self.setting, omega=mul(number(harmonic), self.setting.omega))
+            self.known[key] = average_over_turn(function, setting)
+        return self.known[key]
 
     def add_products(
-        self, products: dict[Powers, Complex], powers: StatePowers, coefficient: Expression, is_force: bool
+        self,
+        products: dict[Powers, Complex],
+        powers: StatePowers,
+        coefficient: Expression,
+        target: int,
+        is_force: bool,
     ) -> None:
-        monomials, omegas = resonant_part(powers, self.oscillators.count)
+        """The mean of coefficient * product * exp(-i target omega t), of a force times -i."""
+        monomials, omegas = resonant_part(powers, self.harmonics, target)
+        scale = mul(coefficient, power(self.setting.omega, number(omegas)))
         for key, (a, b) in monomials.items():
-            if is_force:  # -i/omega
+            if is_force:
                 a, b = b, -a
-            scale = mul(coefficient, power(self.setting.omega, number(omegas - (1 if is_force else 0))))
             re, im = products.get(key, (ZERO, ZERO))
             products[key] = (add(re, mul(number(a), scale)), add(im, mul(number(b), scale)))
 

@@ -51,7 +51,7 @@ def averaged(
     if reach is not None and not (isinstance(reach, int | float) and 0.0 < reach < math.inf):
         raise InputError(f"averaging: reach must be a positive number, the largest amplitude; got {reach!r}")
     oscillators = weak_oscillators(model, order)
-    check_form(form, oscillators.count)
+    check_form(form, oscillators)
     system = slow_system(oscillators, None if reach is None else float(reach))
     built = build_form(system, form)
     equations = built.equations
@@ -78,10 +78,10 @@ def averaged(
         starts=averaged_starts(built, oscillators),
         definitions=_free(built.definitions, [*model.parameter_names, *built.states, *built.observables]),
         rotation=built.rotation,
-        limits=limits_of(system, amplitudes_in(built, oscillators.count)),
+        limits=limits_of(system, amplitudes_in(built, oscillators)),
         symmetries=(),
     )
-    candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built)]
+    candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built, oscillators)]
     result = result.replace(symmetries=tuple(s for s in candidates if holds(result, s)))
     return Averaged(result, system, built, order, time, tuple(dropped))
 

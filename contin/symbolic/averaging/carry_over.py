@@ -11,6 +11,7 @@ import numpy as np
 from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.expression import (
+    ONE,
     PI,
     ZERO,
     Expression,
@@ -25,21 +26,27 @@ from contin.model.expression import (
     substitute,
     symbol,
 )
-from contin.model.parts import Start, State, Symmetry
+from contin.model.parts import TIME, Start, State, Symmetry
+from contin.records import Fields
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, times
-from contin.symbolic.averaging.form_polar import polar_names
-from contin.symbolic.averaging.forms import AveragedForm
-from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.form_cartesian import cartesian_names
+from contin.symbolic.averaging.form_polar import phase_from_first, polar_names
+from contin.symbolic.averaging.forms import AveragedForm, phasor_amplitudes, ratio
+from contin.symbolic.averaging.oscillators import slow_values
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.calculus.sampling import sample
 
 
 def averaged_states(form: AveragedForm, oscillators: WeakOscillators) -> tuple[State, ...]:
     """The states of the form; their values are those of the model's default point."""
-    defaults = {s.name: s.value for s in oscillators.model.states}
-    values = form_values(form, amplitudes_of(defaults, oscillators))
+    written = {s.name: s for s in oscillators.model.states}
+    values = form_values(form, {name: s.value for name, s in written.items()}, oscillators)
     period = mul(number(2), PI)
+    slow = {s.name for s in oscillators.slow if not s.turns}
     return tuple(
-        State(
+        written[name]
+        if name in slow
+        else State(
             name,
             values[name],
             None,
@@ -57,31 +64,55 @@ def averaged_starts(form: AveragedForm, oscillators: WeakOscillators) -> tuple[S
     defaults = {s.name: s.value for s in oscillators.model.states}
     starts = []
     for start in oscillators.model.starts:
-        amplitudes = amplitudes_of({**defaults, **start.states}, oscillators)
-        starts.append(Start(start.name, form_values(form, amplitudes), dict(start.parameters)))
+        values = form_values(form, {**defaults, **start.states}, oscillators)
+        starts.append(Start(start.name, values, dict(start.parameters)))
     return tuple(starts)
 
 
 def amplitudes_of(point: Mapping[str, Expression], oscillators: WeakOscillators) -> list[Complex]:
     """A = x - i y/omega at t = 0."""
-    inverse = power(oscillators.omega, number(-1))
-    return [(point[p.position], mul(number(-1), point[p.velocity], inverse)) for p in oscillators.pairs]
+    return [
+        (point[p.position], mul(number(-1), point[p.velocity], power(oscillators.frequency(i), number(-1))))
+        for i, p in enumerate(oscillators.pairs)
+    ]
 
 
-def form_values(form: AveragedForm, amplitudes: Sequence[Complex]) -> dict[str, Expression]:
-    """The states of a form at given complex amplitudes."""
+def form_values(
+    form: AveragedForm, point: Mapping[str, Expression], oscillators: WeakOscillators
+) -> dict[str, Expression]:
+    """The states of a form at a point of the phase space, at t = 0."""
+    amplitudes = amplitudes_of(point, oscillators)
+    slow = {s.name: point[s.name] for s in oscillators.slow}
     if form.name == "cartesian":
-        return dict(zip(form.states, (p for a in amplitudes for p in a), strict=True))
+        names = cartesian_names(oscillators.count)
+        return {**dict(zip(names, (p for a in amplitudes for p in a), strict=True)), **slow}
     if form.name == "stokes":
         (u1, v1), (u2, v2) = amplitudes
         re, im = times(amplitudes[0], conjugate(amplitudes[1]))
         two = number(2)
         first = sub(add(power(u1, two), power(v1, two)), add(power(u2, two), power(v2, two)))
         return {"S1": first, "S2": mul(two, re), "S3": mul(two, im)}
-    radii, phases = polar_names(len(amplitudes))
+    return {**_polar_values(amplitudes, oscillators), **_phases_from_first(slow, amplitudes, oscillators)}
+
+
+def _polar_values(amplitudes: Sequence[Complex], oscillators: WeakOscillators) -> dict[str, Expression]:
+    forced = oscillators.is_forced
+    radii, phases = polar_names(len(amplitudes), forced)
     values = {name: _modulus(a) for name, a in zip(radii, amplitudes, strict=True)}
-    for name, amplitude in zip(phases, amplitudes[1:], strict=True):
-        values[name] = _angle(times(amplitude, conjugate(amplitudes[0])))
+    for j, name in enumerate(phases, start=0 if forced else 1):
+        values[name] = _angle(amplitudes[j] if forced else phase_from_first(oscillators, amplitudes, j))
+    return values
+
+
+def _phases_from_first(
+    slow: Mapping[str, Expression], amplitudes: Sequence[Complex], oscillators: WeakOscillators
+) -> dict[str, Expression]:
+    """Slow states; of rotators without forcing, the phase when the first oscillator is at its crest."""
+    values = dict(slow)
+    for state in oscillators.slow:
+        if state.turns and not oscillators.is_forced:
+            share = ratio(oscillators, state.turns)
+            values[state.name] = sub(slow[state.name], mul(share, _angle(amplitudes[0])))
     return values
 
 
@@ -124,7 +155,8 @@ def averaged_symmetries(form: AveragedForm, oscillators: WeakOscillators) -> lis
         moves = _signed_permutation(symmetry, oscillators)
         if moves is None:
             continue
-        images = _images(form, moves)
+        images = _images(form, moves, oscillators)
+        images |= {s.name: symmetry.map[s.name] for s in oscillators.slow if s.name in symmetry.map}
         if images:
             found.append(Symmetry(symmetry.name, images))
     return found
@@ -151,7 +183,9 @@ def _signed_permutation(symmetry: Symmetry, oscillators: WeakOscillators) -> lis
     return moves if sorted(j for j, _ in moves) == list(range(len(names))) else None
 
 
-def _images(form: AveragedForm, moves: Sequence[tuple[int, int]]) -> dict[str, Expression]:
+def _images(
+    form: AveragedForm, moves: Sequence[tuple[int, int]], oscillators: WeakOscillators
+) -> dict[str, Expression]:
     """The substitution in the form's states; empty where it moves nothing."""
     count = len(moves)
     images: dict[str, Expression] = {}
@@ -168,15 +202,21 @@ def _images(form: AveragedForm, moves: Sequence[tuple[int, int]]) -> dict[str, E
             "S3": mul(relative, neg(symbol("S3")) if swapped else symbol("S3")),
         }
     else:
-        radii, phases = polar_names(count)
-        theta: list[Expression] = [ZERO, *(symbol(name) for name in phases)]
-        for i, (j, _) in enumerate(moves):
-            images[radii[i]] = symbol(radii[j])
-        first, first_sign = moves[0]
-        for i, (j, sign) in enumerate(moves[1:], start=1):
-            shift = PI if sign != first_sign else ZERO
-            images[phases[i - 1]] = add(sub(theta[j], theta[first]), shift)
+        images = _polar_images(moves, oscillators)
     return {name: image for name, image in images.items() if image is not symbol(name)}
+
+
+def _polar_images(moves: Sequence[tuple[int, int]], oscillators: WeakOscillators) -> dict[str, Expression]:
+    forced = oscillators.is_forced
+    radii, phases = polar_names(len(moves), forced)
+    theta: list[Expression] = [*(() if forced else (ZERO,)), *(symbol(name) for name in phases)]
+    images: dict[str, Expression] = {name: symbol(radii[j]) for name, (j, _) in zip(radii, moves, strict=True)}
+    turned = [add(theta[j], PI) if sign < 0 else theta[j] for j, sign in moves]
+    if forced:
+        return {**images, **dict(zip(phases, turned, strict=True))}
+    for name, angle, harmonic in zip(phases, turned[1:], oscillators.harmonics[1:], strict=False):
+        images[name] = sub(angle, mul(ratio(oscillators, harmonic), turned[0]))
+    return images
 
 
 def averaged_observables(form: AveragedForm, oscillators: WeakOscillators) -> tuple[dict[str, Expression], list[str]]:
@@ -184,63 +224,89 @@ def averaged_observables(form: AveragedForm, oscillators: WeakOscillators) -> tu
     model = oscillators.model
     kept: dict[str, Expression] = {}
     dropped = []
-    frame = amplitudes_in(form, oscillators.count)
-    for name, formula in model.observables.items():
-        if not depends_on(formula, model.state_names):
+    frame = amplitudes_in(form, oscillators)
+    followers = {symbol(n): e for n, e in oscillators.slaved.items()}
+    for name, written in model.observables.items():
+        formula = substitute([written], followers)[0] if followers else written
+        if not depends_on(formula, [*model.state_names, TIME]):
             kept[name] = formula
         elif name in form.states or name in form.observables:
             continue  # the form's own r, r1, psi, ... stand for it
         elif _is_invariant(formula, oscillators):
             mapping = {}
-            for (u, v), pair in zip(frame, oscillators.pairs, strict=True):
+            for i, ((u, v), pair) in enumerate(zip(frame, oscillators.turning, strict=True)):
                 mapping[symbol(pair.position)] = u
-                mapping[symbol(pair.velocity)] = mul(number(-1), oscillators.omega, v)
+                mapping[symbol(pair.velocity)] = mul(number(-1), oscillators.frequency(i), v)
             kept[name] = substitute([formula], mapping)[0]
         else:
             dropped.append(name)
     return kept, dropped
 
 
-def amplitudes_in(form: AveragedForm, count: int) -> list[Complex]:
-    """Complex amplitudes up to a common phase, in the form's states."""
+def amplitudes_in(form: AveragedForm, oscillators: WeakOscillators) -> list[Complex]:
+    """Complex amplitudes of the oscillators, up to a common phase without forcing, then of the phasors."""
+    count = oscillators.count
+    others = phasor_amplitudes(oscillators)
     if form.name == "cartesian":
-        return [(symbol(f"u{i + 1}"), symbol(f"v{i + 1}")) for i in range(count)]
+        return [*((symbol(f"u{i + 1}"), symbol(f"v{i + 1}")) for i in range(count)), *others]
     if form.name == "stokes":
         r1, r2, psi = (form.observables[n] for n in ("r1", "r2", "psi"))
         return [(r1, ZERO), (mul(r2, call("cos", psi)), mul(r2, call("sin", psi)))]
-    radii, phases = polar_names(count)
-    angles: list[Expression] = [ZERO, *(symbol(p) for p in phases)]
+    forced = oscillators.is_forced
+    radii, phases = polar_names(count, forced)
+    angles: list[Expression] = [*(() if forced else (ZERO,)), *(symbol(p) for p in phases)]
     turned = zip((symbol(r) for r in radii), angles, strict=True)
-    return [(mul(r, call("cos", a)), mul(r, call("sin", a))) for r, a in turned]
+    return [*((mul(r, call("cos", a)), mul(r, call("sin", a))) for r, a in turned), *others]
 
 
 def _is_invariant(formula: Expression, oscillators: WeakOscillators) -> bool:
     """Sampled: does the value stay the same along a harmonic oscillation?"""
     model = oscillators.model
-    env: dict[str, object] = dict(model.default_parameters())
-    w = float(evaluate(oscillators.omega, model.default_parameters()))
+    if depends_on(formula, [TIME]):
+        return False
+    env: Fields = {**model.default_parameters(), **slow_values(model)}
     chance = np.random.default_rng(3)
     phase = np.linspace(0.0, 2 * math.pi, 24, endpoint=False)
-    for pair in oscillators.pairs:
+    for i, pair in enumerate(oscillators.turning):
+        w = float(evaluate(oscillators.frequency(i), model.default_parameters()))
         radius, start = chance.uniform(0.5, 2.0), chance.uniform(0.0, 6.0)
-        env[pair.position] = radius * elementary.cos(phase + start)
-        env[pair.velocity] = -w * radius * elementary.sin(phase + start)
+        env[pair.position] = radius * elementary.cos(pair.harmonic * phase + start)
+        env[pair.velocity] = -w * radius * elementary.sin(pair.harmonic * phase + start)
+    for state in oscillators.slow:
+        if state.turns:
+            env[state.name] = state.turns * phase + chance.uniform(0.0, 6.0)
     values = sample([formula], env)[0]
     return bool(np.all(np.isfinite(values)) and np.ptp(values) <= 1e-10 * max(1.0, float(np.abs(values).max())))
 
 
-def gauge_symmetries(form: AveragedForm) -> list[Symmetry]:
-    """(r, theta) ~ (-r, theta + pi): symmetries of every averaged system of this form whose formulas are odd."""
-    if form.name == "polar":
-        radii, phases = polar_names(len(form.states) - len(form.angles))
-        if len(radii) == 1:
-            return [Symmetry("reflection", {"r": neg(symbol("r"))})]
-        if len(radii) == 2:
-            return [Symmetry("gauge", {"r1": neg(symbol("r1")), "psi": add(symbol("psi"), PI)})]
-        images: dict[str, Expression] = {"r1": neg(symbol("r1"))}
-        images |= {p: add(symbol(p), PI) for p in phases}
-        found = [Symmetry("gauge1", images)]
-        for j, phase in enumerate(phases, start=2):
-            found.append(Symmetry(f"gauge{j}", {f"r{j}": neg(symbol(f"r{j}")), phase: add(symbol(phase), PI)}))
-        return found
-    return []
+def gauge_symmetries(form: AveragedForm, oscillators: WeakOscillators) -> list[Symmetry]:
+    """(r, theta) ~ (-r, theta + pi): symmetries of every averaged system of this form whose formulas are odd.
+
+    And where the first oscillator turns h_1 > 1 times in a period, the phases after one of its turns.
+    """
+    if form.name != "polar":
+        return []
+    forced = oscillators.is_forced
+    radii, phases = polar_names(oscillators.count, forced)
+    if not form.angles:
+        return [Symmetry("reflection", {"r": neg(symbol("r"))})]
+    if forced:
+        names = ["gauge"] if len(radii) == 1 else [f"gauge{i + 1}" for i in range(len(radii))]
+        return [
+            Symmetry(name, {r: neg(symbol(r)), psi: add(symbol(psi), PI)})
+            for name, r, psi in zip(names, radii, phases, strict=True)
+        ]
+    shares = [ratio(oscillators, h) for h in oscillators.harmonics[1 : len(radii)]]
+    shares += [ratio(oscillators, s.turns) for s in oscillators.slow if s.turns]
+    shifts = [PI if share is ONE else mul(neg(share), PI) for share in shares]
+    first: dict[str, Expression] = {radii[0]: neg(symbol(radii[0]))}
+    first |= {p: add(symbol(p), shift) for p, shift in zip(form.angles, shifts, strict=True)}
+    found = [Symmetry("gauge" if len(radii) == 2 else "gauge1", first)]
+    if len(radii) > 2:
+        for radius, phase in zip(radii[1:], phases, strict=True):
+            images = {radius: neg(symbol(radius)), phase: add(symbol(phase), PI)}
+            found.append(Symmetry(f"gauge{radius[1:]}", images))
+    if oscillators.harmonics[0] > 1:
+        turns = {p: add(symbol(p), mul(number(2), s, PI)) for p, s in zip(form.angles, shares, strict=True)}
+        found.append(Symmetry("turn", turns))
+    return found

@@ -1,7 +1,8 @@
-"""A model read as weakly nonlinear oscillators: x' = y + eps E, y' = -omega^2 x + eps F, one omega for all.
+"""A model read as weakly nonlinear oscillators (`weak.WeakOscillators`).
 
-The pass needs the equations at eps = 0 to be exactly harmonic, and the frequencies to differ by order eps at most
-(1:1 resonance); everything else is refused with the term that does not fit.
+The pass needs the equations at eps = 0 to be exactly harmonic, and frequencies to differ from whole multiples of one
+base frequency by order eps at most; everything else is refused with the term that does not fit. The base frequency is
+that of the forcing, or else of the first oscillator, divided by its `harmonic`.
 """
 
 from __future__ import annotations
@@ -9,71 +10,35 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Final
 
 from contin.errors import InputError
 from contin.model.evaluate import evaluate
 from contin.model.expression import (
     ONE,
+    PI,
     ZERO,
     Expression,
     add,
+    depends_on,
     div,
     mask_of,
     mul,
-    neg,
     number,
+    power,
     sub,
     substitute,
     symbol,
-    symbol_bit,
-    symbols_in,
 )
 from contin.model.model import Model
-from contin.model.parts import Oscillator
-from contin.model.printing import to_text
-from contin.symbolic.averaging.terms import additive_terms
+from contin.model.parts import TIME, Averaging, Oscillator
+from contin.symbolic.averaging.phasors import Phase, with_phasors
+from contin.symbolic.averaging.reading import excess, is_equal, root, series, simplest, stiffness
+from contin.symbolic.averaging.slaving import Slaved, follow
+from contin.symbolic.averaging.weak import Phasor, SlowState, WeakOscillators
 from contin.symbolic.calculus.derivatives import derivative
-from contin.symbolic.calculus.sympy_bridge import from_sympy, to_sympy
 
 NEAR: Final = 5.0  # a relative detuning up to this many times eps counts as of order eps
-_SHOWN: Final = 90
-
-
-@dataclass(frozen=True)
-class WeakOscillators:
-    """x_i' = y_i + eps E_i(x, y), y_i' = -omega^2 x_i + eps F_i(x, y), each as a power series in eps.
-
-    `position[k][i]` and `velocity[k][i]` are the coefficients of eps^(k + 1) in the equations of oscillator i;
-    `detuned` lists the oscillators whose own frequency was moved into F because it differs from omega by order eps.
-    """
-
-    model: Model
-    small: str
-    pairs: tuple[Oscillator, ...]
-    omega: Expression
-    position: tuple[tuple[Expression, ...], ...]
-    velocity: tuple[tuple[Expression, ...], ...]
-    detuned: tuple[int, ...] = ()
-
-    @property
-    def count(self) -> int:
-        """Number of oscillators."""
-        return len(self.pairs)
-
-    @property
-    def mask(self) -> int:
-        """The bits of all states."""
-        return mask_of(name for pair in self.pairs for name in (pair.position, pair.velocity))
-
-    def members(self, term: Expression) -> tuple[int, ...]:
-        """The oscillators whose states occur in a term."""
-        return tuple(
-            i
-            for i, pair in enumerate(self.pairs)
-            if term.mask & (symbol_bit(pair.position) | symbol_bit(pair.velocity))
-        )
 
 
 def weak_oscillators(model: Model, order: int = 1) -> WeakOscillators:
@@ -82,153 +47,215 @@ def weak_oscillators(model: Model, order: int = 1) -> WeakOscillators:
     Raises
     ------
     InputError
-        The model declares none, is forced or has other states; a term of order 1 is not harmonic (the message quotes
-        it); the frequencies are in another resonance than 1:1, or in none.
+        The model declares none, or has other states; a term of order 1 is not harmonic (the message quotes it); the
+        frequencies are in another resonance than declared, or in none.
     """
-    small, pairs = _declared(model)
-    eps = symbol(small)
-    equations = model.equation_map
-    values = model.default_parameters()
-    states = mask_of(model.state_names)
-    squares = [_stiffness(model, pair, equations, eps, states, values) for pair in pairs]
-    reference = squares[0]
-    position = [_series(equations[p.position], small, order) for p in pairs]
-    velocity = [_series(equations[p.velocity], small, order) for p in pairs]
-    detuned = []
-    for i, square in enumerate(squares):
-        if not _equal(square, reference):
-            _check_resonance(i, square, reference, values, small)
-            detuned.append(i)
-            shift = mul(div(sub(reference, square), eps), symbol(pairs[i].position))
-            velocity[i][0] = add(velocity[i][0], shift)
-    return WeakOscillators(
-        model,
-        small,
-        pairs,
-        _frequency(reference, values),
-        tuple(zip(*position, strict=True)),
-        tuple(zip(*velocity, strict=True)),
-        tuple(detuned),
-    )
+    item = _declared(model)
+    return _Reader(model, item, order).read()
 
 
-def _declared(model: Model) -> tuple[str, tuple[Oscillator, ...]]:
+@dataclass
+class _Reader:
+    model: Model
+    item: Averaging
+    order: int
+
+    def read(self) -> WeakOscillators:
+        model, item = self.model, self.item
+        self.eps = symbol(item.small)
+        self.values = model.default_parameters()
+        self.exact, self.base = self.base_frequency()
+        phasors, phases = self.phases()
+        self.equations = dict(model.equation_map)
+        if phases:
+            self.equations = with_phasors(self.equations, phases, self.values, model.name)
+        self.turning = (*item.oscillators, *(phasor.pair for phasor in phasors))
+        symbols = [name for pair in self.turning for name in (pair.position, pair.velocity)]
+        self.mask = mask_of([*model.state_names, *symbols])
+        shifts, detuned = self.detunings()
+        slow = [self.slow_terms(name) for name in item.slow]
+        slow += [self.phase_terms(r.phase, r.harmonic) for r in item.rotators]
+        follower = self.slaved()
+        position, velocity = [], []
+        for pair, shift in zip(item.oscillators, shifts, strict=True):
+            position.append(self.series(pair.position, follower))
+            velocity.append(self.series(pair.velocity, follower))
+            velocity[-1][0] = add(velocity[-1][0], mul(shift, symbol(pair.position)))
+        return WeakOscillators(
+            model,
+            item.small,
+            item.oscillators,
+            self.base,
+            tuple(zip(*position, strict=True)),
+            tuple(zip(*velocity, strict=True)),
+            tuple(detuned),
+            phasors,
+            tuple(self.slow_state(name, extra, turns, follower) for name, extra, turns in slow),
+            follower.states,
+            follower.limits,
+        )
+
+    # Frequencies ------------------------------------------------------------------------------------------------------
+
+    def base_frequency(self) -> tuple[Expression, Expression]:
+        """The base frequency, and the same at eps = 0."""
+        model, item = self.model, self.item
+        if model.forcing is None:
+            first = item.oscillators[0]
+            square = stiffness(
+                model.name, first, model.equation_map, self.eps, mask_of(model.state_names), self.values
+            )
+            base = root(square, self.values)
+            base = base if first.harmonic == 1 else simplest(div(base, number(first.harmonic)), self.values)
+            return base, base
+        exact = simplest(div(mul(number(2), PI), mul(number(item.forcing), model.forcing.period)), self.values)
+        if not depends_on(exact, [item.small]):
+            return exact, exact
+        if self.order > 1:
+            raise InputError(
+                f"averaging model {model.name} to second order: the period of the forcing contains {item.small}; make "
+                "the frequency of the forcing a parameter"
+            )
+        return exact, substitute([exact], {self.eps: ZERO})[0]
+
+    def phases(self) -> tuple[tuple[Phasor, ...], list[Phase]]:
+        """The phasors, and what in the equations they stand for."""
+        found: list[tuple[str | None, str, int, Expression]] = []
+        if self.model.forcing is not None:
+            found.append((None, TIME, self.item.forcing, mul(number(self.item.forcing), self.exact)))
+        found += [(r.phase, r.phase, r.harmonic, ONE) for r in self.item.rotators]
+        phasors, phases = [], []
+        for k, (state, name, harmonic, rate) in enumerate(found):
+            symbols = (f"@c{k}", f"@d{k}")
+            phasors.append(Phasor(Oscillator(*symbols, harmonic), state))
+            phases.append(Phase(name, rate, symbols, mul(number(harmonic), self.base)))
+        return tuple(phasors), phases
+
+    def detunings(self) -> tuple[list[Expression], list[int]]:
+        """((h omega)^2 - own^2)/eps of every oscillator, and which of them are detuned."""
+        shifts, detuned = [], []
+        for i, pair in enumerate(self.item.oscillators):
+            square = stiffness(self.model.name, pair, self.equations, self.eps, self.mask, self.values)
+            wanted = power(mul(number(pair.harmonic), self.base), number(2))
+            shift: Expression = ZERO
+            if not is_equal(square, wanted):
+                self.check_resonance(i, square, wanted)
+                shift = div(sub(wanted, square), self.eps)
+            if self.exact is not self.base:
+                slope = derivative(power(mul(number(pair.harmonic), self.exact), number(2)), self.item.small)
+                shift = add(shift, simplest(substitute([slope], {self.eps: ZERO})[0], self.values))
+            if shift is not ZERO:
+                detuned.append(i)
+            shifts.append(shift)
+        return shifts, detuned
+
+    def check_resonance(self, i: int, square: Expression, wanted: Expression) -> None:
+        own, near = (math.sqrt(evaluate(s, {**self.values, self.item.small: 0.0})) for s in (square, wanted))
+        if abs(own - near) <= NEAR * abs(self.values[self.item.small]) * near:
+            return
+        small = f"{self.item.small} = {abs(self.values[self.item.small]):g}"
+        harmonic = self.item.oscillators[i].harmonic
+        if self.model.forcing is not None:
+            raise InputError(
+                f"averaging: oscillator {i + 1} has the frequency {own:.6g} with the default parameters, and the "
+                f"forcing asks for {near:.6g} (its frequency times {harmonic}/{self.item.forcing}); they may differ by "
+                f"order {small}. Give the ratio: `forcing: 2` under averaging where the forcing is twice as fast as "
+                "the oscillator, `harmonic: 3` at an oscillator that is three times as fast"
+            )
+        base = float(evaluate(self.base, {**self.values, self.item.small: 0.0}))
+        first = self.item.oscillators[0].harmonic * base
+        raise InputError(
+            f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio {own / first:.6g} "
+            f"with the default parameters; only near-identical frequencies are averaged (1:1 resonance, difference of "
+            f"order {small}), or those near a ratio that is declared (`harmonic: 2` at the oscillator that is twice as "
+            f"fast as the others). If the difference is small, write it as {self.item.small} times a detuning"
+        )
+
+    # What moves beside the oscillators ----------------------------------------------------------------------------------
+
+    def slow_terms(self, name: str) -> tuple[str, Expression, int]:
+        rest = excess(self.equations[name], self.eps, {}, self.mask)
+        if rest:
+            raise InputError(
+                f"averaging model {self.model.name}: the state {name} under `slow:` must not move at {self.item.small} "
+                f"= 0; the term {rest} is left over. If it decays fast, put {name} under `slaved:`"
+            )
+        return name, ZERO, 0
+
+    def phase_terms(self, name: str, harmonic: int) -> tuple[str, Expression, int]:
+        at_zero = substitute([self.equations[name]], {self.eps: ZERO})[0]
+        wanted = mul(number(harmonic), self.base)
+        if at_zero.mask & self.mask:
+            raise InputError(
+                f"averaging model {self.model.name}: at {self.item.small} = 0 the phase {name} must turn at a constant "
+                "rate"
+            )
+        if is_equal(at_zero, wanted):
+            return name, ZERO, harmonic
+        rate, near = (float(evaluate(e, {**self.values, self.item.small: 0.0})) for e in (at_zero, wanted))
+        if abs(rate - near) > NEAR * abs(self.values[self.item.small] * near):
+            raise InputError(
+                f"averaging: the phase {name} turns at the rate {rate:.6g} with the default parameters, not near "
+                f"{near:.6g}, {harmonic} times the base frequency: write its `harmonic`"
+            )
+        return name, div(sub(at_zero, wanted), self.eps), harmonic
+
+    def slow_state(self, name: str, extra: Expression, turns: int, follower: Slaved) -> SlowState:
+        rate = self.series(name, follower)
+        rate[0] = add(rate[0], extra)
+        return SlowState(name, tuple(rate), turns)
+
+    def slaved(self) -> Slaved:
+        if not self.item.slaved:
+            return Slaved({}, ())
+        if self.order > 1:
+            raise InputError("averaging to second order takes no slaved states; use order: 1")
+        values = {**self.values, **slow_values(self.model)}
+        return follow(
+            self.item.slaved,
+            self.equations,
+            self.turning,
+            lambda j: mul(number(self.turning[j].harmonic), self.base),
+            self.item.small,
+            values,
+        )
+
+    def series(self, name: str, follower: Slaved) -> list[Expression]:
+        equation = self.equations[name]
+        if follower.states:
+            equation = substitute([equation], {symbol(n): e for n, e in follower.states.items()})[0]
+        return series(equation, self.item.small, self.order)
+
+
+def slow_values(model: Model) -> dict[str, float]:
+    """The default values of the states under `slow:` and `rotators:`."""
+    if model.averaging is None:
+        return {}
+    wanted = (*model.averaging.slow, *(r.phase for r in model.averaging.rotators))
+    given: Mapping[str, float] = model.default_parameters()
+    return {s.name: float(evaluate(s.value, given)) for s in model.states if s.name in wanted}
+
+
+def _declared(model: Model) -> Averaging:
     if not isinstance(model, Model):
         raise InputError("only a model of formulas can be averaged; this is a Python function: write its equations")
-    averaging = model.averaging
-    if averaging is None:
+    item = model.averaging
+    if item is None:
         raise InputError(
             f"model {model.name} declares no oscillators; to average it, add to its file\n"
             "averaging: {small: eps, oscillators: [{position: x, velocity: y}]}"
         )
-    if model.kind != "flow" or model.forcing is not None or model.uses_time:
-        what = "a map" if model.kind != "flow" else "forced"
-        raise InputError(f"model {model.name} is {what}; averaging takes autonomous flows")
-    used = {name for p in averaging.oscillators for name in (p.position, p.velocity)}
+    if model.kind != "flow":
+        raise InputError(f"model {model.name} is a map; averaging takes flows")
+    if model.uses_time and model.forcing is None:
+        raise InputError(f"model {model.name} uses the time t without `forcing: {{period: ...}}`; add it")
+    used = {name for p in item.oscillators for name in (p.position, p.velocity)}
+    used |= {*item.slow, *item.slaved, *(r.phase for r in item.rotators)}
     others = [name for name in model.state_names if name not in used]
     if others:
         raise InputError(
             f"averaging model {model.name}: the state {others[0]} belongs to no oscillator; eliminate it first, "
-            "or add the oscillator it belongs to under averaging: oscillators"
+            "or add the oscillator it belongs to under averaging: oscillators. States that change slowly stand under "
+            "`slow:`, linear ones that decay fast under `slaved:`, phases that turn under `rotators:`"
         )
-    return averaging.small, averaging.oscillators
-
-
-def _stiffness(
-    model: Model,
-    pair: Oscillator,
-    equations: Mapping[str, Expression],
-    eps: Expression,
-    states: int,
-    values: Mapping[str, float],
-) -> Expression:
-    """omega^2 of one oscillator at eps = 0."""
-    x, y = pair.position, pair.velocity
-    start = f"averaging model {model.name}: at {eps.value} = 0 the"
-    rest = _excess(equations[x], eps, {y: ONE}, states)
-    if rest:
-        raise InputError(f"{start} equation of {x} must be {x}' = {y}; the term {rest} is left over")
-    at_zero = substitute([equations[y]], {eps: ZERO})[0]
-    square = add(*(neg(c) for c, t in additive_terms(at_zero, states) if t is symbol(x)))
-    rest = _excess(equations[y], eps, {x: neg(square)}, states)
-    if rest:
-        raise InputError(
-            f"{start} equation of {y} must be harmonic, {y}' = -omega^2 {x}; the term {rest} is left over. "
-            f"If it is small, multiply it by {eps.value}"
-        )
-    size = evaluate(square, {**values, str(eps.value): 0.0})
-    if not (math.isfinite(size) and size > 0):
-        raise InputError(
-            f"{start} equation of {y} must be harmonic, {y}' = -omega^2 {x} with omega^2 > 0; "
-            f"omega^2 = {_short(square)} is {size:.6g} for the default parameters"
-        )
-    return square
-
-
-def _excess(equation: Expression, eps: Expression, wanted: Mapping[str, Expression], states: int) -> str:
-    """Text of the terms of `equation` at eps = 0 beyond those wanted; empty where there are none."""
-    at_zero = substitute([equation], {eps: ZERO})[0]
-    found = {t: c for c, t in additive_terms(at_zero, states)}
-    for name, coefficient in wanted.items():
-        left = sub(found.pop(symbol(name), ZERO), coefficient)
-        if not is_zero(left):
-            found[symbol(name)] = left
-    left_over = [mul(c, t) for t, c in found.items() if not is_zero(c)]
-    return _short(add(*left_over)) if left_over else ""
-
-
-def _short(expression: Expression) -> str:
-    text = to_text(expression)
-    return text if len(text) <= _SHOWN else text[: _SHOWN - 4] + " ..."
-
-
-def is_zero(expression: Expression) -> bool:
-    """True where sympy expands the formula, or its numerator, to 0."""
-    if expression is ZERO or (expression.is_number and expression.value == 0):
-        return True
-    if not expression.args:
-        return False
-    import sympy
-
-    value = sympy.expand(to_sympy(expression))
-    return bool(value == 0 or (value.is_rational_function() and sympy.cancel(sympy.together(value)) == 0))
-
-
-def _equal(a: Expression, b: Expression) -> bool:
-    return a is b or is_zero(sub(a, b))
-
-
-def _series(equation: Expression, small: str, order: int) -> list[Expression]:
-    """Coefficients of eps^1 ... eps^order."""
-    coefficients = []
-    current, factorial = equation, 1
-    for k in range(1, order + 1):
-        current = derivative(current, small)
-        factorial *= k
-        at_zero = substitute([current], {symbol(small): ZERO})[0]
-        coefficients.append(mul(number(Fraction(1, factorial)), at_zero) if factorial > 1 else at_zero)
-    return coefficients
-
-
-def _check_resonance(
-    i: int, square: Expression, reference: Expression, values: Mapping[str, float], small: str
-) -> None:
-    own, first = (math.sqrt(evaluate(s, {**values, small: 0.0})) for s in (square, reference))
-    eps = abs(values[small])
-    if abs(own - first) <= NEAR * eps * first:
-        return
-    raise InputError(
-        f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio {own / first:.6g} "
-        "with the default parameters; only near-identical frequencies are averaged (1:1 resonance, difference of order "
-        f"{small} = {eps:g}). If the difference is small, write it as {small} times a detuning"
-    )
-
-
-def _frequency(square: Expression, values: Mapping[str, float]) -> Expression:
-    """omega = sqrt(omega^2), with parameters that are positive by default taken as positive."""
-    if square.is_number and square is ONE:
-        return ONE
-    import sympy
-
-    positive = [name for name in symbols_in([square]) if values.get(name, 0.0) > 0]
-    return from_sympy(sympy.sqrt(sympy.factor(to_sympy(square, positive))))
+    return item

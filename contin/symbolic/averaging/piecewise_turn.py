@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from contin.errors import InputError
 from contin.model.expression import (
@@ -28,9 +29,9 @@ from contin.model.expression import (
     symbol,
 )
 from contin.model.printing import to_text
-from contin.symbolic.averaging.complex_formulas import Complex
+from contin.symbolic.averaging.complex_formulas import Complex, to_power
 from contin.symbolic.averaging.gauss_rule import gauss
-from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.terms import additive_terms
 
 TWO_PI = mul(number(2), PI)
@@ -38,7 +39,8 @@ TWO_PI = mul(number(2), PI)
 
 @dataclass(frozen=True)
 class Turn:
-    """x_j = u_j cos tau - v_j sin tau, y_j = -omega (u_j sin tau + v_j cos tau) for the oscillators in `amplitudes`."""
+    """x_j = u_j cos(h tau) - v_j sin(h tau), y_j = -h omega (u_j sin(h tau) + v_j cos(h tau)) for those in `amplitudes`,
+    h their harmonics."""
 
     oscillators: WeakOscillators
     omega: Expression
@@ -48,18 +50,21 @@ class Turn:
         """The term at cos(tau), sin(tau)."""
         mapping = {}
         for i, (u, v) in self.amplitudes.items():
-            pair = self.oscillators.pairs[i]
-            mapping[symbol(pair.position)] = sub(mul(cos, u), mul(sin, v))
-            mapping[symbol(pair.velocity)] = mul(number(-1), self.omega, add(mul(sin, u), mul(cos, v)))
+            pair = self.oscillators.turning[i]
+            c, s = multiple(cos, sin, pair.harmonic)
+            mapping[symbol(pair.position)] = sub(mul(c, u), mul(s, v))
+            rate = mul(number(-pair.harmonic), self.omega)
+            mapping[symbol(pair.velocity)] = mul(rate, add(mul(s, u), mul(c, v)))
         return substitute([term], mapping)[0]
 
     def harmonic(self, coefficients: Mapping[int, tuple[Expression, Expression]]) -> Complex:
-        """sum a_j x_j + b_j y_j = p cos tau + q sin tau: (p, q)."""
+        """sum a_j x_j + b_j y_j = p cos(h tau) + q sin(h tau): (p, q), where all have the harmonic h."""
         p, q = [], []
         for i, (a, b) in coefficients.items():
             u, v = self.amplitudes[i]
-            p += [mul(a, u), mul(number(-1), b, self.omega, v)]
-            q += [mul(number(-1), a, v), mul(number(-1), b, self.omega, u)]
+            rate = self.oscillators.frequency(i)
+            p += [mul(a, u), mul(number(-1), b, rate, v)]
+            q += [mul(number(-1), a, v), mul(number(-1), b, rate, u)]
         return add(*p), add(*q)
 
 
@@ -71,11 +76,16 @@ def pieces_of_turn(term: Expression, turn: Turn) -> list[tuple[Interval, Express
     return _pieces(term, (ZERO, TWO_PI), turn)
 
 
-def piecewise_rule(term: Expression, turn: Turn, n: int) -> Complex:
-    """<term exp(-i tau)> with n Gauss nodes on every arc."""
+def multiple(cos: Expression, sin: Expression, harmonic: int) -> Complex:
+    """cos and sin of `harmonic` times the angle."""
+    return (cos, sin) if harmonic == 1 else to_power((cos, sin), harmonic)
+
+
+def piecewise_rule(term: Expression, turn: Turn, n: int, harmonic: int = 1) -> Complex:
+    """<term exp(-i harmonic tau)> with n Gauss nodes on every arc."""
     total: tuple[list[Expression], list[Expression]] = ([], [])
     for interval, formula in pieces_of_turn(term, turn):
-        re, im = _on(interval, formula, turn, n)
+        re, im = _on(interval, formula, turn, n, harmonic)
         total[0].append(re)
         total[1].append(im)
     return add(*total[0]), add(*total[1])
@@ -115,7 +125,7 @@ def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Inte
     constant: Expression = ZERO
     for c, t in additive_terms(difference, mask):
         found = False
-        for i, pair in enumerate(turn.oscillators.pairs):
+        for i, pair in enumerate(turn.oscillators.turning):
             a, b = coefficients.get(i, (ZERO, ZERO))
             if t is symbol(pair.position):
                 coefficients[i], found = (add(a, c), b), True
@@ -128,6 +138,13 @@ def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Inte
                 f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation;"
                 " conditions on several oscillators must be linear in their states"
             )
+    found_harmonics = {turn.oscillators.harmonics[i] for i in coefficients}
+    if len(found_harmonics) != 1:
+        raise InputError(
+            f"averaging: the condition {to_text(comparison)} compares oscillators of different frequencies; "
+            "conditions are averaged where they are of one frequency"
+        )
+    (h,) = found_harmonics
     p, q = turn.harmonic(coefficients)
     size = call("sqrt", add(power(p, number(2)), power(q, number(2))))
     angle = call("atan2", q, p)  # p cos tau + q sin tau = size cos(tau - angle)
@@ -136,17 +153,28 @@ def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Inte
     else:
         level = mul(number(-1), constant, power(size, number(-1)))
         half = call("acos", call("max", number(-1), call("min", ONE, level)))
-    upper = (sub(angle, half), add(angle, half))
-    lower = (add(angle, half), add(sub(angle, half), TWO_PI))
+    upper = _repeated((sub(angle, half), add(angle, half)), h)
+    lower = _repeated((add(angle, half), add(sub(angle, half), TWO_PI)), h)
     if comparison.op in (">", ">="):
-        return [upper], [lower]
+        return upper, lower
     if comparison.op in ("<", "<="):
-        return [lower], [upper]
+        return lower, upper
     everything = (ZERO, TWO_PI)  # an equality holds at single instants
     return ([], [everything]) if comparison.op == "==" else ([everything], [])
 
 
-def _on(interval: Interval, formula: Expression, turn: Turn, n: int) -> Complex:
+def _repeated(arc: Interval, h: int) -> list[Interval]:
+    """The arc of h tau as arcs of tau."""
+    if h == 1:
+        return [arc]
+    share = number(Fraction(1, h))
+    low, high = arc
+    return [
+        (mul(share, add(low, mul(number(k), TWO_PI))), mul(share, add(high, mul(number(k), TWO_PI)))) for k in range(h)
+    ]
+
+
+def _on(interval: Interval, formula: Expression, turn: Turn, n: int, harmonic: int) -> Complex:
     low, high = interval
     middle, half = mul(number(0.5), add(low, high)), mul(number(0.5), sub(high, low))
     nodes, weights = gauss(n)
@@ -156,6 +184,7 @@ def _on(interval: Interval, formula: Expression, turn: Turn, n: int) -> Complex:
         cos, sin = call("cos", tau), call("sin", tau)
         value = turn.at(formula, cos, sin)
         factor = mul(number(float(w)), half, power(TWO_PI, number(-1)))
+        cos, sin = (ONE, ZERO) if harmonic == 0 else multiple(cos, sin, harmonic)
         re.append(mul(factor, value, cos))
         im.append(mul(number(-1), factor, value, sin))
     return add(*re), add(*im)

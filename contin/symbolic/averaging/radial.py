@@ -77,6 +77,7 @@ class Setting:
     values: Mapping[str, float]
     reach: float = 4.0
     corners: tuple[Mapping[str, float], ...] = ()
+    signless: frozenset[str] = frozenset()  # slow states: nothing is presumed of their signs
 
     def towards_corners(self) -> Iterator[list[Mapping[str, float]]]:
         """Sets of parameter values to check a rule at: out to the corners, half of the way, a quarter, the defaults.
@@ -93,7 +94,7 @@ class Setting:
     @property
     def positive(self) -> tuple[str, ...]:
         """Parameters that closed forms may take as positive."""
-        return tuple(name for name, value in self.values.items() if value > 0)
+        return tuple(name for name, value in self.values.items() if value > 0 and name not in self.signless)
 
 
 def presumed(margin: Expression, words: str) -> Limit:

@@ -1,12 +1,13 @@
 """Averages of polynomials in the states of several oscillators: of the products of amplitudes, the resonant ones stay.
 
 With z_j = A_j exp(i omega t), x_j = (z_j + conj z_j)/2 and y_j = i omega (z_j - conj z_j)/2, a product of amplitudes
-times exp(-i omega t) has a mean only where it has one factor z more than factors conj z.
+times exp(-i omega t) has a mean only where it has one factor z more than factors conj z. With frequencies h_j omega,
+where the powers m_j of z_j and n_j of conj z_j have sum h_j (m_j - n_j) = h, of the exp(-i h omega t) asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Union
 
@@ -36,19 +37,24 @@ def state_powers(term: Expression, states: Mapping[str, tuple[int, bool]]) -> di
     return found
 
 
-def resonant_part(powers: StatePowers, count: int) -> tuple[Monomials, int]:
-    """The mean of product * exp(-i omega t) as products of amplitudes, without the factor omega^k; and k."""
-    product: Monomials = {((0, 0),) * count: (Fraction(1), Fraction(0))}
+def resonant_part(powers: StatePowers, harmonics: Sequence[int], target: int) -> tuple[Monomials, int]:
+    """The mean of product * exp(-i target omega t) as products of amplitudes, without the factor omega^k; and k."""
+    product: Monomials = {((0, 0),) * len(harmonics): (Fraction(1), Fraction(0))}
     half = Fraction(1, 2)
     omegas = 0
     for (i, is_velocity), exponent in powers.items():
         for _ in range(exponent):
-            if is_velocity:  # i (z - conj z)/2
-                product = _times(product, i, (Fraction(0), half), (Fraction(0), -half))
+            if is_velocity:  # i h (z - conj z)/2
+                rate = half * harmonics[i]
+                product = _times(product, i, (Fraction(0), rate), (Fraction(0), -rate))
                 omegas += 1
             else:
                 product = _times(product, i, (half, Fraction(0)), (half, Fraction(0)))
-    kept = {p: c for p, c in product.items() if sum(m - n for m, n in p) == 1 and c != (Fraction(0), Fraction(0))}
+    kept = {
+        p: c
+        for p, c in product.items()
+        if sum(h * (m - n) for h, (m, n) in zip(harmonics, p, strict=True)) == target and (c[0] or c[1])
+    }
     return kept, omegas
 
 

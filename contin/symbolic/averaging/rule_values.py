@@ -35,8 +35,8 @@ class Segment:
     integrand: Expression
 
 
-def turn_values(integrand: Expression, n: int, values: Values, half: bool = False) -> Array:
-    """Means of f sin and f cos over 2n equidistant nodes of the turn, (2, k).
+def turn_values(integrand: Expression, n: int, values: Values, half: bool = False, harmonic: int = 1) -> Array:
+    """Means of f sin(h phi) and f cos(h phi) over 2n equidistant nodes of the turn, (2, k); h is the `harmonic`.
 
     half : only the n nodes of the first half, for an odd f.
     """
@@ -44,11 +44,21 @@ def turn_values(integrand: Expression, n: int, values: Values, half: bool = Fals
     c = np.array([cosine_of_node(k, n) for k in range(count)])[:, None]
     s = np.array([cosine_of_node((k - n // 2) % (2 * n), n) for k in range(count)])[:, None]
     f = sample([integrand], {**values, "@cos": c, "@sin": s})[0]
+    c, s = _multiple(c, s, harmonic)
     return np.array([np.sum(f * s, axis=0), np.sum(f * c, axis=0)]) / count
 
 
-def arc_values(segments: Sequence[Segment], n: int, values: Values, fold: int = 1) -> Array:
-    """Averages of f sin and f cos over the turn by n Gauss nodes on every segment, (2, k); f is 0 outside them."""
+def _multiple(c: Array, s: Array, harmonic: int) -> tuple[Array, Array]:
+    if harmonic == 1:
+        return c, s
+    turned = np.ones_like(c + 1j * s)
+    for _ in range(harmonic):
+        turned = turned * (c + 1j * s)
+    return turned.real, turned.imag
+
+
+def arc_values(segments: Sequence[Segment], n: int, values: Values, fold: int = 1, harmonic: int = 1) -> Array:
+    """Averages of f sin(h phi) and f cos(h phi) over the turn by n Gauss nodes on every segment, (2, k); f is 0 outside them."""
     nodes, weights = gauss(n)
     shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
     total = np.zeros((2, *shape))
@@ -61,6 +71,7 @@ def arc_values(segments: Sequence[Segment], n: int, values: Values, fold: int = 
         angle = middle + nodes[:, None] * spread
         c, s = np.asarray(elementary.cos(angle)), np.asarray(elementary.sin(angle))
         f = sample([segment.integrand], {**values, "@cos": c, "@sin": s})[0]
+        c, s = _multiple(c, s, harmonic)
         factor = fold / (2 * math.pi) * weights[:, None] * spread
         total += np.array([np.sum(factor * f * s, axis=0), np.sum(factor * f * c, axis=0)])
     return total

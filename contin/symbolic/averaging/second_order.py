@@ -33,7 +33,7 @@ from contin.symbolic.averaging.amplitudes import AmplitudeEquation, SlowSystem
 from contin.symbolic.averaging.build_form import build_form
 from contin.symbolic.averaging.cells import Arc, regions
 from contin.symbolic.averaging.forms import AveragedForm
-from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.resonant import Exponent, Powers, state_powers
 from contin.symbolic.averaging.switching_lines import PLANE, X, Y, state_comparisons
 from contin.symbolic.averaging.terms import additive_terms, without_kinks
@@ -71,12 +71,16 @@ Sum = dict[Shape, list[tuple[Expression, complex]]]
 
 def second_order_terms(oscillators: WeakOscillators, system: SlowSystem, form: AveragedForm) -> AveragedForm:
     """The form of the terms of order eps in slow time (eps^2 in t) alone: its equations, and observables of rates."""
+    if oscillators.slow:
+        raise InputError("averaging to second order takes no slow states and no rotators; use order: 1")
     builder = _Builder(oscillators)
-    first = [builder.atoms(oscillators.position[0][i], oscillators.velocity[0][i]) for i in range(oscillators.count)]
+    every = range(oscillators.count)
+    first = [builder.atoms(oscillators.position[0][i], oscillators.velocity[0][i], i) for i in every]
+    first += [[] for _ in oscillators.phasors]  # phasors do not vary
     equations = []
     for i in range(oscillators.count):
         total: Sum = defaultdict(list)
-        builder.add_mean(total, builder.atoms(oscillators.position[1][i], oscillators.velocity[1][i]))
+        builder.add_mean(total, builder.atoms(oscillators.position[1][i], oscillators.velocity[1][i], i))
         for atom in first[i]:
             builder.add_interaction(total, atom, first)
         equations.append(_equation(total, form.name == "polar"))
@@ -87,11 +91,10 @@ def second_order_terms(oscillators: WeakOscillators, system: SlowSystem, form: A
 class _Builder:
     def __init__(self, oscillators: WeakOscillators) -> None:
         self.oscillators = oscillators
-        self.count = oscillators.count
+        self.harmonics = oscillators.harmonics
+        self.count = len(self.harmonics)
         self.omega = oscillators.omega
-        self.states: dict[str, tuple[int, bool]] = {}
-        for i, pair in enumerate(oscillators.pairs):
-            self.states |= {pair.position: (i, False), pair.velocity: (i, True)}
+        self.states = oscillators.places()
         self.grid = TurnGrid.between(self.breakpoints())
 
     # The force as a sum of atoms --------------------------------------------------------------------------------------
@@ -102,10 +105,14 @@ class _Builder:
         for perturbation in (e for order in series for e in order):
             for _, term in additive_terms(perturbation, self.oscillators.mask):
                 members = self.oscillators.members(term)
-                if len(members) == 1 and state_powers(term, self.states) is None:
+                if self.is_pulse(members) and state_powers(term, self.states) is None:
                     for arc in self.arcs(self.in_plane(term, members[0])):
                         found += [arc.start.number, arc.stop.number]
         return found
+
+    def is_pulse(self, members: tuple[int, ...]) -> bool:
+        """One oscillator alone; pulses are taken where all is in 1:1 resonance."""
+        return len(members) == 1 and members[0] < self.oscillators.count and set(self.harmonics) == {1}
 
     def in_plane(self, term: Expression, i: int) -> Expression:
         pair = self.oscillators.pairs[i]
@@ -123,41 +130,46 @@ class _Builder:
             )
         return found[0].arcs
 
-    def atoms(self, position: Expression, velocity: Expression) -> list[Atom]:
-        """exp(-i omega t) (E - i F/omega) as atoms."""
+    def atoms(self, position: Expression, velocity: Expression, i: int) -> list[Atom]:
+        """exp(-i w t) (E - i F/w) as atoms, w the frequency of oscillator i."""
+        inverse = power(self.oscillators.frequency(i), number(-1))
         found: list[Atom] = []
         for is_force, perturbation in ((True, velocity), (False, position)):
             for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
                 unit: complex = -1j if is_force else 1.0
-                scale = mul(coefficient, power(self.omega, number(-1))) if is_force else coefficient
+                scale = mul(coefficient, inverse) if is_force else coefficient
                 members = self.oscillators.members(term)
                 powers = state_powers(term, self.states) if members else {}
                 if powers is not None:
-                    found += self.waves(scale, unit, powers)
-                elif len(members) == 1:
+                    found += self.waves(scale, unit, powers, self.harmonics[i])
+                elif self.is_pulse(members):
                     found += self.pulses(scale, unit, term, members[0])
                 else:
                     raise InputError(
-                        "second-order averaging: a force of several oscillators must be polynomial in their states"
+                        "second-order averaging: a force of several oscillators, or of oscillators in another resonance than "
+                        "1:1, must be polynomial in their states, and in sin and cos of the forcing"
                     )
         return found
 
-    def waves(self, scale: Expression, unit: complex, powers: Mapping[tuple[int, bool], int]) -> list[Atom]:
+    def waves(
+        self, scale: Expression, unit: complex, powers: Mapping[tuple[int, bool], int], target: int
+    ) -> list[Atom]:
         product: dict[Shape, dict[int, complex]] = {((0, 0),) * self.count: {0: 1.0 + 0.0j}}
         omegas = 0
         for (i, is_velocity), exponent in powers.items():
             omegas += exponent if is_velocity else 0
             for _ in range(exponent):
-                plus, minus = (0.5j, -0.5j) if is_velocity else (0.5, 0.5)
+                h = self.harmonics[i]
+                plus, minus = (0.5j * h, -0.5j * h) if is_velocity else (0.5, 0.5)
                 raised: dict[Shape, dict[int, complex]] = defaultdict(lambda: defaultdict(complex))
                 for shape, harmonics in product.items():
                     for k, c in harmonics.items():
                         for sign, factor in ((1, plus), (-1, minus)):
-                            raised[_shifted(shape, i, 1, sign)][k + sign] += c * factor
+                            raised[_shifted(shape, i, 1, sign)][k + h * sign] += c * factor
                 product = raised
         scale = mul(scale, power(self.omega, number(omegas)))
         return [
-            Wave(scale, unit * c, shape, k - 1)
+            Wave(scale, unit * c, shape, k - target)
             for shape, harmonics in product.items()
             for k, c in harmonics.items()
             if c != 0

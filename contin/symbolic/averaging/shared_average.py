@@ -21,7 +21,7 @@ from contin.model.parts import Limit
 from contin.symbolic.averaging.cells import SAME
 from contin.symbolic.averaging.complex_formulas import Complex
 from contin.symbolic.averaging.gauss_rule import ACCURACY, Array, agreement, beyond_quadrature, next_size
-from contin.symbolic.averaging.oscillators import WeakOscillators
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.piecewise_turn import Turn, pieces_of_turn, piecewise_rule
 from contin.symbolic.averaging.radial import Setting, first_size
 from contin.symbolic.averaging.rule_values import COS, SIN, Segment, arc_values, turn_values
@@ -31,16 +31,20 @@ from contin.symbolic.calculus.guards import is_guard
 Amplitudes = Sequence[Complex]  # u_j + i v_j
 
 
-def shared_average(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Complex:
-    """Real and imaginary part of <term exp(-i tau)> as formulas in the given amplitudes."""
-    shared = _Shared(without_kinks(term, oscillators.mask), oscillators, setting)
+def shared_average(
+    term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes, harmonic: int = 1
+) -> Complex:
+    """Real and imaginary part of <term exp(-i harmonic tau)> as formulas in the given amplitudes, phasors' included."""
+    shared = _Shared(without_kinks(term, oscillators.mask), oscillators, setting, harmonic)
     return shared.rule(shared.size(), amplitudes)
 
 
-def shared_limit(term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes) -> Limit:
+def shared_limit(
+    term: Expression, oscillators: WeakOscillators, setting: Setting, amplitudes: Amplitudes, harmonic: int = 1
+) -> Limit:
     """Where `shared_average` is accurate: its rule against the next one, beside the mean square of the term."""
     term = without_kinks(term, oscillators.mask)
-    shared = _Shared(term, oscillators, setting)
+    shared = _Shared(term, oscillators, setting, harmonic)
     n = shared.size()
     square = _Shared(power(term, number(2)), oscillators, setting).mean(n, amplitudes)
     margin = agreement(shared.rule(n, amplitudes), shared.rule(next_size(n), amplitudes), square)
@@ -54,6 +58,7 @@ class _Shared:
     term: Expression
     oscillators: WeakOscillators
     setting: Setting
+    harmonic: int = 1
 
     def turn(self, amplitudes: Amplitudes) -> Turn:
         """The common turn of the oscillators in the term."""
@@ -64,8 +69,8 @@ class _Shared:
         """<term exp(-i tau)> with n nodes on an arc."""
         turn = self.turn(amplitudes)
         if has_conditions(self.term, self.oscillators.mask):
-            return piecewise_rule(self.term, turn, n)
-        return _smooth_rule(self.term, turn, 2 * n)
+            return piecewise_rule(self.term, turn, n, self.harmonic)
+        return _smooth_rule(self.term, turn, 2 * n, self.harmonic)
 
     def mean(self, n: int, amplitudes: Amplitudes) -> Expression:
         """<term>: equidistant nodes are enough for a size."""
@@ -76,20 +81,32 @@ class _Shared:
 
     def size(self) -> int:
         """The size of an accurate rule: at random amplitudes, and at the ends of the parameters' ranges if it can."""
-        trial = [(symbol(f"@u{i}"), symbol(f"@v{i}")) for i in range(self.oscillators.count)]
+        trial = [(symbol(f"@u{i}"), symbol(f"@v{i}")) for i in range(len(self.oscillators.turning))]
         used = {i: trial[i] for i in self.oscillators.members(self.term)}
         turn = self.turn(trial)
         if has_conditions(self.term, self.oscillators.mask):
             pieces = pieces_of_turn(self.term, turn)
             segments = [Segment(*interval, turn.at(formula, COS, SIN)) for interval, formula in pieces]
-            means = partial(arc_values, segments)
+            means = partial(arc_values, segments, harmonic=self.harmonic)
         else:
-            means = partial(turn_values, turn.at(self.term, COS, SIN))
+            means = partial(turn_values, turn.at(self.term, COS, SIN), harmonic=self.harmonic)
 
         def values(size: int, corners: Sequence[Mapping[str, float]]) -> Array:
-            return np.hstack([means(size, _samples(used, self.setting, corner)) for corner in corners])
+            return np.hstack([means(size, self.samples(used, corner)) for corner in corners])
 
         return first_size(values, self.setting.towards_corners())
+
+    def samples(self, trial: Mapping[int, Complex], values: Mapping[str, float]) -> dict[str, Array | float]:
+        """Random amplitudes of the expected size, the same ones every time; phasors have the size 1."""
+        chance = np.random.default_rng(11)
+        env: dict[str, Array | float] = dict(values)
+        for i, (u, v) in trial.items():
+            radius = self.setting.reach * np.sqrt(chance.uniform(0.01, 1.0, 12)) / 2
+            angle = chance.uniform(0, 2 * math.pi, 12)
+            if i >= self.oscillators.count:
+                radius = np.ones(12)
+            env[str(u.value)], env[str(v.value)] = radius * elementary.cos(angle), radius * elementary.sin(angle)
+        return env
 
 
 def has_conditions(term: Expression, mask: int) -> bool:
@@ -97,24 +114,15 @@ def has_conditions(term: Expression, mask: int) -> bool:
     return any(n.op in COMPARISONS and n.mask & mask and not is_guard(n) for n in postorder([term]))
 
 
-def _samples(trial: Mapping[int, Complex], setting: Setting, values: Mapping[str, float]) -> dict[str, Array | float]:
-    """Random amplitudes of the expected size, the same ones every time."""
-    chance = np.random.default_rng(11)
-    env: dict[str, Array | float] = dict(values)
-    for u, v in trial.values():
-        radius = setting.reach * np.sqrt(chance.uniform(0.01, 1.0, 12)) / 2
-        angle = chance.uniform(0, 2 * math.pi, 12)
-        env[str(u.value)], env[str(v.value)] = radius * elementary.cos(angle), radius * elementary.sin(angle)
-    return env
-
-
-def _smooth_rule(term: Expression, turn: Turn, n: int) -> Complex:
+def _smooth_rule(term: Expression, turn: Turn, n: int, harmonic: int) -> Complex:
     re, im = [], []
     for k in range(n):
         tau = (k + 0.5) * 2 * math.pi / n
         c, s = elementary.cos(tau), elementary.sin(tau)
         c, s = (0.0 if abs(t) < SAME else t for t in (c, s))
         value = turn.at(term, number(c), number(s))
+        if harmonic != 1:
+            c, s = elementary.cos(harmonic * tau), elementary.sin(harmonic * tau)
         re.append(mul(number(c / n), value))
         im.append(mul(number(-s / n), value))
     return add(*re), add(*im)
