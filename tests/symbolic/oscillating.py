@@ -72,3 +72,76 @@ def polar_of(amplitudes, motion):
     growth = np.real(motion * np.conj(amplitudes)) / np.abs(amplitudes)
     turn = np.imag(motion * np.conj(amplitudes)) / np.abs(amplitudes) ** 2
     return np.concatenate([growth, turn[1:] - turn[0]])
+
+
+def mean_rates(model, point, base, parameters=(), nodes=40, pieces=24):
+    """Mean rates in slow time, straight from the equations of motion: complex A_i' of the oscillators, then the rates
+    of the states under `slow:` and `rotators:`.
+
+    point : complex amplitude of each position, value of each slow state (a rotator's at t = 0).  base : base frequency.
+    Slaved states follow by their definition: the periodic solution of their linear equations, found here from the
+    Fourier coefficients of what drives them.
+    """
+    item, eps = model.averaging, 1e-6
+    ends = np.linspace(0, 2 * math.pi, pieces + 1)
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    tau = (ends[:-1, None] + np.diff(ends)[:, None] / 2 * (x + 1)).ravel()
+    weights = np.tile(w / (2 * pieces), pieces)
+    env = dict(model.default_parameters({**dict(parameters), item.small: 0.0}))
+    env["t"] = tau / base
+    for pair in item.oscillators:
+        z = point[pair.position] * np.exp(1j * pair.harmonic * tau)
+        env[pair.position], env[pair.velocity] = z.real, -pair.harmonic * base * z.imag
+    env |= {n: point[n] for n in item.slow} | {r.phase: point[r.phase] + r.harmonic * tau for r in item.rotators}
+    env |= _following(model, env, tau, weights, base)
+    names = list(model.state_names)
+    still = dict(zip(names, sample(model.equations, env), strict=True))
+    moving = dict(zip(names, sample(model.equations, {**env, item.small: eps}), strict=True))
+    rate = {n: (moving[n] - still[n]) / eps for n in names}
+    result = []
+    for pair in item.oscillators:
+        h = pair.harmonic * base
+        unit = np.exp(-1j * pair.harmonic * tau)
+        result.append(weights @ (unit * (rate[pair.position] - 1j * rate[pair.velocity] / h)))
+    return np.array([*result, *(weights @ np.broadcast_to(rate[n], tau.shape) for n in names_of_slow(model))])
+
+
+def names_of_slow(model):
+    return [*model.averaging.slow, *(r.phase for r in model.averaging.rotators)]
+
+
+def _following(model, env, tau, weights, base):
+    names = model.averaging.slaved
+    if not names:
+        return {}
+    rules = [model.equation_map[n] for n in names]
+    zero = {n: 0.0 for n in names}
+    drive = np.array([np.broadcast_to(f, tau.shape) for f in sample(rules, {**env, **zero})])
+    matrix = np.array([np.array([np.mean(f) for f in sample(rules, {**env, **zero, n: 1.0})]) for n in names]).T
+    matrix = matrix - np.mean(drive, axis=1)[:, None]
+    found = np.zeros(drive.shape)
+    for k in range(-6, 7):
+        part = drive @ (weights * np.exp(-1j * k * tau))
+        found = found + np.real(np.linalg.solve(1j * k * base * np.eye(len(names)) - matrix, part)[:, None] * np.exp(1j * k * tau))
+    return dict(zip(names, found, strict=True))
+
+
+def averaged_rates(model, averaged, point, parameters=()):
+    """The same of an averaged model in its cartesian form, or polar form with forcing."""
+    values = averaged.default_parameters(dict(parameters))
+    pairs = model.averaging.oscillators
+    cartesian = "u1" in averaged.state_names
+    suffixes = [""] if len(pairs) == 1 else [str(i + 1) for i in range(len(pairs))]
+    env = {**values, **{n: point[n] for n in names_of_slow(model)}}
+    for i, (pair, s) in enumerate(zip(pairs, suffixes, strict=True)):
+        a = point[pair.position]
+        env |= {f"u{i + 1}": a.real, f"v{i + 1}": a.imag} if cartesian else {f"r{s}": abs(a), f"psi{s}": np.angle(a)}
+    found = dict(zip(averaged.state_names, evaluate_all(averaged.equations, env), strict=True))
+    result = []
+    for i, (pair, s) in enumerate(zip(pairs, suffixes, strict=True)):
+        if cartesian:
+            result.append(complex(found[f"u{i + 1}"], found[f"v{i + 1}"]))
+        else:
+            a = point[pair.position]
+            result.append((found[f"r{s}"] + 1j * abs(a) * found[f"psi{s}"]) * a / abs(a))
+    return np.array([*result, *(found[n] for n in names_of_slow(model))])

@@ -282,20 +282,22 @@ def _is_invariant(formula: Expression, oscillators: WeakOscillators) -> bool:
 def gauge_symmetries(form: AveragedForm, oscillators: WeakOscillators) -> list[Symmetry]:
     """(r, theta) ~ (-r, theta + pi): symmetries of every averaged system of this form whose formulas are odd.
 
-    And where the first oscillator turns h_1 > 1 times in a period, the phases after one of its turns.
+    And where the first oscillator turns h_1 > 1 times in a period, the phases after one of its turns; with forcing that
+    turns h > 1 times, the same after one period of the forcing.
     """
-    if form.name != "polar":
-        return []
     forced = oscillators.is_forced
+    if form.name != "polar":
+        return _after_a_period(oscillators) if forced else []
     radii, phases = polar_names(oscillators.count, forced)
     if not form.angles:
         return [Symmetry("reflection", {"r": neg(symbol("r"))})]
     if forced:
         names = ["gauge"] if len(radii) == 1 else [f"gauge{i + 1}" for i in range(len(radii))]
-        return [
+        found = [
             Symmetry(name, {r: neg(symbol(r)), psi: add(symbol(psi), PI)})
             for name, r, psi in zip(names, radii, phases, strict=True)
         ]
+        return [*found, *_after_a_period(oscillators, form.angles)]
     shares = [ratio(oscillators, h) for h in oscillators.harmonics[1 : len(radii)]]
     shares += [ratio(oscillators, s.turns) for s in oscillators.slow if s.turns]
     shifts = [PI if share is ONE else mul(neg(share), PI) for share in shares]
@@ -310,3 +312,24 @@ def gauge_symmetries(form: AveragedForm, oscillators: WeakOscillators) -> list[S
         turns = {p: add(symbol(p), mul(number(2), s, PI)) for p, s in zip(form.angles, shares, strict=True)}
         found.append(Symmetry("turn", turns))
     return found
+
+
+def _after_a_period(oscillators: WeakOscillators, angles: Sequence[str] = ()) -> list[Symmetry]:
+    """A_j -> exp(2 pi i h_j/h) A_j, h the harmonic of the forcing; in the cartesian form for h = 2 only."""
+    h = next(p.pair.harmonic for p in oscillators.phasors if p.state is None)
+    own = oscillators.harmonics[: oscillators.count]
+    turns = [s.turns for s in oscillators.slow if s.turns]
+    if h == 1 or (not angles and h != 2):
+        return []
+    if not angles:
+        odd = [i + 1 for i, k in enumerate(own) if k % 2]
+        images = {f"{part}{i}": neg(symbol(f"{part}{i}")) for i in odd for part in ("u", "v")}
+        phases = [s.name for s in oscillators.slow if s.turns % 2]
+        images |= {name: add(symbol(name), PI) for name in phases}
+    else:
+        images = {
+            name: add(symbol(name), mul(number(Fraction(2 * k, h)), PI))
+            for name, k in zip(angles, (*own, *turns), strict=True)
+            if k % h
+        }
+    return [Symmetry("period", images)] if images else []

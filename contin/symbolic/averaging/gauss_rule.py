@@ -41,18 +41,18 @@ SIZES: Final = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 """Nodes on an arc; a full turn takes twice as many."""
 
 
-def rule_size(integrands: Callable[[int], Array]) -> int:
+def rule_size(integrands: Callable[[int], Array], size_of: float = 0.0) -> int:
     """The smallest size whose values agree with those of the next two sizes.
 
-    `integrands(n)` gives the values of the rule with n nodes at sample amplitudes. Raises `InputError` where the
-    largest size is not enough.
+    `integrands(n)` gives the values of the rule with n nodes at sample amplitudes; `size_of` is the size of the function,
+    which counts where its averages vanish. Raises `InputError` where the largest size is not enough.
     """
     values = {}
     for n, finer in pairwise(SIZES):
         for size in (n, finer):
             if size not in values:
                 values[size] = integrands(size)
-        scale = max(float(np.max(np.abs(values[finer]))), 1e-300)
+        scale = max(float(np.max(np.abs(values[finer]))), size_of, 1e-300)
         if float(np.max(np.abs(values[n] - values[finer]))) <= TOLERANCE * scale:
             return n
     raise InputError(

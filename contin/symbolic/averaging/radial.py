@@ -239,14 +239,16 @@ def _lies_inside(region: Region, radii: Sympy, values: Mapping[str, float]) -> b
 
 
 def first_size(
-    integrands: Callable[[int, Sequence[Mapping[str, float]]], Array], sets: Iterable[Sequence[Mapping[str, float]]]
+    integrands: Callable[[int, Sequence[Mapping[str, float]]], Array],
+    sets: Iterable[Sequence[Mapping[str, float]]],
+    size_of: float = 0.0,
 ) -> int:
     """The size of a rule that is accurate at the first of several sets of parameter values for which there is one."""
     tried = iter(sets)
     at = next(tried)
     while True:
         try:
-            return rule_size(partial(_at, integrands, at))
+            return rule_size(partial(_at, integrands, at), size_of)
         except InputError:
             following = next(tried, None)
             if following is None:

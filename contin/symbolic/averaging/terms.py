@@ -110,6 +110,34 @@ def _plain(node: Expression) -> Expression:
     return node
 
 
+def factors_apart(expression: Expression, mask: int) -> Expression:
+    """Conditions u*v > 0 on the symbols of `mask` as (u > 0 and v > 0) or (not u > 0 and not v > 0)."""
+    done: dict[Expression, Expression] = {}
+    for node in postorder([expression]):
+        args = tuple(done[a] for a in node.args)
+        new = rebuild(node, args) if args else node
+        done[node] = _apart(new) if new.op in ("<", "<=", ">", ">=") and new.mask & mask else new
+    return done[expression]
+
+
+def _apart(comparison: Expression) -> Expression:
+    low, high = comparison.args if comparison.op in ("<", "<=") else comparison.args[::-1]
+    difference = add(high, neg(low))
+    if difference.op != "mul":
+        return comparison
+    result: Expression | None = None
+    for factor in difference.args:
+        own = compare(">", factor, ZERO)
+        if result is None:
+            result = own
+        else:
+            both = logical("and", result, own)
+            neither = logical("and", logical("not", result), logical("not", own))
+            result = logical("or", both, neither)
+    assert result is not None
+    return result
+
+
 def _lifted(comparison: Expression) -> Expression:
     """(a if q else b) > c as (q and a > c) or (not q and b > c)."""
     if comparison.op not in ("<", "<=", ">", ">=", "==", "!="):
