@@ -123,9 +123,7 @@ class _StartReader:
         parameters = self.known(overrides, self.parameters, "parameter", (*path, "parameters"), self.constants)
         return Start(name, states, parameters)
 
-    def known(
-        self, data: Record, names: list[str], what: str, path: Path, scope: Scope
-    ) -> dict[str, Expression]:
+    def known(self, data: Record, names: list[str], what: str, path: Path, scope: Scope) -> dict[str, Expression]:
         found = {}
         allowed = set(names)
         for key, value in data.items():

@@ -115,14 +115,15 @@ def _following(model, env, tau, weights, base):
     if not names:
         return {}
     rules = [model.equation_map[n] for n in names]
-    zero = {n: 0.0 for n in names}
+    zero = dict.fromkeys(names, 0.0)
     drive = np.array([np.broadcast_to(f, tau.shape) for f in sample(rules, {**env, **zero})])
     matrix = np.array([np.array([np.mean(f) for f in sample(rules, {**env, **zero, n: 1.0})]) for n in names]).T
     matrix = matrix - np.mean(drive, axis=1)[:, None]
     found = np.zeros(drive.shape)
     for k in range(-6, 7):
         part = drive @ (weights * np.exp(-1j * k * tau))
-        found = found + np.real(np.linalg.solve(1j * k * base * np.eye(len(names)) - matrix, part)[:, None] * np.exp(1j * k * tau))
+        response = np.linalg.solve(1j * k * base * np.eye(len(names)) - matrix, part)
+        found = found + np.real(response[:, None] * np.exp(1j * k * tau))
     return dict(zip(names, found, strict=True))
 
 

@@ -15,12 +15,12 @@ from contin.errors import InputError, NotFiniteError
 from contin.model.evaluate import evaluate
 from contin.model.expression import ZERO, Expression, add, mul, neg, number, power, substitute, symbol
 from contin.model.model import Model
-from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.oscillators import slow_values
 from contin.symbolic.averaging.radial import Piece, RadialAverage, Setting, average_over_turn, combined
 from contin.symbolic.averaging.resonant import Powers, StatePowers, resonant_part, state_powers
 from contin.symbolic.averaging.switching_lines import X, Y
 from contin.symbolic.averaging.terms import additive_terms
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.calculus.shorter import cancelled
 
 Complex = tuple[Expression, Expression]
@@ -49,8 +49,8 @@ class AmplitudeEquation:
 
 @dataclass(frozen=True)
 class MeanEquation:
-    """The rate of a slow state in slow time: `constant`; Re c * products of amplitudes; of `radial` (j, r_j <f> in place
-    of C, a function of oscillator j); and the averages of `general`."""
+    """The rate of a slow state in slow time: `constant`; Re c * products of amplitudes; of `radial` (j, r_j <f>
+    in place of C, a function of oscillator j); and the averages of `general`."""
 
     constant: Expression
     products: dict[Powers, Complex]
@@ -197,9 +197,7 @@ class _Averager:
         across = self.average(mul(function, symbol(Y)), self.harmonics[j])
         inverse = neg(power(omega, number(-1)))
         pieces = tuple(Piece(p.high, p.bound, ZERO, p.cos, p.arcs, p.nodes) for p in along.pieces)
-        others = tuple(
-            Piece(p.high, p.bound, ZERO, _scaled(p.sin, inverse), p.arcs, p.nodes) for p in across.pieces
-        )
+        others = tuple(Piece(p.high, p.bound, ZERO, _scaled(p.sin, inverse), p.arcs, p.nodes) for p in across.pieces)
         parts = [
             (number(1), RadialAverage(pieces, along.presumes, along.limits)),
             (number(1), RadialAverage(others, across.presumes, across.limits)),

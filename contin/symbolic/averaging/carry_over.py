@@ -187,7 +187,6 @@ def _images(
     form: AveragedForm, moves: Sequence[tuple[int, int]], oscillators: WeakOscillators
 ) -> dict[str, Expression]:
     """The substitution in the form's states; empty where it moves nothing."""
-    count = len(moves)
     images: dict[str, Expression] = {}
     if form.name == "cartesian":
         for i, (j, sign) in enumerate(moves):

@@ -9,6 +9,7 @@ from contin import lazy
 from contin.model.expression import ZERO, Expression, add, call, mul, neg, number, substitute, symbol
 from contin.model.latex import latex_name
 from contin.model.model import Model
+from contin.model.parts import TIME
 from contin.model.writer import definition_names
 from contin.symbolic.averaging.averaged import Averaged, averaged
 from contin.symbolic.averaging.cells import RADIUS, Cut
@@ -24,6 +25,7 @@ from contin.symbolic.averaging.document import (
 )
 from contin.symbolic.averaging.radial import Piece, RadialAverage
 from contin.symbolic.averaging.switching_lines import X, Y
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.calculus.sympy_bridge import from_sympy
 
 
@@ -81,8 +83,14 @@ def _perturbations(result: Averaged) -> Iterator[Block]:
     small = oscillators.small
     yield Heading("Weakly nonlinear oscillators")
     yield Sentence(
-        f"At {small} = 0 every oscillator is harmonic with the frequency omega = {{0}}. ", (oscillators.omega,)
+        f"At {small} = 0 every oscillator is harmonic with the frequency omega = {{0}}. "
+        if oscillators.is_plain
+        else f"At {small} = 0 oscillators are harmonic; the base frequency is omega = {{0}}. ",
+        (oscillators.omega,),
     )
+    for i, harmonic in enumerate(oscillators.harmonics[: oscillators.count]):
+        if harmonic != 1:
+            yield Sentence(f"Oscillator {i + 1} has the frequency {harmonic} omega.")
     for i in oscillators.detuned:
         yield Sentence(
             f"The frequency of oscillator {i + 1} differs by order {small}; the difference is part of its F."
@@ -92,8 +100,29 @@ def _perturbations(result: Averaged) -> Iterator[Block]:
         yield Sentence(f"The terms of order {power} are")
         for pair, e, f in zip(oscillators.pairs, positions, velocities, strict=True):
             if not (e.is_number and e.value == 0):
-                yield Formula(f"E{k}({pair.position})", rf"E_{{{k}}}({latex_name(pair.position)})", e)
-            yield Formula(f"F{k}({pair.velocity})", rf"F_{{{k}}}({latex_name(pair.velocity)})", f)
+                seen = _with_phases(e, oscillators)
+                yield Formula(f"E{k}({pair.position})", rf"E_{{{k}}}({latex_name(pair.position)})", seen)
+            seen = _with_phases(f, oscillators)
+            yield Formula(f"F{k}({pair.velocity})", rf"F_{{{k}}}({latex_name(pair.velocity)})", seen)
+    if oscillators.slaved:
+        yield Sentence("Slaved states follow the oscillators:")
+    for name, formula in oscillators.slaved.items():
+        yield Formula(name, latex_name(name), _with_phases(formula, oscillators))
+    if oscillators.slow:
+        yield Sentence(f"States that change slowly have the rates, of order {small},")
+    for state in oscillators.slow:
+        yield Formula(f"G({state.name})", f"G({latex_name(state.name)})", _with_phases(state.rate[0], oscillators))
+
+
+def _with_phases(formula: Expression, oscillators: WeakOscillators) -> Expression:
+    """Phasors as sin and cos of the time, or of a rotator's phase."""
+    mapping: dict[Expression, Expression] = {}
+    for phasor in oscillators.phasors:
+        rate = mul(number(phasor.pair.harmonic), oscillators.omega)
+        phase = symbol(phasor.state) if phasor.state is not None else mul(rate, symbol(TIME))
+        mapping[symbol(phasor.pair.position)] = call("cos", phase)
+        mapping[symbol(phasor.pair.velocity)] = mul(neg(rate), call("sin", phase))
+    return substitute([formula], mapping)[0] if mapping else formula
 
 
 def _transformation(result: Averaged) -> Iterator[Block]:
@@ -165,11 +194,12 @@ def _shown(formula: Expression) -> Expression:
 
 def _products(result: Averaged) -> Iterator[Block]:
     lines = []
+    written = _amplitude_names(result.system.oscillators)
     for i, equation in enumerate(result.system.equations):
         for powers, (re, im) in equation.products.items():
             names = []
-            for j, (m, n) in enumerate(powers):
-                names += [f"A{j + 1}"] * int(m) + [f"conj(A{j + 1})"] * int(n)
+            for name, (m, n) in zip(written, powers, strict=True):
+                names += [name] * int(m) + [f"conj({name})"] * int(n) if name else []
             product = " ".join(names)
             if im is ZERO:
                 lines.append(Sentence(f"A{i + 1}' contains ({{0}}) {product}", (re,)))
@@ -182,12 +212,22 @@ def _products(result: Averaged) -> Iterator[Block]:
         yield Sentence(
             "With A = r exp(i theta), products of amplitudes have a mean where one factor A is left over after pairing "
             "A with conj(A):"
+            if set(result.system.oscillators.harmonics) == {1}
+            else "With A = r exp(i theta), products of amplitudes have a mean where their frequencies add up to that "
+            "of the equation:"
         )
         yield from lines
-    if any(equation.general for equation in result.system.equations):
+    general = [e.general for e in result.system.equations] + [m.general for m in result.system.means]
+    if any(general):
         yield Sentence(
             "Forces that are no polynomials of several oscillators are averaged by fixed rules over the turn."
         )
+
+
+def _amplitude_names(oscillators: WeakOscillators) -> list[str]:
+    """A1, A2, ..., exp(i phase) for rotators; the forcing's amplitude is 1."""
+    names = [f"A{j + 1}" for j in range(oscillators.count)]
+    return [*names, *("" if p.state is None else f"exp(i {p.state})" for p in oscillators.phasors)]
 
 
 def _result(result: Averaged) -> Iterator[Block]:

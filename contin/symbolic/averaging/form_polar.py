@@ -56,9 +56,8 @@ def polar_form(system: SlowSystem) -> AveragedForm:
     rates = [_rates(system, i, r, angles) for i in range(count)]
     growths, turns = [g for g, _ in rates], [t for _, t in rates]
     lead = ZERO if forced else turns[0]
-    differences = [
-        _difference(turns[j], lead, ratio(oscillators, oscillators.harmonics[j])) for j in range(0 if forced else 1, count)
-    ]
+    shares = [ratio(oscillators, h) for h in oscillators.harmonics[:count]]
+    differences = [_difference(turns[j], lead, shares[j]) for j in range(0 if forced else 1, count)]
     frame = [_at_angle(a, p) for a, p in zip(own, relative, strict=True)]
     means = mean_rates(
         system,

@@ -41,7 +41,6 @@ class AveragedForm:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
 
 
-
 def check_form(name: object, oscillators: WeakOscillators) -> str:
     """A form's name, checked against the oscillators."""
     count = oscillators.count

@@ -44,8 +44,8 @@ SIZES: Final = (6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 def rule_size(integrands: Callable[[int], Array], size_of: float = 0.0) -> int:
     """The smallest size whose values agree with those of the next two sizes.
 
-    `integrands(n)` gives the values of the rule with n nodes at sample amplitudes; `size_of` is the size of the function,
-    which counts where its averages vanish. Raises `InputError` where the largest size is not enough.
+    `integrands(n)` gives the values of the rule with n nodes at sample amplitudes; `size_of` is the size of the
+    function, which counts where its averages vanish. Raises `InputError` where the largest size is not enough.
     """
     values = {}
     for n, finer in pairwise(SIZES):

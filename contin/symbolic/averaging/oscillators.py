@@ -102,9 +102,7 @@ class _Reader:
         model, item = self.model, self.item
         if model.forcing is None:
             first = item.oscillators[0]
-            square = stiffness(
-                model.name, first, model.equation_map, self.eps, mask_of(model.state_names), self.values
-            )
+            square = stiffness(model.name, first, model.equation_map, self.eps, mask_of(model.state_names), self.values)
             base = root(square, self.values)
             base = base if first.harmonic == 1 else simplest(div(base, number(first.harmonic)), self.values)
             return base, base
@@ -165,13 +163,13 @@ class _Reader:
         base = float(evaluate(self.base, {**self.values, self.item.small: 0.0}))
         first = self.item.oscillators[0].harmonic * base
         raise InputError(
-            f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio {own / first:.6g} "
-            f"with the default parameters; only near-identical frequencies are averaged (1:1 resonance, difference of "
-            f"order {small}), or those near a ratio that is declared (`harmonic: 2` at the oscillator that is twice as "
+            f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio "
+            f"{own / first:.6g} with the default parameters; only near-identical frequencies are averaged "
+            f"(1:1 resonance, difference of order {small}), or those near a ratio that is declared (`harmonic: 2` at the oscillator that is twice as "
             f"fast as the others). If the difference is small, write it as {self.item.small} times a detuning"
         )
 
-    # What moves beside the oscillators ----------------------------------------------------------------------------------
+    # What moves beside the oscillators --------------------------------------------------------------------------------
 
     def slow_terms(self, name: str) -> tuple[str, Expression, int]:
         rest = excess(self.equations[name], self.eps, {}, self.mask)

@@ -31,16 +31,16 @@ from contin.model.expression import (
 from contin.model.printing import to_text
 from contin.symbolic.averaging.complex_formulas import Complex, to_power
 from contin.symbolic.averaging.gauss_rule import gauss
-from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.terms import additive_terms
+from contin.symbolic.averaging.weak import WeakOscillators
 
 TWO_PI = mul(number(2), PI)
 
 
 @dataclass(frozen=True)
 class Turn:
-    """x_j = u_j cos(h tau) - v_j sin(h tau), y_j = -h omega (u_j sin(h tau) + v_j cos(h tau)) for those in `amplitudes`,
-    h their harmonics."""
+    """x_j = u_j cos(h tau) - v_j sin(h tau), y_j = -h omega (u_j sin(h tau) + v_j cos(h tau)) for those in
+    `amplitudes`, h their harmonics."""
 
     oscillators: WeakOscillators
     omega: Expression

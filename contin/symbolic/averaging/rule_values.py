@@ -58,7 +58,10 @@ def _multiple(c: Array, s: Array, harmonic: int) -> tuple[Array, Array]:
 
 
 def arc_values(segments: Sequence[Segment], n: int, values: Values, fold: int = 1, harmonic: int = 1) -> Array:
-    """Averages of f sin(h phi) and f cos(h phi) over the turn by n Gauss nodes on every segment, (2, k); f is 0 outside them."""
+    """Averages of f sin(h phi) and f cos(h phi) over the turn by n Gauss nodes on every segment, (2, k).
+
+    f is 0 outside the segments.
+    """
     nodes, weights = gauss(n)
     shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
     total = np.zeros((2, *shape))

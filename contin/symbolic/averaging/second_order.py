@@ -33,11 +33,11 @@ from contin.symbolic.averaging.amplitudes import AmplitudeEquation, SlowSystem
 from contin.symbolic.averaging.build_form import build_form
 from contin.symbolic.averaging.cells import Arc, regions
 from contin.symbolic.averaging.forms import AveragedForm
-from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.resonant import Exponent, Powers, state_powers
 from contin.symbolic.averaging.switching_lines import PLANE, X, Y, state_comparisons
 from contin.symbolic.averaging.terms import additive_terms, without_kinks
 from contin.symbolic.averaging.turn_grid import Complex, TurnGrid
+from contin.symbolic.averaging.weak import WeakOscillators
 
 Shape = tuple[tuple[int, int], ...]  # for each oscillator (d, n): r^d exp(i n theta)
 ROUNDING: Final = 1e-13
@@ -146,8 +146,8 @@ class _Builder:
                     found += self.pulses(scale, unit, term, members[0])
                 else:
                     raise InputError(
-                        "second-order averaging: a force of several oscillators, or of oscillators in another resonance than "
-                        "1:1, must be polynomial in their states, and in sin and cos of the forcing"
+                        "second-order averaging: a force of several oscillators, or of oscillators in another "
+                        "resonance than 1:1, must be polynomial in their states, and in sin and cos of the forcing"
                     )
         return found
 

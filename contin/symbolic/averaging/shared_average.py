@@ -21,11 +21,11 @@ from contin.model.parts import Limit
 from contin.symbolic.averaging.cells import SAME
 from contin.symbolic.averaging.complex_formulas import Complex
 from contin.symbolic.averaging.gauss_rule import ACCURACY, Array, agreement, beyond_quadrature, next_size
-from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.averaging.piecewise_turn import Turn, pieces_of_turn, piecewise_rule
 from contin.symbolic.averaging.radial import Setting, first_size
 from contin.symbolic.averaging.rule_values import COS, SIN, Segment, arc_values, turn_values
 from contin.symbolic.averaging.terms import factors_apart, without_kinks
+from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.calculus.guards import is_guard
 
 Amplitudes = Sequence[Complex]  # u_j + i v_j

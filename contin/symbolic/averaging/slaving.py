@@ -3,8 +3,8 @@
     W' = L W + sum_j (p_j x_j + q_j y_j) + k + O(eps)    gives    W = sum_j (alpha_j x_j + beta_j y_j) + W_0 + O(eps),
     (L^2 + w_j^2) beta_j = -(p_j + L q_j),   alpha_j = L beta_j + q_j,   W_0 = -L^-1 k,
 
-with w_j the frequency of the oscillator (or phasor) j: the response at that frequency. It attracts where all eigenvalues
-of L have negative real parts.
+with w_j the frequency of the oscillator (or phasor) j: the response at that frequency. It attracts where all
+eigenvalues of L have negative real parts.
 """
 
 from __future__ import annotations
@@ -92,8 +92,9 @@ def _linear(name: str, equation: Expression, small: str, inside: int) -> dict[Ex
     for c, t in additive_terms(substitute([equation], {symbol(small): ZERO})[0], inside):
         if t is not ONE and t.op != "symbol":
             raise InputError(
-                f"averaging: the slaved state {name} must be linear in the slaved states and the oscillators at {small} "
-                f"= 0; the term {short(mul(c, t))} is not. Multiply it by {small}, or write {name} as an oscillator"
+                f"averaging: the slaved state {name} must be linear in the slaved states and the oscillators at "
+                f"{small} = 0; the term {short(mul(c, t))} is not. Multiply it by {small}, or write "
+                f"{name} as an oscillator"
             )
         row[t] = c
     return row

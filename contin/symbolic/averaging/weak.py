@@ -18,7 +18,7 @@ from contin.model.parts import Limit, Oscillator
 
 @dataclass(frozen=True)
 class Phasor:
-    """`pair` are the symbols of cos(phase) and -h omega sin(phase); `state` the phase of a rotator, None for forcing."""
+    """`pair` are the symbols of cos(phase) and -h omega sin(phase); `state` is a rotator's phase, None for forcing."""
 
     pair: Oscillator
     state: str | None = None
