@@ -164,9 +164,10 @@ class _Reader:
         first = self.item.oscillators[0].harmonic * base
         raise InputError(
             f"averaging: oscillators 1 and {i + 1} have the frequencies {first:.6g}, {own:.6g}: ratio "
-            f"{own / first:.6g} with the default parameters; only near-identical frequencies are averaged "
-            f"(1:1 resonance, difference of order {small}), or those near a ratio that is declared (`harmonic: 2` at the oscillator that is twice as "
-            f"fast as the others). If the difference is small, write it as {self.item.small} times a detuning"
+            f"{own / first:.6g} with the default parameters; only near-identical frequencies are averaged (1:1 "
+            f"resonance, difference of order {small}), or those near a ratio that is declared (`harmonic: 2` at the "
+            "oscillator that is twice as fast as the others). If the difference is small, write it as "
+            f"{self.item.small} times a detuning"
         )
 
     # What moves beside the oscillators --------------------------------------------------------------------------------
