@@ -19,14 +19,13 @@ OF_BRANCHES: Final = frozenset(
     }
 )  # beside parameters, states and observables: what problems record of themselves
 STANDARD: Final = ("amplitude", "norm", "frequency")  # of orbits
-MEASURES: Final = ("norm",)  # a column of some families, and of others where it is asked for
 OF_MANY: Final = frozenset({"norm", "min", "max"})  # in place of many states
 
 
 def formulas(names: Iterable[str], model: Model, others: Iterable[str] = ()) -> list[str]:
     """Those names that are no columns by themselves but formulas, such as mean(x^2), which orbits record."""
     named = [*model.parameter_names, *model.state_names, *model.observables, *others]
-    found = dict.fromkeys(name for name in names if name in MEASURES or not _is_known(name, named))
+    found = dict.fromkeys(name for name in names if not _is_known(name, named))
     return [name for name in found if isinstance(model, Model) and not _mistake(name, model)]
 
 

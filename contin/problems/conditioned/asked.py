@@ -34,9 +34,8 @@ def with_columns(seed: Seed, columns: Sequence[str]) -> Seed:
 
 
 def _measured(problem: Family, columns: Sequence[str]) -> Family:
-    """`norm` is among what is asked for: the settings may still turn to shooting, where it is no column by itself."""
     plain: Family = replace(problem, measures=None)  # type: ignore[call-arg]
-    own = [name for name in plain.column_names() if name != "norm" or name in problem.system.observable_names]
+    own = plain.column_names()
     texts = tuple(text for text in dict.fromkeys(columns) if text not in own and not _is_bare(plain, text))
     if not texts:
         return plain

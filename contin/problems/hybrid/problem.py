@@ -25,8 +25,9 @@ from contin.problems.describe import with_normal_form
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
 from contin.problems.hybrid.grazing import cut_where_events_change, ending
 from contin.problems.hybrid.multipliers import stability
-from contin.problems.hybrid.sampling import HybridProfile, extremes, sampled
+from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
 from contin.problems.of_fixed_points import OfFixedPoints
+from contin.problems.orbits.measures import standard_columns, standard_names
 from contin.problems.polish import at_parameter
 from contin.problems.scales import parameter_width
 from contin.records import Fields
@@ -198,10 +199,11 @@ class HybridOrbits(OfFixedPoints):
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""
         names = (*self.system.state_names, *self.system.observable_names)
-        return (self.parameters[0], "period", *(f"{f}.{e}" for f in names for e in ("min", "max")))
+        extremes = (f"{f}.{e}" for f in names for e in ("min", "max"))
+        return (self.parameters[0], "period", *extremes, *standard_names(self.system))
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+        """Parameter, period, extremes of every state and observable over the orbit, and the standard columns."""
         passages = [self.passage(row) for row in z]
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
         columns["period"] = np.array([np.nan if p is None else p.period for p in passages])
@@ -209,7 +211,7 @@ class HybridOrbits(OfFixedPoints):
         ranges = np.array([extremes(self, row) for row in z]).reshape(len(z), 2, len(names))
         for k, name in enumerate(names):
             columns[f"{name}.min"], columns[f"{name}.max"] = ranges[:, 0, k], ranges[:, 1, k]
-        return columns
+        return columns | standard_columns(self.system, columns, lambda: np.array([norm(self, row) for row in z]))
 
     def describe_failure(self, z: Array) -> str:
         why = self.map.explain(z[:-1], self.inner.full_parameters(z))

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SAMPLES = 240  # of an orbit
 LEAST = 24  # ... and of each arc
 FINER = 32
+QUADRATURE = 241  # times of each arc
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,32 @@ def extremes(problem: HybridOrbits, z: Array) -> tuple[Array, Array]:
         low, high = np.fmin(low, found[0]), np.fmax(high, found[1])
     ends = seen(np.array([f.after for f in passage.flown]))
     return np.fmin(low, ends.min(axis=0)), np.fmax(high, ends.max(axis=0))
+
+
+def norm(problem: HybridOrbits, z: Array) -> float:
+    """Root mean square of all states over the orbit, sqrt(mean(x^2 + y^2 + ..)).
+
+    By the trapezoidal rule with slopes at the ends, of the fourth order, on times that
+    are equally far apart in time and along the orbit: spikes have theirs.
+    """
+    names, p = len(problem.system.state_names), problem.inner.full_parameters(z)
+    passage = problem.passage(z)
+    if passage is None:
+        return float("nan")
+    total = 0.0
+    for flown in passage.flown:
+        t = np.linspace(0.0, flown.time, QUADRATURE)
+        u = _states(problem, z, flown, t)
+        steps = np.abs(np.diff(u / problem.map.sizes, axis=0)).sum(axis=1)
+        way = np.concatenate([[0.0], np.cumsum(steps / (steps.sum() or 1.0) + 1.0 / len(steps))])
+        t = np.interp(np.linspace(0.0, way[-1], QUADRATURE), way, t)
+        u = _states(problem, z, flown, t)
+        fields = np.array([problem.flow.system.value(one, p) for one in u])
+        g = np.einsum("kn,kn->k", u[:, :names], u[:, :names])
+        slope = 2.0 * np.einsum("kn,kn->k", u[:, :names], fields[:, :names])
+        h = np.diff(t)
+        total += float(0.5 * h @ (g[:-1] + g[1:]) + (h * h) @ (slope[:-1] - slope[1:]) / 12.0)
+    return float(np.sqrt(max(total, 0.0) / passage.period))
 
 
 def _count(passage: Passage, flown: Flown) -> int:

@@ -66,7 +66,6 @@ class FamilyOfOrbits(Problem):
     kind = "orbit"
     adaptive = True
     locus = None
-    meshed = True  # integrals over an orbit need no further flight
 
     if TYPE_CHECKING:  # a field of each family
 
@@ -178,6 +177,6 @@ class FamilyOfOrbits(Problem):
     def column_names(self) -> tuple[str, ...]:
         """Names that `columns` gives, for user values."""
         extremes = (f"{f}.{e}" for f in names_of(self.system) for e in ("min", "max"))
-        own = (self.parameters[0], "period", *extremes, *standard_names(self.system, self.meshed))
+        own = (self.parameters[0], "period", *extremes, *standard_names(self.system))
         asked = () if self.measures is None else self.measures.texts
         return tuple(dict.fromkeys((*own, *asked)))

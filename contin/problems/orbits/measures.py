@@ -4,7 +4,6 @@
     norm        root mean square of all states over one period, sqrt(mean(x^2 + y^2 + ...)), in the states' own units
     frequency   orbits in a unit of time, 1/period
 
-The norm takes another flight where orbits are shot: there it is a column on request, as formulas are.
 A name that the model uses itself keeps the model's meaning. Formulas are those of `contin.model.relations`:
 `integral(x^2)` over one period in model time, `mean(x^2)` divided by it, `max(x) - min(y)`; columns on request.
 """
@@ -13,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -35,13 +33,6 @@ class Measures:
     texts: tuple[str, ...]
     numbers: OrbitConditions
 
-    @cached_property
-    def beside_standard(self) -> Measures:
-        """Without what a family on a mesh has anyway."""
-        pairs = [(t, r) for t, r in zip(self.texts, self.numbers.relations, strict=True) if t not in STANDARD]
-        numbers = OrbitConditions(self.numbers.model, tuple(r for _, r in pairs))
-        return Measures(tuple(t for t, _ in pairs), numbers)
-
     def columns(self, profiles: Sequence[Profile], parameters: Callable[[int], Array]) -> dict[str, Array]:
         """Of orbits in rows; `parameters(row)` are all of them (p_size,), as at the time 0."""
         if not self.texts:
@@ -53,23 +44,21 @@ class Measures:
         return {text: found[:, k] for k, text in enumerate(self.texts)}
 
 
-def standard_names(system: System, meshed: bool = True) -> tuple[str, ...]:
-    """Those of the standard columns that a family (on a mesh) has: not those which the model uses itself."""
+def standard_names(system: System) -> tuple[str, ...]:
+    """Those of the standard columns that a family has: not those which the model uses itself."""
     states = tuple(system.state_names)
-    taken = {*states, *system.parameter_names, *system.observable_names, *([] if meshed else ["norm"])}
+    taken = {*states, *system.parameter_names, *system.observable_names}
     return tuple(name for name in STANDARD if name not in taken and (states or name == "frequency"))
 
 
-def standard_columns(
-    system: System, columns: dict[str, Array], norms: Callable[[], Array] | None = None
-) -> dict[str, Array]:
+def standard_columns(system: System, columns: dict[str, Array], norms: Callable[[], Array]) -> dict[str, Array]:
     """The standard columns, from those that a family has and the norms of its rows."""
     found: dict[str, Array] = {}
-    for name in standard_names(system, norms is not None):
+    for name in standard_names(system):
         if name == "amplitude":
             first = system.state_names[0]
             found[name] = 0.5 * (columns[f"{first}.max"] - columns[f"{first}.min"])
-        elif name == "norm" and norms is not None:
+        elif name == "norm":
             found[name] = norms()
         else:
             with np.errstate(divide="ignore", invalid="ignore"):

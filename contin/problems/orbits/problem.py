@@ -187,8 +187,7 @@ class OrbitProblem(FamilyOfOrbits):
         columns |= orbit_columns(z, names_of(self.system), self.profile, functions)
         columns |= standard_columns(self.system, columns, lambda: norms(z, self.profile))
         if self.measures is not None:
-            asked = self.measures.beside_standard
-            columns |= asked.columns([self.profile(row) for row in z], lambda k: self.full_parameters(z[k]))
+            columns |= self.measures.columns([self.profile(row) for row in z], lambda k: self.full_parameters(z[k]))
         return columns
 
     def renew(

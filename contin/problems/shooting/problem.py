@@ -45,7 +45,7 @@ from contin.problems.shooting.layout import Nodes, make_scale, sizes_of
 from contin.problems.shooting.linear import BorderedShooting, family_tangents
 from contin.problems.shooting.renewal import cut_where_oblique, renew
 from contin.problems.shooting.rest import has_shrunk
-from contin.problems.shooting.sampling import extremes, measured, sampled, why_not
+from contin.problems.shooting.sampling import measured, measures, sampled, why_not
 from contin.problems.shooting.segments import Segments
 from contin.problems.shooting.signature import signature
 from contin.symbolic.calculus.derivatives import derivative
@@ -78,7 +78,6 @@ class ShootingProblem(FamilyOfOrbits):
     measures: Measures | None = None  # columns that are asked for beside those of every family
 
     maximum_chunk = 20
-    meshed = False
 
     @cached_property
     def angle_periods(self) -> Array:
@@ -242,13 +241,13 @@ class ShootingProblem(FamilyOfOrbits):
         return eigenfunctions(self, z, multipliers)
 
     def columns(self, z: Array) -> dict[str, Array]:
-        """Parameter, period, and smallest and largest value over the orbit of every state and observable."""
+        """Parameter, period, extremes of every state and observable over the orbit, and the standard columns."""
         columns: dict[str, Array] = {self.parameters[0]: z[:, -1].copy()}
         columns["period"] = z[:, -self.n - 3].copy()
-        low, high = extremes(self, z)
+        low, high, norms = measures(self, z)
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"], columns[f"{name}.max"] = low[:, k], high[:, k]
-        columns |= standard_columns(self.system, columns)
+        columns |= standard_columns(self.system, columns, lambda: norms)
         if self.measures is not None:
             columns |= self.measures.columns([measured(self, row) for row in z], lambda k: self.full_parameters(z[k]))
         return columns

@@ -69,34 +69,43 @@ def sampled(problem: ShootingProblem, z: Array) -> Profile:
 
 def measured(problem: ShootingProblem, z: Array) -> Profile:
     """The orbit on a mesh whose ends of intervals are all crossings of surfaces: integrals over it are smooth."""
+    empty = _mesh(problem, z, crossings(problem, z))
+    return Profile(POINTS, states(problem, z, empty.times), empty.period, empty.h, empty.parameter)
+
+
+def _mesh(problem: ShootingProblem, z: Array, crossed: Array) -> Profile:
+    """Its mesh, without values."""
     nodes = Nodes.of(z, problem.n)
-    ends = np.unique(np.concatenate([np.arange(INTERVALS + 1) / INTERVALS, crossings(problem, z)]))
+    ends = np.unique(np.concatenate([np.arange(INTERVALS + 1) / INTERVALS, crossed]))
     h = np.diff(ends)
     h = h[h > NARROW]
     h /= h.sum()
-    empty = Profile(POINTS, np.empty((len(h) * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
-    return Profile(POINTS, states(problem, z, empty.times), nodes.period, h, nodes.parameter)
+    return Profile(POINTS, np.empty((len(h) * POINTS + 1, problem.n)), nodes.period, h, nodes.parameter)
 
 
-def extremes(problem: ShootingProblem, rows: Array) -> tuple[Array, Array]:
-    """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each.
+def measures(problem: ShootingProblem, rows: Array) -> tuple[Array, Array, Array]:
+    """Smallest and largest value of every state and observable on the orbits of rows z, (R, k) each, and norms (R,).
 
-    Looked for among equal times and the crossings of switching surfaces, where a solution may have a corner; then among
-    times between the neighbours of each extreme, and there by a parabola, except across a crossing.
+    The norm is the root mean square of all states, by quadrature between the crossings of switching surfaces.
+    Extremes are looked for among equal times and those crossings, where a solution may have a corner; then among times
+    between the neighbours of each extreme, and there by a parabola, except across a crossing.
     """
-    found = [_extremes(problem, z) for z in rows]
+    found = [_measures(problem, z) for z in rows]
     width = len(problem.system.state_names) + len(problem.system.observable_names)
-    both = np.array(found).reshape(len(rows), 2, width)
-    return both[:, 0], both[:, 1]
+    both = np.array([one[:2] for one in found]).reshape(len(rows), 2, width)
+    return both[:, 0], both[:, 1], np.array([one[2] for one in found])
 
 
-def _extremes(problem: ShootingProblem, z: Array) -> tuple[Array, Array]:
+def _measures(problem: ShootingProblem, z: Array) -> tuple[Array, Array, float]:
     crossed = crossings(problem, z)
-    times = np.union1d(np.arange(SAMPLES) / SAMPLES, crossed)
+    mesh = _mesh(problem, z, crossed)
+    times = np.union1d(np.union1d(np.arange(SAMPLES) / SAMPLES, crossed), mesh.times)
     values = _functions(problem, z, times)
     if not np.all(np.isfinite(values)):
         nothing = np.full(values.shape[1], np.nan)
-        return nothing, nothing
+        return nothing, nothing, np.nan
+    u = values[np.searchsorted(times, mesh.times), : problem.n]
+    norm = float(np.sqrt(mesh.weights @ np.einsum("kn,kn->k", u, u)))
     places = times[np.concatenate([np.argmin(values, axis=0), np.argmax(values, axis=0)])]
     around = np.linspace(-1.0, 1.0, FINER) / SAMPLES
     finer = (places[:, None] + around) % 1.0
@@ -107,7 +116,7 @@ def _extremes(problem: ShootingProblem, z: Array) -> tuple[Array, Array]:
     own[:k] *= -1.0
     smooth = _smooth_at(finer, np.argmax(own, axis=1), crossed)
     tops = np.maximum(_top(own, smooth), np.concatenate([-values.min(axis=0), values.max(axis=0)]))
-    return -tops[:k], tops[k:]
+    return -tops[:k], tops[k:], norm
 
 
 def crossings(problem: ShootingProblem, z: Array) -> Array:

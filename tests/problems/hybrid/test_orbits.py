@@ -45,6 +45,12 @@ def test_integrate_and_fire_has_its_period_and_the_trivial_multiplier():
     currents = branch.columns["I"]
     np.testing.assert_allclose(branch.columns["period"], 2.0 * np.log(currents / (currents - 1.0)), rtol=1e-10)
     np.testing.assert_allclose(branch.columns["v.max"], 1.0, rtol=1e-12)
+    gone = 1.0 - 1.0 / currents  # exp(-T/tau); v = I (1 - exp(-t/tau))
+    cycle = -np.log(gone)
+    squares = currents**2 * (cycle - 2.0 * (1.0 - gone) + (1.0 - gone**2) / 2.0) / cycle
+    np.testing.assert_allclose(branch.columns["norm"], np.sqrt(squares), rtol=1e-9)
+    np.testing.assert_allclose(branch.columns["amplitude"], 0.5, rtol=1e-12)
+    np.testing.assert_array_equal(branch.columns["frequency"], 1.0 / branch.columns["period"])
     np.testing.assert_array_equal(branch.orbit(0).multipliers, [1.0])
     assert [end.reason for end in branch.ends] == ["bound", "bound"]
 

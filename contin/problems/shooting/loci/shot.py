@@ -17,7 +17,7 @@ from contin.problems.shooting.linear import BorderedShooting
 from contin.problems.shooting.loci import corners
 from contin.problems.shooting.loci.curve import CurveByShooting
 from contin.problems.shooting.loci.renewal import renew
-from contin.problems.shooting.sampling import extremes
+from contin.problems.shooting.sampling import measures
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class OfShotOrbits(MarchedInPython, OfPeriodicOrbits):
         curve = self.curve
         columns = self.parameter_columns(z)
         columns["period"] = z[:, curve.orbits.count * curve.orbits.n].copy()
-        both = [extremes(curve.as_they_are(row), curve.orbit(row)[None]) for row in z]
+        both = [measures(curve.as_they_are(row), curve.orbit(row)[None])[:2] for row in z]
         for k, name in enumerate(names_of(self.system)):
             columns[f"{name}.min"] = np.array([low[0, k] for low, _ in both])
             columns[f"{name}.max"] = np.array([high[0, k] for _, high in both])
