@@ -61,3 +61,19 @@ def test_folds_of_a_cosine_are_at_zeros_of_a_bessel_function():
         assert abs(mpf(point.values["a"]) - exact) <= point.error, float(mpf(point.values["a"]) - exact)
         assert point.error < 1e-9
     assert np.all(np.diff([abs(point.values["a"]) for point in found]) != 0.0)
+
+
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
+    """Detuned, the same averages are orbits: circles whose folds are those of r' above."""
+    model = slow("a*y - y*cos(1.3*x) - d*x", {"a": 0.9, "d": 1.0}, "cartesian")
+    line = contin.continuation(contin.equilibrium(model, start={"u1": 0, "v1": 0}), "a", (0.8, 1.1))
+    family = contin.continuation(line["HB1"].switch(), "a", (-0.5, 1.1), settings={"method": method, "steps": 120})
+    assert family.points
+    for point in family.points:
+        assert point.type == "LPC"
+        with mp.workdps(30):
+            s = mp.findroot(lambda s: mp.besselj(2, s), mpf(1.3) * mpf(point.values["max.u1"]))
+            exact = 2 * mp.besselj(1, s) / s
+        assert abs(mpf(point.values["a"]) - exact) <= point.error
+        assert 1e-12 < point.error < 1e-9, "the quadrature's part"

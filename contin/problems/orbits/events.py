@@ -18,6 +18,7 @@ from contin.problems.orbits.linear import OrbitLinear
 from contin.problems.orbits.multipliers import critical, distance, nontrivial, without
 from contin.problems.orbits.normal_form import normal_form
 from contin.problems.orbits.resolved import is_planar
+from contin.problems.orbits.sensitivity import error_of_equations
 from contin.problems.orbits.symmetry import symmetry_of
 from contin.problems.orbits.vertical import NOISE, is_at_birth, is_reciprocal
 from contin.special.table import of_cycle
@@ -150,8 +151,9 @@ def verify(problem: OrbitProblem, type_: str, near: Sample, frame: Frame) -> Out
         return Rejected(f"{type_} not labelled: the multipliers are not resolved there")
     others = without(nontrivial(problem, values), critical(type_, solved.theta))
     rounding = np.finfo(float).eps * (abs(float(solved.z[-1])) + CANCELLED * width)
+    error = solved.error + rounding + error_of_equations(problem, type_, solved.z, solved.scale, solved.theta)
     point = Verified(
-        type_, solved.z, solved.residual, solved.error + rounding, values, int(np.sum(np.abs(others) > 1.0)),
+        type_, solved.z, solved.residual, error, values, int(np.sum(np.abs(others) > 1.0)),
         vectors={"right": solved.right, "theta": solved.theta},
     )  # fmt: skip
     return normal_form(problem, point, solved)

@@ -14,7 +14,7 @@ from contin.problems.orbits.multipliers import critical, distance, nontrivial, w
 from contin.problems.shooting.branch_point import locate_branch_point
 from contin.problems.shooting.crossing import begins, side_of_branch
 from contin.problems.shooting.halving import halving
-from contin.problems.shooting.locate import locate, repeated
+from contin.problems.shooting.locate import accuracy_of_equations, locate, repeated
 from contin.problems.shooting.normal_form import with_normal_form
 from contin.problems.shooting.renewal import is_tangent
 from contin.problems.special import nearest_pair
@@ -51,7 +51,7 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
         return NOTHING
     if not found.residual <= RESIDUAL_LIMIT:
         return unverified(type_, f"no orbit there (residual {found.residual:.1e})")
-    rough = find(problem.precise(COARSE), type_, found.z, near.tangent, frame.scale)
+    rough = find(problem.precise(max(COARSE, accuracy_of_equations(problem))), type_, found.z, near.tangent, frame.scale)
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)
     theta = 0.0

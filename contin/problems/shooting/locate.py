@@ -78,6 +78,7 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
     here = at(0.0)
     if here is None:
         return Rejected("the orbit is lost")
+    noise = NOISE * max(problem.accuracy, accuracy_of_equations(problem))
     best, (s0, g0), error = here, (0.0, here[1]), 0.0
     if g0 != 0.0:
         s1 = FIRST
@@ -91,13 +92,18 @@ def locate(problem: ShootingProblem, type_: str, z: Array, tangent: Array, scale
             if g1 == g0 or g1 == 0.0:
                 break
             slope = (g1 - g0) / (s1 - s0)
-            step, error = -g1 / slope, NOISE * problem.accuracy / abs(slope)
+            step, error = -g1 / slope, noise / abs(slope)
             if abs(s1 + step) > FAR:
                 return Rejected("the test function has no zero nearby")
             s0, g0, s1 = s1, g1, s1 + step
             if abs(step) < SETTLED:
                 break
     return Located(best[0], best[2], error)
+
+
+def accuracy_of_equations(problem: ShootingProblem) -> float:
+    """Relative, of those that are approximations (averages by quadrature); 0 of exact ones."""
+    return max((limit.accuracy for limit in problem.system.limits), default=0.0)
 
 
 def scale_of(tangent: Array, scale: Array) -> Array:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 RESIDUAL_LIMIT: Final = 1e-5  # of a test of multipliers, angles or the speed, all of which are of order one
 SAFETY: Final = 2.0  # of the error by a finer mesh, which has one of its own
+ALONG: Final = 10.0  # a point on a curve moves along it, too, when the equations change: no more than that is presumed
 DEGENERATE: Final = 1e-9  # a test function this small all along is zero
 
 
@@ -77,6 +78,7 @@ def verify(problem: OfSpecialOrbits, type_: str, near: Sample, frame: Frame) -> 
     if moved is None:
         return unverified(type_, "it is not there on a mesh of half the lengths")
     error = 10.0 * zero.error * float(frame.scale[-1]) + SAFETY * moved
+    error += ALONG * problem.error_of_equations(found.z, frame.scale)
     return Verified(type_, found.z, zero.value, error, found.eigenvalues, found.unstable)
 
 

@@ -20,6 +20,7 @@ from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.curve import OrbitCurve
 from contin.problems.orbits.loci.renewal import on_finer_mesh, renew
 from contin.problems.orbits.loci.special import OfSpecialOrbits
+from contin.problems.orbits.sensitivity import error_of_equations
 
 PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
@@ -111,3 +112,7 @@ class OrbitLocusProblem(OfSpecialOrbits):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return on_finer_mesh(self, sample, frame)
+
+    def error_of_equations(self, z: Array, scale: Array) -> float:
+        curve = self.curve
+        return error_of_equations(curve.at(z), self.locus, curve.orbit(z), curve.orbit(scale), curve.theta(z))
