@@ -32,6 +32,8 @@ JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equa
 TURNS: Final = "the parameter turns at a corner, where the function is not smooth; the branch goes on"
 BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
+MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding errors there, and ...
+PASSING: Final = -1  # ... the next step, from the last row, passes that place
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 
 
@@ -49,6 +51,7 @@ class Arm:
     march: Callable[..., Chunk] | None = None
     end: End | None = None
     accepted: int = 0
+    retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
 
     @property
     def problem(self) -> Problem:
@@ -103,6 +106,8 @@ class Arm:
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
+            if self.retries >= MOST_RETRIES and step < settings.first_step and chunk.stop in (Stop.EVENT, Stop.DIP):
+                before, length, step, self.retries = None, 0.0, settings.first_step, PASSING
             if problem.adaptive:
                 renewal = problem.renew(origin, before, self.loop, frame, settings)
                 if failed is not None and renewal.end is None:
@@ -165,7 +170,9 @@ class Arm:
         else:
             corner = self._beyond_corner(chunk, before) if chunk.stop is Stop.CORRECTOR else None
         resolved = self._resolved(chunk, before, corner is not None, event)
+        self.retries = 0 if self.retries == PASSING or (resolved is not None and len(chunk) > 3) else self.retries
         if resolved is None:  # the last step jumped to another branch: again, shorter
+            self.retries += 1
             self._forget(corner)
             chunk, corner = _without_last(chunk), None
             resolved = resolve(self.course, chunk, before, self.scale, self.loop, event=event)
@@ -179,7 +186,8 @@ class Arm:
         errors: list[str] = []
         resolved = None
         with contained(errors.append):
-            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event)
+            passing = self.retries == PASSING
+            resolved = resolve(self.course, chunk, before, self.scale, self.loop, corner, event, passing)
         if not errors:
             return resolved
         rest = _without_last(chunk) if len(chunk) > 1 else replace(chunk, stop=Stop.LIMIT)

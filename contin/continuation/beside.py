@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contin.continuation.curve import Stretch
-from contin.continuation.looking_again import solved
+from contin.continuation.looking_again import is_linear, solved
 from contin.continuation.problem import Sample
 from contin.machine.elementary import log
 
 CLOSE = 1e-6  # arclength: how near to a located event the step is looked at again
 CLOSE_ADAPTIVE = 1e-4  # ... of discretised problems, whose test functions are less exact
 SLIGHT = 1e-9  # a test this small so near to its zero may be rounding
+STEPS = 8  # in which a test grows that is no rounding: by chance once in 40,000 times
 FARTHER = 4.0  # ... and the ratio of distances at which it is looked for where it is not
 DOUBLE = np.float64(2.0)  # ratio of distances between which the power of a test is taken
 WHOLE, SPREAD = 0.15, 1.5  # how far from a whole number a power may be, a side; and how far from each other two may be
@@ -31,6 +32,7 @@ class Side:
     width: float  # from the point to `far`
     distance: float
     lost: bool  # nearer to the point, signs of the tests that vanish there are not those of a zero
+    rounding: bool = False  # no test is more than that in all of the step that can be told
 
 
 def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], crossing: NDArray[np.bool_]) -> list[Side]:
@@ -49,30 +51,56 @@ def sides_of(stretch: Stretch, point: Sample, ends: tuple[Sample, Sample], cross
             if near is not None:
                 sides.append(Side(near, nearer, far, width, distance, lost))
         farthest = FARTHER * FARTHER * distance >= min((side.width for side in sides), default=0.0)
-        if stretch.problem.adaptive or farthest or _are_told(stretch, sides, crossing):
+        if stretch.problem.adaptive or _are_told(stretch, sides, crossing):
             return sides
+        if farthest:
+            nothing = all(_is_rounding(stretch, sides, test) for test in np.flatnonzero(crossing))
+            return [replace(side, rounding=nothing) for side in sides]
         distance, lost = FARTHER * distance, True
 
 
 def _are_told(stretch: Stretch, sides: list[Side], crossing: NDArray[np.bool_]) -> bool:
     """True where the tests of points beside a zero are larger than rounding and have its signs.
 
-    Small values are larger than rounding where they change steadily up to twice the distance.
+    Small values are larger than rounding where they grow steadily up to twice the distance.
     """
     if len(sides) == 2 and np.any((sides[0].near.tests * sides[1].near.tests)[crossing] >= 0.0):
         return False
-    for side in sides:
-        if not np.any(np.abs(side.near.tests[crossing]) < SLIGHT):
-            continue
-        half = 0.5 * side.distance / (side.width - side.distance)
-        middle, beyond = stretch.several(side.near, side.far, (half, 2.0 * half))
-        if middle is None or beyond is None:
-            return False
-        first, second = ((y.tests - x.tests)[crossing] for x, y in ((side.near, middle), (middle, beyond)))
-        steady = np.abs(second - first) <= 0.6 * np.maximum(np.abs(first), np.abs(second))
-        if not np.all(steady & (first * second > 0.0)):
-            return False
-    return True
+    slight = (side for side in sides if np.any(np.abs(side.near.tests[crossing]) < SLIGHT))
+    return all(_grows(stretch, side, crossing) for side in slight)
+
+
+def _is_rounding(stretch: Stretch, sides: list[Side], test: np.intp) -> bool:
+    """True where a test is small and does not grow away from its zero as zeros do."""
+    alone = np.arange(len(sides[0].near.tests)) == test if sides else np.zeros(0, bool)
+    slight = any(abs(float(side.near.tests[test])) < SLIGHT for side in sides)
+    return slight and not _are_told(stretch, sides, alone)
+
+
+def _grows(stretch: Stretch, side: Side, crossing: NDArray[np.bool_]) -> bool:
+    """True where the tests grow steadily from a side's near point to twice its distance, which rounding errors do not.
+
+    These may be whole multiples of a smallest one, or the same in neighbouring points.
+    """
+    whole = side.distance / (side.width - side.distance)
+    samples = stretch.several(side.near, side.far, [whole * part / STEPS for part in range(1, STEPS + 1)])
+    known = [sample.tests[crossing] for sample in samples if sample is not None]
+    if len(known) < STEPS:
+        return False
+    tests = np.array([side.near.tests[crossing], *known])
+    if not np.all(np.diff(tests * np.sign(tests[-1]), axis=0) > 0.0):
+        return False
+    first, second = tests[STEPS // 2] - tests[0], tests[-1] - tests[STEPS // 2]
+    return bool(np.all(np.abs(second - first) <= 0.6 * np.maximum(np.abs(first), np.abs(second))))
+
+
+def vanishes_linearly(stretch: Stretch, point: Sample, side: Side, crossing: NDArray[np.bool_]) -> bool:
+    """True where the tests on this side vanish as at a simple zero alone, from where they are told from rounding."""
+    if not side.lost:
+        return side.nearer is None or is_linear(stretch, point, side.near, side.nearer, crossing)
+    farther = (FARTHER - 1.0) * side.distance / (side.width - side.distance)
+    beyond = stretch.between(side.near, side.far, farther) if farther < 1.0 else None
+    return beyond is not None and is_linear(stretch, point, beyond, side.near, crossing)
 
 
 @dataclass(frozen=True)

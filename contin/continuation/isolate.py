@@ -14,14 +14,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from contin.continuation.beside import are_all, cluster_at, sides_of
+from contin.continuation.beside import are_all, cluster_at, sides_of, vanishes_linearly
 from contin.continuation.curve import Stretch
 from contin.continuation.defects import contained
 from contin.continuation.digits import unresolved
 from contin.continuation.found import Found, Note, anchored_on_branch, at_point, where
 from contin.continuation.looking_again import (
     is_clear,
-    is_linear,
     points_between,
     rounding,
     solved,
@@ -125,14 +124,16 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
     point = replace(found.sample, z=found.point.z)
     crossing = a.tests * b.tests < 0.0
     sides = sides_of(stretch, point, (a, b), crossing)
+    if any(look.rounding for look in sides) or (not sides and _is_rounding(stretch, a, b)):
+        yield Note(where(stretch, point, LOST_IN_ROUNDING), hides=True)
+        return
     reach = max((look.distance for look in sides if look.lost), default=0.0)
     if reach > 0.0:
         found = replace(found, point=replace(found.point, vectors={**found.point.vectors, "reach": reach}))
     yield found
     simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
-        if look.nearer is not None and not is_linear(stretch, point, look.near, look.nearer, crossing):
-            simple = False
+        simple &= vanishes_linearly(stretch, point, look, crossing)
         for item in _rest(stretch, look.near, look.far, centre, crossing, depth):
             if isinstance(item, Found) and item.point.type == found.point.type:
                 labelled.append(item.length)
@@ -148,6 +149,11 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
     elif cluster is not None and cluster.count > len(labelled):
         text = f"{found.point.type}: others lie about {cluster.distance:g} or less from it{words}"
         yield Note(where(stretch, point, text), hides=True)
+
+
+def _is_rounding(stretch: Stretch, a: Sample, b: Sample) -> bool:
+    """True for a step too short to look at beside its event, in which a change of sign is one of rounding errors."""
+    return not stretch.problem.adaptive and not told_apart(a, b, rounding(stretch, a, b))
 
 
 def next_to_event(

@@ -61,12 +61,13 @@ class Course:
 
 def resolve(
     course: Course, chunk: Chunk, before: Sample | None, scale: Array, loop: Sample | None, corner: bool = False,
-    event: Behind | None = None,
+    event: Behind | None = None, passing: bool = False,
 ) -> tuple[Piece, End | None] | None:  # fmt: skip
     """Labels and end of a chunk; None where its last step jumped and must be repeated with a shorter one.
 
     before : the row before the chunk's first one.  loop : the branch's start, for closing.  corner : where the
     corrector failed, the arm goes on.  event : a labelled point in the step that led to the chunk's first row.
+    passing : no step is repeated: shorter ones have not explained what changes here either.
     """
     rows, frame = len(chunk) - 1, Frame(scale, chunk.reference)
     piece = Piece(
@@ -83,7 +84,7 @@ def resolve(
     if rows:
         stretch = Stretch(course.problem, chunk.sample(rows - 1), frame, course.settings)
         step = _LastStep(course, stretch, chunk, loop, event if rows == 1 else None)
-        if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before):
+        if not step.explained(chunk.sample(rows - 2) if rows >= 2 else before, passing):
             return None
         step.finish()
         end = step.end
@@ -127,7 +128,7 @@ class _LastStep:
         self.problem, self.scale = self.course.problem, self.stretch.frame.scale
         self.last = self.marched = self.chunk.sample(-1)
 
-    def explained(self, earlier: Sample | None) -> bool:
+    def explained(self, earlier: Sample | None, passing: bool) -> bool:
         """Find what happened, up to a bound or the start; False where only a jump to another branch explains it.
 
         earlier : the row before `stretch.base`.
@@ -140,7 +141,8 @@ class _LastStep:
             if closing is not None:
                 self.last, self.end = closing
         items = list(self._events(earlier))
-        if self.chunk.lengths[-1] > SHORTEST_RETRY and any(isinstance(i, Note) and i.suspect for i in items):
+        retry = not passing and self.chunk.lengths[-1] > SHORTEST_RETRY
+        if retry and any(isinstance(i, Note) and i.suspect for i in items):
             return False
         for item in items:
             if isinstance(item, Note):
