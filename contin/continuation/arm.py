@@ -32,7 +32,7 @@ JUMPS: Final = "the number of unstable eigenvalues jumps at a corner of the equa
 TURNS: Final = "the parameter turns at a corner, where the function is not smooth; the branch goes on"
 BENDS: Final = "the branch bends at a corner, where the function is not smooth"
 LOWEST: Final = 1e-6  # of its size elsewhere: a test so small at a row may touch zero there
-MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding errors there, and ...
+MOST_RETRIES: Final = 8  # quarterings of steps to changes that stay unexplained: tests are rounding there, and ...
 PASSING: Final = -1  # ... the next step, from the last row, passes that place
 RETRY_STEP: Final = 1e-4  # first step on a new mesh, after the corrector failed on the old one
 

@@ -1,13 +1,13 @@
 """How errors of the equations themselves reach the parameter of a special orbit: those of averages by quadrature, say.
 
-F(x) = 0 are the collocation equations, x = (u, T, p), V v = 0 the condition that makes the orbit special. With F + dF and
-V + dV the parameter moves by
+F(x) = 0 are the collocation equations, x = (u, T, p), V v = 0 the condition that makes the orbit special. With F + dF
+and V + dV the parameter moves by
 
     dp = -(a . dF + beta w^* dV v),   a F_x = e_p - beta (w^* V v)_x,
 
 where w is the left null vector of V, and beta such that the right-hand side vanishes on the null vectors of F_x. On LPC
-the tangent has no component p, so beta = 0. At a branch point F_x itself has two null vectors, V v stands for F_x applied
-to each, and a second beta belongs to the second.
+the tangent has no component p, so beta = 0. At a branch point F_x itself has two null vectors, V v stands for F_x
+applied to each, and a second beta belongs to the second.
 """
 
 from __future__ import annotations

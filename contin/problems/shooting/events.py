@@ -51,7 +51,8 @@ def verify(problem: ShootingProblem, type_: str, near: Sample, frame: Frame) -> 
         return NOTHING
     if not found.residual <= RESIDUAL_LIMIT:
         return unverified(type_, f"no orbit there (residual {found.residual:.1e})")
-    rough = find(problem.precise(max(COARSE, accuracy_of_equations(problem))), type_, found.z, near.tangent, frame.scale)
+    coarse = problem.precise(max(COARSE, accuracy_of_equations(problem)))
+    rough = find(coarse, type_, found.z, near.tangent, frame.scale)
     values = problem.precise(FINE).multipliers(found.z)
     others = nontrivial(problem, values)
     theta = 0.0

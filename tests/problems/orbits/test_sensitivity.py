@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import contin
 from contin.model.model import Model
 from contin.model.printing import to_text
 from contin.problems.orbits.linear import OrbitLinear
@@ -26,7 +25,8 @@ class Perturbed(Hidden):
             "perturbed", states=dict(zip(names, self.points(np.zeros(1))[0].tolist(), strict=True)),
             parameters=dict(self.core.start), definitions={n: to_text(e) for n, e in exact.definitions.items()},
             equations={
-                name: f"({to_text(equation)})*(1 + {ERROR * (-1.0) ** k}*sin({names[0]} + {k}))" + f" + {ERROR / 2}*{name}" * (k > 1)
+                name: f"({to_text(equation)})*(1 + {ERROR * (-1.0) ** k}*sin({names[0]} + {k}))"
+                + f" + {ERROR / 2}*{name}" * (k > 1)
                 for k, (name, equation) in enumerate(zip(names, exact.equations, strict=True))
             },
         )  # fmt: skip
