@@ -45,8 +45,8 @@ def apply_passes(
     if written and not _made_of_formulas(model):
         problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
         return model
-    if written and isinstance(model, Model) and model.events:
-        problems.add(("transform",), f"{model.name} has `events`; passes do not know of jumps: leave one out")
+    if written and isinstance(model, Model) and model.events and not _averages_first(written):
+        problems.add(("transform",), f"{model.name} has `events`; passes other than average do not know of jumps")
         return model
     if written and values:
         model = _with_values(model, values)
@@ -76,6 +76,12 @@ def apply_passes(
     if own and ranges:
         model = model.replace(parameters=tuple(replace(p, range=own.get(p.name, p.range)) for p in model.parameters))
     return model
+
+
+def _averages_first(written: Sequence[str | Record]) -> bool:
+    """True where the first pass is `average`, which takes events as kicks and leaves none."""
+    first = written[0]
+    return first == "average" or (not isinstance(first, str) and "average" in first)
 
 
 def _with_ranges(model: Model, ranges: Mapping[str, tuple[float, float]]) -> Model:

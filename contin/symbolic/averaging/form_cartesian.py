@@ -31,6 +31,7 @@ from contin.symbolic.averaging.forms import (
     AveragedForm,
     general_parts,
     mean_rates,
+    needs_frame,
     phasor_amplitudes,
     product_of,
     slow_words,
@@ -66,7 +67,7 @@ def cartesian_form(system: SlowSystem) -> AveragedForm:
             suffix = f"{i + 1}" if i == j else f"{i + 1}{j + 1}"
             definitions |= {n + suffix: part for n, part in zip(("growth", "turn"), rate, strict=True) if part.args}
             total = plus(total, times(rate, amplitudes[j]))
-        if system.equations[i].general:
+        if needs_frame(system, i):
             total = plus(total, general_parts(system, i, amplitudes))
         equations += total
     means = mean_rates(system, amplitudes, sizes, lambda average, j: rates_over_radius(average, squares[j])[1])

@@ -12,6 +12,7 @@ from contin.symbolic.averaging.forms import (
     AveragedForm,
     general_parts,
     mean_rates,
+    needs_frame,
     phasor_amplitudes,
     ratio,
     slow_words,
@@ -64,6 +65,7 @@ def polar_form(system: SlowSystem) -> AveragedForm:
         [*frame, *phasor_amplitudes(oscillators)],
         [*(power(a, number(2)) for a in own), *(ONE for _ in oscillators.phasors)],
         lambda average, j: turn_over_radius(average, own[j]),
+        [(a, _at_angle(ONE, p)) for a, p in zip(r, angles, strict=True)],
     )
     slow = [_difference(m, lead, ratio(oscillators, s.turns)) for m, s in zip(means, oscillators.slow, strict=True)]
     smooth = count == 1 and not forced
@@ -137,10 +139,14 @@ def _rates(system: SlowSystem, i: int, r: list[Expression], psi: list[Expression
         inverse = power(r[i], number(-1))
         turn.append(mul(re, size, sin, inverse))
         turn.append(mul(im, size, cos, inverse))
-    if equation.general:
-        frame: list[Complex] = [_at_angle(a, p) for a, p in zip(r, psi, strict=True)]
-        re, im = general_parts(system, i, frame)
-        cos, sin = call("cos", psi[i]), call("sin", psi[i])
+    if needs_frame(system, i):
+        # where all have one frequency, the frame in which oscillator i has the phase 0
+        common = bool(system.oscillators.kicks) and set(system.oscillators.harmonics) == {1}
+        seen = [sub(p, psi[i]) for p in psi] if common else psi
+        units = [_at_angle(ONE, p) for p in seen]
+        frame: list[Complex] = [(mul(a, c), mul(a, s)) for a, (c, s) in zip(r, units, strict=True)]
+        re, im = general_parts(system, i, frame, list(zip(r, units, strict=True)))
+        cos, sin = _at_angle(ONE, seen[i])
         growth.append(add(mul(re, cos), mul(im, sin)))
         turn.append(mul(add(mul(im, cos), neg(mul(re, sin))), power(r[i], number(-1))))
     return _ordered(growth, own_growth), _ordered(turn, own_turn)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from contin.model.expression import ZERO, Expression, add, call, compare, div, if_, mul, neg, number, power, sub, symbol
 from contin.symbolic.averaging.amplitudes import SlowSystem
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, plus, times, to_power
-from contin.symbolic.averaging.forms import AveragedForm, general_parts
+from contin.symbolic.averaging.forms import AveragedForm, general_parts, needs_frame
 from contin.symbolic.averaging.resonant import Powers
 from contin.symbolic.averaging.squared_radius import rates_over_radius
 
@@ -78,7 +78,7 @@ def _parts(
         powers = tuple((1, 0) if k == j else (0, 0) for k in range(2))
         change = add(change, times(rate, _invariant(_with(powers, i, conjugated=True), squares, product))[0])
         mixed = plus(mixed, _into_product(rate, powers, i, squares, product))
-    if equation.general:
+    if needs_frame(system, i):
         # a frame in which A1 is real and positive
         root = call("sqrt", squares[0])
         frame: list[Complex] = [(root, ZERO), (div(product[0], root), div(neg(product[1]), root))]

@@ -12,6 +12,7 @@ from contin.model.advice import closest
 from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, power, symbol
 from contin.symbolic.averaging.amplitudes import MeanEquation, SlowSystem
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, plus, times, to_power
+from contin.symbolic.averaging.kicks import Frame, kick_mean, kick_rates
 from contin.symbolic.averaging.radial import RadialAverage
 from contin.symbolic.averaging.resonant import Powers
 from contin.symbolic.averaging.shared_average import shared_average
@@ -104,6 +105,7 @@ def mean_rates(
     amplitudes: Sequence[Complex],
     squares: Sequence[Expression],
     over_radius: Callable[[RadialAverage, int], Expression],
+    polar: Sequence[tuple[Expression, Complex]] = (),
 ) -> tuple[Expression, ...]:
     """The rates of the slow states at complex amplitudes (oscillators, then phasors) with these squared moduli.
 
@@ -120,13 +122,27 @@ def mean_rates(
             terms.append(mul(item.coefficient, re))
         return add(*terms)
 
-    return tuple(rate(equation) for equation in system.means)
+    def kicked(state: str) -> Expression:
+        oscillators = system.oscillators
+        return add(*(kick_mean(kick, state, oscillators, Frame(amplitudes, polar)) for kick in oscillators.kicks))
+
+    states = zip(system.oscillators.slow, system.means, strict=True)
+    return tuple(add(rate(equation), kicked(state.name)) for state, equation in states)
 
 
-def general_parts(system: SlowSystem, i: int, amplitudes: Sequence[Complex]) -> Complex:
-    """Real and imaginary part of the contributions to A_i' that are averaged by quadrature.
+def needs_frame(system: SlowSystem, i: int) -> bool:
+    """True where A_i' has parts that are formulas of all the amplitudes (`general_parts`)."""
+    pair = system.oscillators.pairs[i]
+    kicked = any(n in kick.changes for kick in system.oscillators.kicks for n in (pair.position, pair.velocity))
+    return bool(system.equations[i].general) or kicked
 
-    amplitudes : of the oscillators, then of the phasors.
+
+def general_parts(
+    system: SlowSystem, i: int, amplitudes: Sequence[Complex], polar: Sequence[tuple[Expression, Complex]] = ()
+) -> Complex:
+    """Real and imaginary part of the contributions to A_i' that are averaged by quadrature, and of kicks.
+
+    amplitudes : of the oscillators, then of the phasors.  polar : moduli and units A/|A|, where the form has them.
     """
     total: Complex = (ZERO, ZERO)
     oscillators = system.oscillators
@@ -136,4 +152,6 @@ def general_parts(system: SlowSystem, i: int, amplitudes: Sequence[Complex]) -> 
             inverse = power(oscillators.frequency(i), number(-1))
             re, im = mul(inverse, im), mul(number(-1), inverse, re)
         total = plus(total, (mul(item.coefficient, re), mul(item.coefficient, im)))
+    for kick in oscillators.kicks:
+        total = plus(total, kick_rates(kick, i, oscillators, Frame(amplitudes, polar)))
     return total

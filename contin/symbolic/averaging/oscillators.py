@@ -31,11 +31,12 @@ from contin.model.expression import (
     symbol,
 )
 from contin.model.model import Model
-from contin.model.parts import TIME, Averaging, Oscillator
+from contin.model.parts import TIME, Averaging, Event, Oscillator
+from contin.symbolic.averaging.kicks import kick_of
 from contin.symbolic.averaging.phasors import Phase, with_phasors
 from contin.symbolic.averaging.reading import excess, is_equal, root, series, simplest, stiffness
 from contin.symbolic.averaging.slaving import Slaved, follow
-from contin.symbolic.averaging.weak import Phasor, SlowState, WeakOscillators
+from contin.symbolic.averaging.weak import Kick, Phasor, SlowState, WeakOscillators
 from contin.symbolic.calculus.derivatives import derivative
 
 NEAR: Final = 5.0  # a relative detuning up to this many times eps counts as of order eps
@@ -69,6 +70,7 @@ class _Reader:
         self.equations = dict(model.equation_map)
         if phases:
             self.equations = with_phasors(self.equations, phases, self.values, model.name)
+        self.phase_names = phases
         self.turning = (*item.oscillators, *(phasor.pair for phasor in phasors))
         symbols = [name for pair in self.turning for name in (pair.position, pair.velocity)]
         self.mask = mask_of([*model.state_names, *symbols])
@@ -93,7 +95,20 @@ class _Reader:
             tuple(self.slow_state(name, extra, turns, follower) for name, extra, turns in slow),
             follower.states,
             follower.limits,
+            tuple(self.kick(event, follower) for event in model.events),
         )
+
+    def kick(self, event: Event, follower: Slaved) -> Kick:
+        name = self.model.name
+        lost = [state for state in event.jumps if state in self.item.slaved]
+        if lost:
+            raise InputError(f"averaging model {name}: an event moves {lost[0]}, which is slaved; it cannot jump")
+        formulas = {"when": event.when, **event.jumps}
+        if self.phase_names:
+            formulas = with_phasors(formulas, self.phase_names, self.values, name, "an event")
+        following = {symbol(n): e for n, e in follower.states.items()}
+        found = dict(zip(formulas, substitute(list(formulas.values()), following), strict=True))
+        return kick_of(event, {state: found[state] for state in event.jumps}, found["when"], self.item.small, name)
 
     # Frequencies ------------------------------------------------------------------------------------------------------
 

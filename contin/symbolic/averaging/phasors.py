@@ -56,7 +56,11 @@ class Phase:
 
 
 def with_phasors(
-    equations: Mapping[str, Expression], phases: Sequence[Phase], values: Mapping[str, float], name: str
+    equations: Mapping[str, Expression],
+    phases: Sequence[Phase],
+    values: Mapping[str, float],
+    name: str,
+    where: str = "",
 ) -> dict[str, Expression]:
     """The equations with every sin and cos of the phases written in their symbols.
 
@@ -78,8 +82,9 @@ def with_phasors(
     for state, right in result.items():
         if right.mask & mask:
             left = next(p.name for p in phases if right.mask & mask_of([p.name]))
+            place = where or f"the equation of {state}"
             raise InputError(
-                f"averaging model {name}: in the equation of {state}, {left} stands elsewhere than under sin and cos; "
+                f"averaging model {name}: in {place}, {left} stands elsewhere than under sin and cos; "
                 "write the equation with sin and cos of whole multiples of the phase, such as cos(2*Omega*t + delta)"
             )
     return result

@@ -119,25 +119,13 @@ def _intersection(a: Interval, b: Interval) -> Interval:
 
 def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Interval]]:
     """Arcs within one turn on which a linear comparison holds, and those on which it does not."""
-    mask = turn.oscillators.mask
-    difference = sub(*comparison.args)
-    coefficients: dict[int, tuple[Expression, Expression]] = {}
-    constant: Expression = ZERO
-    for c, t in additive_terms(difference, mask):
-        found = False
-        for i, pair in enumerate(turn.oscillators.turning):
-            a, b = coefficients.get(i, (ZERO, ZERO))
-            if t is symbol(pair.position):
-                coefficients[i], found = (add(a, c), b), True
-            elif t is symbol(pair.velocity):
-                coefficients[i], found = (a, add(b, c)), True
-        if t is ONE:
-            constant, found = c, True
-        if not found:
-            raise InputError(
-                f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation;"
-                " conditions on several oscillators must be linear in their states"
-            )
+    found = linear_in_turning(sub(*comparison.args), turn.oscillators)
+    if found is None:
+        raise InputError(
+            f"averaging: cannot locate where the condition {to_text(comparison)} changes sign along an oscillation;"
+            " conditions on several oscillators must be linear in their states"
+        )
+    coefficients, constant = found
     found_harmonics = {turn.oscillators.harmonics[i] for i in coefficients}
     if len(found_harmonics) != 1:
         raise InputError(
@@ -161,6 +149,25 @@ def _arcs(comparison: Expression, turn: Turn) -> tuple[list[Interval], list[Inte
         return lower, upper
     everything = (ZERO, TWO_PI)  # an equality holds at single instants
     return ([], [everything]) if comparison.op == "==" else ([everything], [])
+
+
+def linear_in_turning(
+    formula: Expression, oscillators: WeakOscillators
+) -> tuple[dict[int, tuple[Expression, Expression]], Expression] | None:
+    """{j: (a_j, b_j)}, c of a formula sum a_j x_j + b_j y_j + c; None for any other."""
+    coefficients: dict[int, tuple[Expression, Expression]] = {}
+    constant: Expression = ZERO
+    places = oscillators.places()
+    for c, t in additive_terms(formula, oscillators.mask):
+        if t is ONE:
+            constant = c
+        elif t.op == "symbol":
+            j, is_velocity = places[str(t.value)]
+            a, b = coefficients.get(j, (ZERO, ZERO))
+            coefficients[j] = (a, add(b, c)) if is_velocity else (add(a, c), b)
+        else:
+            return None
+    return coefficients, constant
 
 
 def _repeated(arc: Interval, h: int) -> list[Interval]:

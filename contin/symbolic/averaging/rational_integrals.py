@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-
 def odd_integral(function: Sympy, u: Sympy) -> Sympy:
     """Antiderivative of a rational function of u with real logarithms and arc tangents, 0 at u = 0, or None.
 

@@ -71,8 +71,8 @@ Sum = dict[Shape, list[tuple[Expression, complex]]]
 
 def second_order_terms(oscillators: WeakOscillators, system: SlowSystem, form: AveragedForm) -> AveragedForm:
     """The form of the terms of order eps in slow time (eps^2 in t) alone: its equations, and observables of rates."""
-    if oscillators.slow:
-        raise InputError("averaging to second order takes no slow states and no rotators; use order: 1")
+    if oscillators.slow or oscillators.kicks:
+        raise InputError("averaging to second order takes no slow states, rotators and kicks; use order: 1")
     builder = _Builder(oscillators)
     every = range(oscillators.count)
     first = [builder.atoms(oscillators.position[0][i], oscillators.velocity[0][i], i) for i in every]

@@ -24,7 +24,6 @@ PLANE: Final = mask_of((X, Y))
 """Position and velocity of the oscillator in `one-oscillator functions`: no model can use these names."""
 
 
-
 @dataclass(frozen=True)
 class Line:
     """a x + b y + c = 0 with coefficients in the parameters, as sympy objects and as numbers for the default values."""

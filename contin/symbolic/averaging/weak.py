@@ -37,6 +37,15 @@ class SlowState:
 
 
 @dataclass(frozen=True)
+class Kick:
+    """Where `when`, linear in what turns, crosses zero in this direction, states change by eps times `changes`."""
+
+    when: Expression
+    direction: str
+    changes: Mapping[str, Expression]
+
+
+@dataclass(frozen=True)
 class WeakOscillators:
     """The oscillators' perturbations as power series in eps.
 
@@ -56,6 +65,7 @@ class WeakOscillators:
     slow: tuple[SlowState, ...] = ()
     slaved: Mapping[str, Expression] = field(default_factory=dict)
     limits: tuple[Limit, ...] = ()
+    kicks: tuple[Kick, ...] = ()
 
     @property
     def count(self) -> int:
@@ -85,7 +95,7 @@ class WeakOscillators:
     @property
     def is_plain(self) -> bool:
         """Oscillators in 1:1 resonance, and nothing else."""
-        return not (self.phasors or self.slow or self.slaved) and set(self.harmonics) == {1}
+        return not (self.phasors or self.slow or self.slaved or self.kicks) and set(self.harmonics) == {1}
 
     def frequency(self, i: int) -> Expression:
         """h_i omega"""
