@@ -106,7 +106,8 @@ class Arm:
             if len(chunk) > 1:
                 origin, before, length = chunk.sample(-1), chunk.sample(-2), float(chunk.lengths[-1])
                 before = _renormalised(before, origin)
-            if self.retries >= MOST_RETRIES and step < settings.first_step and chunk.stop in (Stop.EVENT, Stop.DIP):
+            untold = bool(piece.notes) and not piece.found and chunk.stop in (Stop.EVENT, Stop.DIP)
+            if untold and self.retries >= MOST_RETRIES and step < settings.first_step:
                 before, length, step, self.retries = None, 0.0, settings.first_step, PASSING
             if problem.adaptive:
                 renewal = problem.renew(origin, before, self.loop, frame, settings)

@@ -73,7 +73,7 @@ def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
     for point in family.points:
         assert point.type == "LPC"
         with mp.workdps(30):
-            s = mp.findroot(lambda s: mp.besselj(2, s), mpf(1.3) * mpf(point.orbit["u1"].max()))
+            s = mp.findroot(lambda s: mp.besselj(2, s), mpf(1.3) * mpf(point.orbit.columns["u1"].max()))
             exact = 2 * mp.besselj(1, s) / s
         assert abs(mpf(point.values["a"]) - exact) <= point.error
         assert 1e-12 < point.error < 1e-9, "the quadrature's part"

@@ -77,3 +77,27 @@ def test_planted_points_are_found_or_noted_in_many_systems(tmp_path):
     ledger.write(tmp_path / "planted_equilibria.md", {"seed": "2026"})
     print(ledger.table())
     ledger.assert_clean()
+
+
+def at_place(place: int, kind: int):
+    """A system that was drawn in the long version: three folds (kind 0) or three Hopf points (1)."""
+    generator = np.random.default_rng(12)
+    for _ in range(place + 1):
+        size, condition = int(generator.integers(1, 4)), 10.0 ** generator.uniform(0, 3)
+        systems = (
+            folds(generator, 10.0 ** generator.uniform(-10, -4), size, condition),
+            hopf_points(generator, 10.0 ** generator.uniform(-5, -3.5), 3),
+        )
+    return systems[kind]
+
+
+@pytest.mark.parametrize(("place", "kind", "labels"), [(228, 0, 0), (264, 0, 0), (282, 1, 1)])
+def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on(place, kind, labels):
+    """Flat folds had forty labels, or steps of 1e-8 until the steps ran out; Hopf points had one label and no note."""
+    branch = at_place(place, kind).follow()
+    assert len(branch.points) == labels
+    assert branch.notes
+    assert kind or branch.unexplained > 0
+    assert len(branch.z) < 100
+    assert {end.reason for end in branch.ends} == {"bound"}
+    assert abs(branch.z[0] - branch.z[-1])[:-1].max() > 0.1 or kind
