@@ -41,6 +41,7 @@ PARTS: Final[Mapping[str, Part]] = {
     "BoundaryProblem": Part("contin.bvp.problem", made=("spaces",)),
     "TwoPoint": Part("contin.bvp.two_point", by="two_point", of=("model", "free")),
     "HybridOrbits": Part("contin.problems.hybrid.problem"),
+    "HybridLocus": Part("contin.problems.hybrid.locus"),
     "ReturnSystem": Part("contin.problems.hybrid.system"),
     "HybridFlow": Part("contin.problems.hybrid.flow"),
     "Arc": Part("contin.problems.hybrid.passage"),

@@ -7,8 +7,9 @@ the square root of the distance in the parameter, and the map's derivative grows
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -23,8 +24,19 @@ from contin.problems.hybrid.sampling import arc_samples
 from contin.simulate.resets import SENSES
 
 if TYPE_CHECKING:
-    from contin.problems.hybrid.passage import Flown
+    from contin.problems.hybrid.passage import Flown, Passage
     from contin.problems.hybrid.problem import HybridOrbits
+
+
+class OfCycles(Protocol):
+    """Orbits with a fixed cycle of events, in one parameter or two."""
+
+    def unexpected(self, z: Array) -> tuple[int, int] | None:
+        """(event, arc) of the first event on the orbit that its cycle does not have."""
+
+    def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
+        """See `contin.continuation.problem.Problem`."""
+
 
 BEFORE_END: Final = 1e-9  # part of an arc before its end: what happens there happens with the arc's event
 CLOSED: Final = 1e-6  # of the states' sizes: an orbit is known to this
@@ -39,9 +51,24 @@ def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
     passage = problem.passage(z)
     if passage is None:
         return None
-    flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
-    if not _closes(problem, z):  # an event of the cycle came too early
+    if not _closes(problem, *problem.inner.linearise(z)):  # an event of the cycle came too early
         return passage.flown[0].arc.event, 0
+    return _not_in_cycle(problem, passage, z)
+
+
+def unexpected_on_curve(problem: HybridOrbits, z: Array, f: Array, jacobian: Array) -> tuple[int, int] | None:
+    """The same of an orbit on a curve of special orbits, whose equations and their Jacobian these are."""
+    passage = problem.passage(z)
+    if passage is None:
+        return None
+    if not _closes(problem, f, jacobian):
+        return passage.flown[0].arc.event, 0
+    return _not_in_cycle(problem, passage, z)
+
+
+def _not_in_cycle(problem: HybridOrbits, passage: Passage, z: Array) -> tuple[int, int] | None:
+    """(event, arc) of the first event on an orbit that its cycle does not have."""
+    flow, p, sizes = problem.flow, problem.inner.full_parameters(z), problem.map.sizes
     for number, flown in enumerate(passage.flown):
         for k in range(len(flow.model.events)):
             horizon = (1.0 - BEFORE_END) * flown.time
@@ -54,11 +81,14 @@ def unexpected(problem: HybridOrbits, z: Array) -> tuple[int, int] | None:
     return None
 
 
-def _closes(problem: HybridOrbits, z: Array) -> bool:
-    """True where Newton's method, which may have stopped across a jump of the map, has no way to go from z."""
-    f, matrix = problem.inner.linearise(z)
-    states = matrix[:, :-1]
-    step = np.linalg.lstsq(states, f, rcond=None)[0] if np.isfinite(states).all() else np.array([np.inf])
+def _closes(problem: HybridOrbits, f: Array, jacobian: Array) -> bool:
+    """True where Newton's method, which may have stopped across a jump of the map, has no way to go.
+
+    jacobian : of a family its last column, by the parameter, counts for nothing; on a curve all of them count.
+    """
+    n = problem.n
+    states = jacobian[:, :-1] if len(f) == n else jacobian
+    step = np.linalg.lstsq(states, f, rcond=None)[0][:n] if np.isfinite(states).all() else np.array([np.inf])
     return bool(np.max(np.abs(step) / problem.map.sizes[problem.map.kept]) < CLOSED)
 
 
@@ -70,11 +100,11 @@ def _carried(problem: HybridOrbits, flown: Flown, k: int, p: Array) -> bool:
     return bool(crossed and np.sign(after) in SENSES[problem.flow.model.events[k].direction])
 
 
-def cut_where_events_change(problem: HybridOrbits, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
+def cut_where_events_change(problem: OfCycles, chunk: Chunk, frame: Frame, settings: Settings) -> Chunk:
     """The chunk up to the orbit at which another event comes in, which is its last row then."""
     if chunk.stop is Stop.NOT_FINITE:  # beyond, an event of the cycle does not come
         chunk = replace(chunk, stop=Stop.CORRECTOR)
-    row = next((r for r in range(1, len(chunk)) if unexpected(problem, chunk.z[r]) is not None), None)
+    row = next((r for r in range(1, len(chunk)) if problem.unexpected(chunk.z[r]) is not None), None)
     if row is None:
         return chunk
     base = chunk.sample(row - 1)
@@ -84,7 +114,7 @@ def cut_where_events_change(problem: HybridOrbits, chunk: Chunk, frame: Frame, s
 
 
 def _last_with_cycle(
-    problem: HybridOrbits, base: Sample, beyond: Array, length: float, frame: Frame, settings: Settings
+    problem: OfCycles, base: Sample, beyond: Array, length: float, frame: Frame, settings: Settings
 ) -> tuple[Sample, float] | None:
     """The last orbit of the family, within a step of this length from `base`, that has its cycle; and how far it is."""
     low, high, found = 0.0, length, None
@@ -93,7 +123,7 @@ def _last_with_cycle(
             break
         middle = 0.5 * (low + high)
         sample = problem.probe(base, middle, base.z + middle / length * (beyond - base.z), frame, settings)
-        if sample is not None and unexpected(problem, sample.z) is None:
+        if sample is not None and problem.unexpected(sample.z) is None:
             low, found = middle, sample
         else:
             high = middle
@@ -120,18 +150,28 @@ def ending(problem: HybridOrbits, origin: Sample, before: Sample | None) -> End 
 
 def _new_event(problem: HybridOrbits, z: Array) -> End | None:
     """The surface that an orbit touches without crossing it."""
+    k, name = _touched(problem, z), problem.parameters[0]
+    return None if k is None else _touching(problem, k, f"{name} = {z[-1]:.10g}", {name: float(z[-1])})
+
+
+def _touching(problem: HybridOrbits, k: int, where: str, at: Mapping[str, float]) -> End:
+    text = f"at {where} the orbit touches the surface of {problem.flow.named(k)}"
+    return End("grazing", f"{text}: beyond, it crosses it", {"at": dict(at), "event": k + 1})
+
+
+def _touched(problem: HybridOrbits, z: Array) -> int | None:
+    """The event whose surface the orbit touches."""
     passage = problem.passage(z)
     if passage is None:
         return None
-    flow, p, name = problem.flow, problem.inner.full_parameters(z), problem.parameters[0]
+    flow, p = problem.flow, problem.inner.full_parameters(z)
     for k in range(len(flow.model.events)):
         heights = [flow.heights(k, arc_samples(problem, z, f), p) for f in passage.flown]
         range_ = float(np.ptp(np.concatenate(heights)))
         for flown, h in zip(passage.flown, heights, strict=True):
             inner = h[1:-1] if flown.arc.event == k else h
             if len(inner) > 2 and _clearance(inner) < TOUCHES * range_:
-                text = f"at {name} = {z[-1]:.10g} the orbit touches the surface of {flow.named(k)}"
-                return End("grazing", f"{text}: beyond, it crosses it", {"at": {name: float(z[-1])}, "event": k + 1})
+                return k
     return None
 
 
@@ -147,19 +187,57 @@ def _clearance(h: Array) -> float:
 
 
 def _lost_event(problem: HybridOrbits, z: Array, before: Array) -> End | None:
-    """The event of the cycle whose crossing becomes tangent, and where: the square of its rate falls to zero."""
-    passages = problem.passage(z), problem.passage(before)
+    """The event of the cycle whose crossing becomes tangent, and where."""
+    found, name = _lost((problem, z), (problem, before)), problem.parameters[0]
+    if found is None:
+        return None
+    k, ahead = found
+    at = float(z[-1] + ahead * (z[-1] - before[-1]))
+    return _leaving(problem, k, f"{name} = {at:.8g}", {name: at}, abs(at - float(z[-1])))
+
+
+def _leaving(problem: HybridOrbits, k: int, where: str, at: Mapping[str, float], error: float) -> End:
+    text = f"near {where} the orbit becomes tangent to the surface of {problem.flow.named(k)}"
+    return End("grazing", f"{text}: beyond, the event does not come", {"at": dict(at), "event": k + 1, "error": error})
+
+
+def _lost(now: tuple[HybridOrbits, Array], before: tuple[HybridOrbits, Array]) -> tuple[int, float] | None:
+    """Of two orbits, the event whose crossing becomes tangent, and how many of their distances ahead.
+
+    The square of its rate falls to zero.
+    """
+    problem, z = now
+    passages = problem.passage(z), before[0].passage(before[1])
     if passages[0] is None or passages[1] is None:
         return None
-    name = problem.parameters[0]
-    for now, then in zip(passages[0].flown, passages[1].flown, strict=True):
-        heights = problem.flow.heights(now.arc.event, arc_samples(problem, z, now), problem.inner.full_parameters(z))
-        usual = float(np.ptp(heights)) / now.time
-        fallen = elementary.square(now.rate) - elementary.square(then.rate)
-        if abs(now.rate) < TANGENT * usual and fallen < 0.0:
-            at = float(z[-1] - elementary.square(now.rate) * (z[-1] - before[-1]) / fallen)
-            event = problem.flow.named(now.arc.event)
-            text = f"near {name} = {at:.8g} the orbit becomes tangent to the surface of {event}"
-            data = {"at": {name: at}, "event": now.arc.event + 1, "error": abs(at - float(z[-1]))}
-            return End("grazing", f"{text}: beyond, the event does not come", data)
+    for one, then in zip(passages[0].flown, passages[1].flown, strict=True):
+        heights = problem.flow.heights(one.arc.event, arc_samples(problem, z, one), problem.inner.full_parameters(z))
+        usual = float(np.ptp(heights)) / one.time
+        fallen = elementary.square(one.rate) - elementary.square(then.rate)
+        if abs(one.rate) < TANGENT * usual and fallen < 0.0:
+            return one.arc.event, -elementary.square(one.rate) / fallen
     return None
+
+
+def curve_ending(
+    now: tuple[HybridOrbits, Array], before: tuple[HybridOrbits, Array] | None, names: Sequence[str], place: Array,
+    last: Array | None,
+) -> End | None:  # fmt: skip
+    """The grazing orbit at or just beyond the last point of a curve in two parameters; None without a sign of one.
+
+    names, place, last : the parameters, their values at the last point, and at the one before it.
+    """
+
+    def said(at: Array) -> tuple[str, dict[str, float]]:
+        values = dict(zip(names, at.tolist(), strict=True))
+        return ", ".join(f"{name} = {value:.8g}" for name, value in values.items()), values
+
+    k = _touched(*now)
+    if k is not None:
+        return _touching(now[0], k, *said(place))
+    found = None if before is None else _lost(now, before)
+    if found is None or last is None:
+        return None
+    k, ahead = found
+    at = place + ahead * (place - last)
+    return _leaving(now[0], k, *said(at), float(np.abs(at - place).max()))

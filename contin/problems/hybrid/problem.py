@@ -23,7 +23,7 @@ from contin.normalforms.result import sense
 from contin.problems import special
 from contin.problems.describe import with_normal_form
 from contin.problems.functions.march import DenseLinearisation, dense_linearisation
-from contin.problems.hybrid.grazing import cut_where_events_change, ending
+from contin.problems.hybrid.grazing import cut_where_events_change, ending, unexpected
 from contin.problems.hybrid.multipliers import stability
 from contin.problems.hybrid.sampling import HybridProfile, extremes, norm, sampled
 from contin.problems.of_fixed_points import OfFixedPoints
@@ -81,6 +81,10 @@ class HybridOrbits(OfFixedPoints):
     def passage(self, z: Array) -> Passage | None:
         """The cycle from the solution z."""
         return self.map.passage(z[:-1], self.inner.full_parameters(z))
+
+    def unexpected(self, z: Array) -> tuple[int, int] | None:
+        """(event, arc) of the first event on the orbit that its cycle does not have."""
+        return unexpected(self, z)
 
     def profile(self, z: Array) -> HybridProfile:
         """The orbit over one period."""
@@ -151,7 +155,7 @@ class HybridOrbits(OfFixedPoints):
     def _of_orbit(self, found: Outcome, scale: Array) -> Outcome:
         if not isinstance(found, Verified):
             return found
-        form = self._renamed(self._surely(found, scale))
+        form = renamed(self._surely(found, scale))
         type_ = OF_ORBITS.get(found.type, found.type)
         return replace(found, type=type_, eigenvalues=self.multipliers(found.z), normal_form=form)
 
@@ -169,14 +173,6 @@ class HybridOrbits(OfFixedPoints):
         if decides is not None and isinstance(form.get(decides[0]), float):
             form["criticality"] = sense(decides[1] * form[decides[0]], errors.get(decides[0], 0.0))
         return form
-
-    @staticmethod
-    def _renamed(form: Fields) -> Fields:
-        """With coefficients that say that they are the map's."""
-        def of_map(entries: Mapping[str, object]) -> Fields:
-            return {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in entries.items()}
-
-        return of_map(form) | ({"errors": of_map(form["errors"])} if "errors" in form else {})
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         return HALF_PERIOD in symmetries and self._halves(z, tangent)
@@ -224,3 +220,12 @@ class HybridOrbits(OfFixedPoints):
                 "not resolve it (a canard, or a burst that gains or loses a spike)."
             )
         return self.inner.describe_failure(z)
+
+
+def renamed(form: Fields) -> Fields:
+    """A normal form with coefficients that say that they are the map's."""
+
+    def of_map(entries: Mapping[str, object]) -> Fields:
+        return {f"{k}_map" if k in COEFFICIENTS else k: v for k, v in entries.items()}
+
+    return of_map(form) | ({"errors": of_map(form["errors"])} if "errors" in form else {})
