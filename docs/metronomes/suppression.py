@@ -1,4 +1,4 @@
-"""Suppression: closed forms for metronomes that swing while others rest, and figures from the results of the run files."""
+"""Suppression: closed forms for metronomes that swing while others rest, and figures from results of the run files."""
 
 import numpy as np
 from claiming import A, B, r_star
@@ -19,7 +19,7 @@ def endless_border(count):
 
 
 def pair_and_rest(beta, mu, rest):
-    """Coefficients of the characteristic polynomial of (r*, -r*, 0, .., 0) with `rest` metronomes at rest, highest first.
+    """Coefficients of the characteristic polynomial of (r*, -r*, 0, .., 0), `rest` metronomes at rest, highest first.
 
     The other eigenvalues are -beta/2 +- i Omega, `rest` - 1 times.
     """
@@ -42,7 +42,7 @@ def growth(beta, mu, rest):
 
 
 def steady_border(beta, rest):
-    """The mu above which a real eigenvalue is positive, where the last coefficient vanishes; infinite where it never does."""
+    """The mu above which a real eigenvalue is positive: where the last coefficient vanishes, or infinite."""
     one, two = pair_and_rest(beta, 2.0, rest)[-1], pair_and_rest(beta, 4.0, rest)[-1]
     linear, square = (4 * one - two) / 2, (two - 2 * one) / 2  # of m = mu/2
     return np.inf if square >= 0 else -2 * linear / square
@@ -79,11 +79,17 @@ def draw_borders():
     drawing, axes = panels(1, 2, 9.6, 4.2)
     left, right = axes[0]
     for count in (3, 4, 5, 6, 8):
-        kinds = ((f"fold of {count}", "-"), (f"Hopf of {count}", "--"), (f"lower Hopf of {count}", "--"), (f"others of {count} part", "-."))
+        kinds = (
+            (f"fold of {count}", "-"),
+            (f"Hopf of {count}", "--"),
+            (f"lower Hopf of {count}", "--"),
+            (f"others of {count} part", "-."),
+        )
         for name, dashes in kinds:
             if name in found:
                 columns = found[name]["columns"]
-                border = np.where(np.array(columns["stable"], dtype=bool), columns["beta"], np.nan)  # no further eigenvalue
+                alone = np.array(columns["stable"], dtype=bool)  # no further eigenvalue
+                border = np.where(alone, columns["beta"], np.nan)
                 left.plot(columns["mu"], border, color=COLOURS[count], linestyle=dashes, linewidth=1.7)
         left.plot([], [], color=COLOURS[count], label=f"N = {count}")
         if count > 3:
@@ -109,7 +115,9 @@ def ends_table():
         end = last_stable(averaged[f"N = {count}"], "BP" if count == 3 else "LP")
         full = "not run" if count > 5 else last_stable(motion[f"N = {count}"], "BPC" if count == 3 else "LPC")
         rows.append((count, end, full, f"{endless_border(count):.6f}" if count > 2 else ""))
-    return MarkdownTable("N | averaged: stable up to mu = | equations of motion, eps = 0.01 | for every mu where beta <", rows)
+    return MarkdownTable(
+        "N | averaged: stable up to mu = | equations of motion, eps = 0.01 | for every mu where beta <", rows
+    )
 
 
 def last_stable(branch, type_):
