@@ -72,6 +72,8 @@ class CircleZeros:
         return _At(t, float(value.h[0]), float(value.slopes[0] @ by_t), value.v)
 
     def _between(self, a: _At, b: _At, depth: int) -> Iterator[_At]:
+        if self.lost:  # the answer is None already: halving on would take a time exponential in DEPTH
+            return
         size, width = max(abs(a.h), abs(b.h)), b.t - a.t
         middle = self._at(0.5 * (a.t + b.t), a.v)
         if middle is None:

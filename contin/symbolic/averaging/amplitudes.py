@@ -38,11 +38,12 @@ class General:
 @dataclass(frozen=True)
 class AmplitudeEquation:
     """A' in slow time: sum over j of (growth_j(r_j) + i turn_j(r_j)) exp(i theta_j), `radial`; plus c * products of
-    amplitudes; plus the averages of `general`."""
+    amplitudes; plus the averages of `general`; plus c times the amplitude of the response k, `linear` = (c, k)."""
 
     radial: dict[int, RadialAverage]
     products: dict[Powers, Complex]
     general: tuple[General, ...]
+    linear: tuple[tuple[Complex, int], ...] = ()
     parts: tuple[tuple[Expression, Expression, RadialAverage], ...] = ()
     """(coefficient, function of X and Y, its average) of every one-oscillator term, for the derivation."""
 
@@ -144,6 +145,7 @@ class _Averager:
         parts = []
         products: dict[Powers, Complex] = {}
         general = []
+        linear: list[tuple[Complex, int]] = []
         own = self.harmonics[i]
         omega = self.oscillators.frequency(i)
         for is_force, perturbation in ((True, velocity), (False, position)):
@@ -154,7 +156,9 @@ class _Averager:
                 if not members or coefficient is ZERO:
                     continue  # a constant has no mean over a turn against sin and cos
                 powers = None if members == (i,) else state_powers(term, self.states)
-                if powers is not None:
+                if any(self.oscillators.responds(k) for k in members):
+                    linear += self.responding(members, powers, mul(coefficient, unit), own, is_force)
+                elif powers is not None:
                     self.add_products(products, powers, mul(coefficient, unit), own, is_force)
                 elif self.is_radial(members, own):
                     function = self.one_oscillator(term, members[0])
@@ -165,7 +169,25 @@ class _Averager:
                 else:
                     general.append(General(coefficient, term, is_force))
         averages = {j: combined(terms, self.setting.positive) for j, terms in radial.items()}
-        return AmplitudeEquation(averages, products, tuple(general), tuple(parts))
+        return AmplitudeEquation(averages, products, tuple(general), tuple(linear), tuple(parts))
+
+    def responding(
+        self,
+        members: tuple[int, ...],
+        powers: StatePowers | None,
+        coefficient: Expression,
+        target: int,
+        is_force: bool,
+    ) -> list[tuple[Complex, int]]:
+        """A response enters linearly; only its first harmonic is known."""
+        if powers is None or sum(powers.values()) != 1:
+            raise InputError(
+                "averaging: a slaved velocity with dry friction, and the sign of it, may enter other equations "
+                "linearly only, with coefficients in the parameters"
+            )
+        single: dict[Powers, Complex] = {}
+        self.add_products(single, powers, coefficient, target, is_force)
+        return [(c, members[0]) for c in single.values()]
 
     def is_radial(self, members: tuple[int, ...], harmonic: int) -> bool:
         """One oscillator alone, with the frequency of the equation."""
@@ -179,7 +201,9 @@ class _Averager:
         for coefficient, term in additive_terms(rate, self.oscillators.mask):
             members = self.oscillators.members(term)
             powers = state_powers(term, self.states) if members else None
-            if not members:
+            if any(self.oscillators.responds(k) for k in members):
+                self.responding(members, powers, coefficient, 0, False)
+            elif not members:
                 constant.append(mul(coefficient, term))
             elif powers is not None:
                 self.add_products(products, powers, coefficient, 0, False)
@@ -224,7 +248,9 @@ class _Averager:
         is_force: bool,
     ) -> None:
         """The mean of coefficient * product * exp(-i target omega t), of a force times -i."""
-        monomials, omegas = resonant_part(powers, self.harmonics, target)
+        plain = self.harmonics[: self.oscillators.count + len(self.oscillators.phasors)]
+        responds = any(self.oscillators.responds(k) for k, _ in powers)
+        monomials, omegas = resonant_part(powers, self.harmonics if responds else plain, target)
         scale = mul(coefficient, power(self.setting.omega, number(omegas)))
         for key, (a, b) in monomials.items():
             if is_force:

@@ -31,7 +31,7 @@ from contin.records import Fields
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, times
 from contin.symbolic.averaging.form_cartesian import cartesian_names
 from contin.symbolic.averaging.form_polar import phase_from_first, polar_names
-from contin.symbolic.averaging.forms import AveragedForm, phasor_amplitudes, ratio
+from contin.symbolic.averaging.forms import AveragedForm, phasor_amplitudes, ratio, response_amplitudes
 from contin.symbolic.averaging.oscillators import slow_values
 from contin.symbolic.averaging.weak import WeakOscillators
 from contin.symbolic.calculus.sampling import sample
@@ -224,11 +224,15 @@ def averaged_observables(form: AveragedForm, oscillators: WeakOscillators) -> tu
     kept: dict[str, Expression] = {}
     dropped = []
     frame = amplitudes_in(form, oscillators)
+    frame += response_amplitudes(oscillators, frame)
+    unknown = [n for n in (model.averaging.slaved if model.averaging else ()) if n not in oscillators.slaved]
     followers = {symbol(n): e for n, e in oscillators.slaved.items()}
     for name, written in model.observables.items():
         formula = substitute([written], followers)[0] if followers else written
         if not depends_on(formula, [*model.state_names, TIME]):
             kept[name] = formula
+        elif depends_on(formula, unknown):
+            dropped.append(name)
         elif name in form.states or name in form.observables:
             continue  # the form's own r, r1, psi, ... stand for it
         elif _is_invariant(formula, oscillators):

@@ -12,6 +12,7 @@ from contin.model.advice import closest
 from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, power, symbol
 from contin.symbolic.averaging.amplitudes import MeanEquation, SlowSystem
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, plus, times, to_power
+from contin.symbolic.averaging.friction import response_amplitude
 from contin.symbolic.averaging.kicks import Frame, kick_mean, kick_rates
 from contin.symbolic.averaging.radial import RadialAverage
 from contin.symbolic.averaging.resonant import Powers
@@ -80,6 +81,15 @@ def phasor_amplitudes(oscillators: WeakOscillators) -> list[Complex]:
     return found
 
 
+def response_amplitudes(oscillators: WeakOscillators, amplitudes: Sequence[Complex]) -> list[Complex]:
+    """Of the responses, at those of the oscillators and phasors."""
+    found = []
+    for response in oscillators.responses:
+        frequency = mul(number(response.pair.harmonic), oscillators.omega)
+        found.append(response_amplitude(response, amplitudes, frequency))
+    return found
+
+
 def slow_words(system: SlowSystem) -> list[str]:
     """Descriptions of the slow states."""
     first = "the forcing" if system.oscillators.is_forced else "oscillator 1"
@@ -134,13 +144,13 @@ def needs_frame(system: SlowSystem, i: int) -> bool:
     """True where A_i' has parts that are formulas of all the amplitudes (`general_parts`)."""
     pair = system.oscillators.pairs[i]
     kicked = any(n in kick.changes for kick in system.oscillators.kicks for n in (pair.position, pair.velocity))
-    return bool(system.equations[i].general) or kicked
+    return bool(system.equations[i].general or system.equations[i].linear) or kicked
 
 
 def general_parts(
     system: SlowSystem, i: int, amplitudes: Sequence[Complex], polar: Sequence[tuple[Expression, Complex]] = ()
 ) -> Complex:
-    """Real and imaginary part of the contributions to A_i' that are averaged by quadrature, and of kicks.
+    """Real and imaginary part of the contributions to A_i' that are averaged by quadrature, of kicks and of responses.
 
     amplitudes : of the oscillators, then of the phasors.  polar : moduli and units A/|A|, where the form has them.
     """
@@ -152,6 +162,11 @@ def general_parts(
             inverse = power(oscillators.frequency(i), number(-1))
             re, im = mul(inverse, im), mul(number(-1), inverse, re)
         total = plus(total, (mul(item.coefficient, re), mul(item.coefficient, im)))
+    if system.equations[i].linear:
+        responses = response_amplitudes(oscillators, amplitudes)
+        first = oscillators.count + len(oscillators.phasors)
+        for c, k in system.equations[i].linear:
+            total = plus(total, times(c, responses[k - first]))
     for kick in oscillators.kicks:
         total = plus(total, kick_rates(kick, i, oscillators, Frame(amplitudes, polar)))
     return total

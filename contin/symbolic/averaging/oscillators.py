@@ -20,6 +20,7 @@ from contin.model.expression import (
     ZERO,
     Expression,
     add,
+    call,
     depends_on,
     div,
     mask_of,
@@ -32,11 +33,12 @@ from contin.model.expression import (
 )
 from contin.model.model import Model
 from contin.model.parts import TIME, Averaging, Event, Oscillator
+from contin.symbolic.averaging.friction import Rubbing, response_limit, rubbing
 from contin.symbolic.averaging.kicks import kick_of
 from contin.symbolic.averaging.phasors import Phase, with_phasors
 from contin.symbolic.averaging.reading import excess, is_equal, root, series, simplest, stiffness
 from contin.symbolic.averaging.slaving import Slaved, follow
-from contin.symbolic.averaging.weak import Kick, Phasor, SlowState, WeakOscillators
+from contin.symbolic.averaging.weak import Kick, Phasor, Response, SlowState, WeakOscillators
 from contin.symbolic.calculus.derivatives import derivative
 
 NEAR: Final = 5.0  # a relative detuning up to this many times eps counts as of order eps
@@ -77,7 +79,7 @@ class _Reader:
         shifts, detuned = self.detunings()
         slow = [self.slow_terms(name) for name in item.slow]
         slow += [self.phase_terms(r.phase, r.harmonic) for r in item.rotators]
-        follower = self.slaved()
+        follower, responses = self.slaved()
         position, velocity = [], []
         for pair, shift in zip(item.oscillators, shifts, strict=True):
             position.append(self.series(pair.position, follower))
@@ -96,6 +98,7 @@ class _Reader:
             follower.states,
             follower.limits,
             tuple(self.kick(event, follower) for event in model.events),
+            responses,
         )
 
     def kick(self, event: Event, follower: Slaved) -> Kick:
@@ -219,20 +222,52 @@ class _Reader:
         rate[0] = add(rate[0], extra)
         return SlowState(name, tuple(rate), turns)
 
-    def slaved(self) -> Slaved:
+    def slaved(self) -> tuple[Slaved, tuple[Response, ...]]:
         if not self.item.slaved:
-            return Slaved({}, ())
+            return Slaved({}, ()), ()
         if self.order > 1:
             raise InputError("averaging to second order takes no slaved states; use order: 1")
+        rubbed = self.rubbed()
+        replaced = {call("sign", symbol(n)): symbol(r.response.pair.position) for n, r in rubbed.items()}
+        replaced |= {symbol(n): r.velocity for n, r in rubbed.items()}
+        if rubbed:
+            # sign(V) before V, which it contains
+            for mapping in ({k: v for k, v in replaced.items() if k.op == "sign"}, replaced):
+                self.equations = dict(
+                    zip(self.equations, substitute(list(self.equations.values()), mapping), strict=True)
+                )
+        others = [n for n in self.item.slaved if n not in rubbed and self.is_used(n)]
+        responses = tuple(r.response for r in rubbed.values())
+        own = {n: r.velocity for n, r in rubbed.items()}
+        limits = tuple(response_limit(r) for r in responses)
+        if not others:
+            return Slaved(own, limits), responses
         values = {**self.values, **slow_values(self.model)}
-        return follow(
-            self.item.slaved,
+        turning = (*self.turning, *(r.pair for r in responses))
+        found = follow(
+            others,
             self.equations,
-            self.turning,
-            lambda j: mul(number(self.turning[j].harmonic), self.base),
+            turning,
+            lambda j: mul(number(turning[j].harmonic), self.base),
             self.item.small,
             values,
         )
+        return Slaved({**own, **found.states}, (*limits, *found.limits)), responses
+
+    def rubbed(self) -> dict[str, Rubbing]:
+        """The slaved velocities with dry friction."""
+        found = {}
+        for k, name in enumerate(self.item.slaved):
+            symbols = (f"@s{k}", f"@z{k}")
+            one = rubbing(name, self.equations[name], self.turning, self.base, self.item.small, symbols)
+            if one is not None:
+                found[name] = one
+        return found
+
+    def is_used(self, name: str) -> bool:
+        """False for a coordinate that no equation contains, such as the place of a platform without a spring."""
+        formulas = [*self.equations.values(), *(e.when for e in self.model.events)]
+        return any(depends_on(formula, [name]) for formula in formulas)
 
     def series(self, name: str, follower: Slaved) -> list[Expression]:
         equation = self.equations[name]

@@ -37,6 +37,18 @@ class SlowState:
 
 
 @dataclass(frozen=True)
+class Response:
+    """What stands for sign(V) of a velocity with dry friction, V' = sum p_j x_j + q_j y_j - level sign(V).
+
+    `pair` are its symbols, like an oscillator's; `drive` is {j: (p_j, q_j)}.
+    """
+
+    pair: Oscillator
+    drive: Mapping[int, tuple[Expression, Expression]]
+    level: Expression
+
+
+@dataclass(frozen=True)
 class Kick:
     """Where `when`, linear in what turns, crosses zero in this direction, states change by eps times `changes`."""
 
@@ -66,6 +78,7 @@ class WeakOscillators:
     slaved: Mapping[str, Expression] = field(default_factory=dict)
     limits: tuple[Limit, ...] = ()
     kicks: tuple[Kick, ...] = ()
+    responses: tuple[Response, ...] = ()
 
     @property
     def count(self) -> int:
@@ -74,8 +87,8 @@ class WeakOscillators:
 
     @property
     def turning(self) -> tuple[Oscillator, ...]:
-        """The oscillators, then the phasors."""
-        return (*self.pairs, *(phasor.pair for phasor in self.phasors))
+        """The oscillators, then the phasors, then the responses."""
+        return (*self.pairs, *(p.pair for p in self.phasors), *(r.pair for r in self.responses))
 
     @property
     def harmonics(self) -> tuple[int, ...]:
@@ -96,6 +109,10 @@ class WeakOscillators:
     def is_plain(self) -> bool:
         """Oscillators in 1:1 resonance, and nothing else."""
         return not (self.phasors or self.slow or self.slaved or self.kicks) and set(self.harmonics) == {1}
+
+    def responds(self, i: int) -> bool:
+        """True where i of `turning` is a response: its amplitude is a function of the others."""
+        return i >= self.count + len(self.phasors)
 
     def frequency(self, i: int) -> Expression:
         """h_i omega"""
