@@ -9,6 +9,8 @@ import numpy as np
 
 from contin.abi import Array
 from contin.api.starts import equilibrium
+from contin.bvp.connections import CycleConnection
+from contin.bvp.cycle_ends import Cycle, Rest
 from contin.continuation.branch import SpecialPoint
 from contin.errors import ExpressionError, InputError
 from contin.lowering.system import CompiledSystem
@@ -29,19 +31,20 @@ LARGEST_TRUNCATION: Final = 0.1
 
 def connection(
     origin: Model | SpecialPoint,
-    first: str | Record | None = None,
-    last: str | Record | None = None,
+    first: str | Record | SpecialPoint | None = None,
+    last: str | Record | SpecialPoint | None = None,
     parameters: Record | None = None,
     *,
     samples: tuple[Array, Array] | None = None,
     truncation: float | None = None,
     reversor: Mapping[str, str | float] | None = None,
-) -> ConnectingOrbit:
+) -> ConnectingOrbit | CycleConnection:
     """The start of a curve, in two parameters, of orbits that lead from one saddle to another.
 
     origin : a model; or a point of a family of periodic orbits, whose long orbit passes the saddle.
     first, last : named starts or mappings of states, from which the saddles are solved; without `last` the orbits
-        return to the first one (homoclinic).
+        return to the first one (homoclinic). Either may be a labelled point of a family of periodic orbits instead: a
+        cycle, at that point's parameters, that the orbit leaves or comes to.
     samples : (times (K,), states (K, n)) along the orbit. Without them (and a periodic orbit) trajectories in the
         unstable manifold of the first saddle are tried: one that misses the second saddle is brought to it by a
         homotopy in the first parameter.
@@ -63,6 +66,12 @@ def connection(
         )
     if reversor is not None and last is not None:
         raise InputError("a connecting orbit that a reversor maps onto itself leads to the image of `start`: no `to`")
+    if isinstance(first, SpecialPoint) or isinstance(last, SpecialPoint):
+        options = {"samples": samples, "reversor": reversor, "truncation": truncation}
+        given = [word for word, value in options.items() if value is not None]
+        if given or isinstance(origin, SpecialPoint):
+            raise InputError(f"a connecting orbit to a cycle: leave out `{given[0] if given else 'from'}`")
+        return _with_cycles(origin, first, last, parameters)
     if isinstance(origin, SpecialPoint) and reversor is not None:
         raise InputError("a symmetric connecting orbit starts from a model and `samples`, not from a periodic orbit")
     if isinstance(origin, SpecialPoint):
@@ -91,6 +100,34 @@ def _images(model: Model, reversor: Mapping[str, str | float]) -> dict[str, Expr
 
 
 connecting_orbit = connection
+
+
+def _with_cycles(
+    model: Model, first: str | Record | SpecialPoint | None, last: str | Record | SpecialPoint | None, parameters: Any
+) -> CycleConnection:
+    """Ends that are cycles are at their own parameters, which must be the same."""
+    points = [end for end in (first, last) if isinstance(end, SpecialPoint)]
+    cycles = []
+    for point in points:
+        where = f"{point.branch}.{point.label}"
+        problem = point.problem
+        if not isinstance(problem, OrbitProblem):
+            raise InputError(f"{where} is no periodic orbit by collocation: connecting orbits leave or come to such")
+        cycles.append(Cycle(problem.system, problem.full_parameters(point.z), problem.profile(point.z)))
+    system, p = cycles[0].system, cycles[0].p
+    if any(not np.allclose(cycle.p, p, rtol=1e-9, atol=1e-12) for cycle in cycles[1:]):
+        raise InputError("both cycles of a connecting orbit must be at the same parameters")
+    if system.n_switches or system.model.forcing is not None:
+        raise InputError("connecting orbits to cycles need a smooth autonomous flow")
+    if len(points) == 2 or last is None:
+        return CycleConnection(system, p, cycles[0], cycles[-1])
+    values = dict(zip(system.parameter_names, (float(x) for x in p), strict=False))
+    at_rest = first if isinstance(last, SpecialPoint) else last
+    found = equilibrium(system.model, at_rest, {**(parameters or {}), **values})  # type: ignore[arg-type]
+    if not isinstance(found, Equilibrium):
+        raise InputError("connecting orbits need a flow given by formulas")
+    rest = Rest(system, p, np.asarray(found.u))
+    return CycleConnection(system, p, *((rest, cycles[0]) if isinstance(last, SpecialPoint) else (cycles[0], rest)))
 
 
 def _saddles(

@@ -48,8 +48,10 @@ class _Loop:
 
     def __post_init__(self) -> None:
         self.problem: Any = self.arm.problem  # of orbits: with a system, and planar
+        problem: Any = self.problem
+        self.places = [index for index, _, _ in reversed(problem.walls)][:2]  # of both parameters
         self.first = self._marks(self.start[None])[0]
-        ranges = np.abs(self.arm.scale[[-1, -2]])
+        ranges = np.abs(self.arm.scale[self.places])
         extents = np.abs(self.first[2:])
         self.sizes = np.append(ranges, np.maximum(extents, 1e-3 * extents.max(initial=0) or 1.0))
         self.last = self.start  # row
@@ -81,13 +83,14 @@ class _Loop:
 
     def _comes_near(self, last: Array, z: Array) -> bool:
         """True where the parameters, which cost nothing, do not rule out that the step from `last` to z does."""
-        ends = last[[-1, -2]] / self.sizes[:2], z[[-1, -2]] / self.sizes[:2]
+        ends = last[self.places] / self.sizes[:2], z[self.places] / self.sizes[:2]
         return _passes(ends[0], ends[1] - ends[0], self.first[:2] / self.sizes[:2], WIDELY, around=1.0)
 
     def _solved(self, piece: Piece, row: int, step: Array) -> Array | None:
         """The point of the curve at the start's value of the parameter that moves most; None if it is another one."""
         axis = int(np.argmax(np.abs(step[:2])))
-        z = self.problem.at_unknown(-1 - axis, piece.z[row], float(self.start[-1 - axis]), piece.scale)
+        place = self.places[axis]
+        z = self.problem.at_unknown(place, piece.z[row], float(self.start[place]), piece.scale)
         if z is None:
             return None
         gaps = (self._marks(z[None])[0] - self.first) / self.sizes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from contin.continuation.branch import Branch
@@ -63,6 +63,9 @@ class Engine(Protocol):
     def start_at_point(self, branch: Branch, label: str, run: RunPlan) -> object:
         """The start of a run from a labelled point of a branch."""
 
+    def connect(self, model: Model, run: RunPlan, points: Mapping[str, Any], parameters: Record) -> object:
+        """The start of a connecting orbit with cycles (labelled points) at its ends `start`, `to`."""
+
     def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
         """The branch and its images under declared symmetries; several where several branches start at the point."""
 
@@ -115,6 +118,10 @@ class ContinEngine:
         if _goes_on(branch, point, run):
             return _same_solution(branch, point, run.parameters[0])
         return point.switch(run.parameters[0])
+
+    def connect(self, model: Model, run: RunPlan, points: Mapping[str, Any], parameters: Record) -> object:
+        first, last = points.get("start", run.start), points.get("to", run.to)
+        return _verbs().connection(model, first, last, parameters, samples=_table(run.samples), **run.connecting)
 
     def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
         if isinstance(start, Branch):  # a manifold, at fixed parameters

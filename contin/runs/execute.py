@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from contin.continuation.branch import ANNOUNCED_FAILURES, Branch
+from contin.continuation.branch import ANNOUNCED_FAILURES, Branch, SpecialPoint
 from contin.continuation.defects import DEFECT
 from contin.continuation.spectra import spectral_columns
 from contin.errors import InputError
@@ -133,9 +133,14 @@ def _skipping(what: str, state: _State, as_written: bool = True) -> Iterator[Non
 
 def _carry_out(plan: Plan, run: RunPlan, engine: Engine, state: _State) -> None:
     written = run.as_ is None or (run.as_ == "connection" and len(run.parameters) == 1)  # whether one is enough
-    with _skipping(run.name, state, as_written=run.reference is None and written):
+    with _skipping(run.name, state, as_written=run.reference is None and not run.ends and written):
         if run.stored is not None:
             start = engine.start_at_point(run.stored.read(), run.stored.label, run)
+        elif run.ends:
+            points = {key: _point(run, reference, state) for key, reference in run.ends.items()}
+            if None in points.values():
+                return
+            start = engine.connect(plan.model, run, points, plan.parameters)
         elif run.reference is None:
             start = engine.start(plan.model, run, plan.parameters)
         else:
@@ -153,6 +158,12 @@ def _shown(branch: Branch, spectra: bool) -> Branch:
 
 def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state: _State) -> object:
     """The start at a point of an earlier branch; None, with a note, where there is no such point."""
+    point = _point(run, reference, state)
+    return None if point is None else engine.start_at_point(state.branches[reference[0]], reference[1], run)
+
+
+def _point(run: RunPlan, reference: tuple[str, str], state: _State) -> SpecialPoint | None:
+    """A labelled point of an earlier branch; None, with a note, where there is none."""
     name, label = reference
     branch = state.branches.get(name)
     if branch is None:
@@ -167,4 +178,4 @@ def _from_point(run: RunPlan, reference: tuple[str, str], engine: Engine, state:
             f"{run.name} skipped: it starts from {name}.{label}, and {name} has no point {label} (points: {known})"
         )
         return None
-    return engine.start_at_point(branch, label, run)
+    return branch[label]

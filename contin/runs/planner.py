@@ -94,15 +94,16 @@ class Planner(EntryParts):
             return self.manifold(name, entry, path)
         parameters = tuple(entry.parameter)
         known = [self.known(p, (*path, "parameter")) for p in parameters]
-        start = None if entry.start is None else self.start(entry.start, (*path, "start"))
-        to = None if entry.to is None else self.start(entry.to, (*path, "to"))
+        ends = _cycles(entry)
+        start = None if entry.start is None or "start" in ends else self.start(entry.start, (*path, "start"))
+        to = None if entry.to is None or "to" in ends else self.start(entry.to, (*path, "to"))
         values = self.targets(entry.values, path)
         if not all(known):
             return None
         bounds = self.bounds(entry.range, parameters, path)
         if len(bounds) < len(parameters):
             return None
-        if entry.from_ is None:
+        if entry.from_ is None and not ends:
             self.inside(start, parameters[0], bounds[parameters[0]], (*path, "range"))
         reference = None
         stored = None
@@ -120,7 +121,7 @@ class Planner(EntryParts):
         return RunPlan(
             name, parameters, bounds, start, reference, stored, as_, entry.direction, values, settings, to, samples,
             free, tuple(entry.extrema), tuple(entry.conditions), self.columns(entry, path),
-            connecting=_written(truncation=entry.truncation, reversor=entry.reversor),
+            ends=ends, connecting=_written(truncation=entry.truncation, reversor=entry.reversor),
         )  # fmt: skip
 
     def manifold(self, name: str, entry: ContinuationEntry, path: Path) -> RunPlan:
@@ -208,3 +209,13 @@ def _mistake(attempt: Callable[[], object]) -> str:
 def _written(**keys: object) -> Fields:
     """The options that are there."""
     return {key: value for key, value in keys.items() if value is not None}
+
+
+def _cycles(entry: ContinuationEntry) -> dict[str, tuple[str, str]]:
+    """The ends of a connecting orbit that are labels NAME.LABEL of families of periodic orbits."""
+    found = {}
+    for key, end in (("start", entry.start), ("to", entry.to)):
+        if entry.as_ == "connection" and isinstance(end, str) and "." in end:
+            branch, _, label = end.rpartition(".")
+            found[key] = (branch, label)
+    return found

@@ -44,6 +44,7 @@ class RunPlan:
     columns: tuple[str, ...] = ()  # formulas that families of orbits record
     recorded: tuple[str, ...] = ()  # the same, for the picture's axes, where the run follows orbits
     manifold: Record = field(default_factory=dict)  # side, dimension, length, spacing
+    ends: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # `start`, `to`: cycles, (branch, label)
     connecting: Record = field(default_factory=dict)  # of a connecting orbit: truncation, reversor
     spectra: bool = False  # eigenvalues are columns
 

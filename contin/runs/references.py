@@ -31,8 +31,10 @@ def check_references(entry: RunEntry, model: Model, problems: Problems) -> None:
         if run.from_ is not None and not is_stored(run.from_):
             path: Path = ("continuations", position, "from")
             _check(run.from_, names, position, entry, model, problems, path)
-        if isinstance(run.of, str) and "." in run.of:
-            _check(run.of, names, position, entry, model, problems, ("continuations", position, "of"))
+        for key in ("of", "start", "to"):
+            end = getattr(run, key)
+            if isinstance(end, str) and "." in end and (key == "of" or run.as_ == "connection"):
+                _check(end, names, position, entry, model, problems, ("continuations", position, key))
 
 
 def _check(

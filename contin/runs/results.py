@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
+from contin.bvp.connection_problem import ConnectionToCycle
 from contin.continuation.defects import noted
 from contin.continuation.fields import fields_along, has_fields
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
@@ -13,6 +14,9 @@ from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
+    from contin.problems.orbits.layout import Profile
+
+WITH_ORBITS: Final = (OfPeriodicOrbits, ConnectionProblem, ConnectionToCycle)
 
 
 class OrbitSamples:
@@ -35,10 +39,17 @@ class OrbitSamples:
 def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
     if branch.kind != "orbit" and has_fields(branch.problem):
         return {"fields": point.fields}
-    if branch.kind != "orbit" and not isinstance(branch.problem, OfPeriodicOrbits | ConnectionProblem):
+    if branch.kind != "orbit" and not isinstance(branch.problem, WITH_ORBITS):
         return None
-    profile = branch.problem.profile(point.z)
+    profile = _profile(branch.problem, point)
     if has_fields(branch.problem):
         return {"orbit": {"t": profile.times * profile.period, **fields_along(branch.problem, profile.u, point.values)}}
-    states = dict(zip(branch.problem.system.state_names, profile.u.T, strict=True))
+    names = branch.problem.system.state_names[: profile.n]  # (of a connection to a cycle those of the model come first)
+    states = dict(zip(names, profile.u.T, strict=True))
     return {"orbit": {"t": profile.times * profile.period, **states}}
+
+
+def _profile(problem: Any, point: SpecialPoint) -> Profile:
+    """The orbit of a point; of a connection to a cycle the connecting one."""
+    found: Profile = (problem.profile_of_orbit if isinstance(problem, ConnectionToCycle) else problem.profile)(point.z)
+    return found

@@ -134,7 +134,8 @@ class ContinuationEntry(Section):
             raise wrong("has `samples` of an orbit; write `as: orbit`, `as: connection`, or nothing")
         if len(set(self.parameter)) < len(self.parameter):
             raise wrong(f"names {self.parameter[0]!r} twice in `parameter`")
-        persists = len(self.parameter) == 1 and (self.to is not None or self.reversor is not None)
+        a_cycle = isinstance(self.start, str) and "." in self.start
+        persists = len(self.parameter) == 1 and (self.to is not None or self.reversor is not None or a_cycle)
         enough = len(self.parameter) == 2 or persists
         if connects and (self.start is None or not enough):
             one = " (one is enough where connections to a second saddle, `to`, or symmetric ones, `reversor`, persist)"

@@ -39,6 +39,8 @@ PARTS: Final[Mapping[str, Part]] = {
     "ShootingProblem": Part("contin.problems.shooting.problem"),
     "FixedSpace": Part("contin.problems.shooting.fixed_space"),
     "BoundaryProblem": Part("contin.bvp.problem", made=("spaces",)),
+    "ConnectionToCycle": Part("contin.bvp.connection_problem", made=("spaces",)),
+    "CurveOfConnections": Part("contin.bvp.connection_problem", made=("spaces",)),
     "TwoPoint": Part("contin.bvp.two_point", by="two_point", of=("model", "free")),
     "HybridOrbits": Part("contin.problems.hybrid.problem"),
     "HybridLocus": Part("contin.problems.hybrid.locus"),

@@ -38,6 +38,8 @@ def test_a_run_follows_a_front_from_one_saddle_to_another(tmp_path):
         ({"truncation": 2.0}, "truncation"),
         ({"samples": "nothing.csv"}, "nothing.csv"),
         ({"to": "nowhere"}, "no start 'nowhere'"),
+        ({"to": "cycle.UZ1"}, "there is no run 'cycle'"),
+        ({"reversor": {"u": "-u"}, "as": None, "to": None, "parameter": "c"}, "write `as: connection`"),
     ],
 )
 def test_mistakes_are_named(tmp_path, capsys, change, message):

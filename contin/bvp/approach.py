@@ -1,0 +1,151 @@
+"""Trajectories that leave an equilibrium or a cycle and come near another one: guesses of connecting orbits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.cycle_ends import Cycle, Rest
+from contin.errors import InputError, NoSolutionError
+from contin.machine import elementary
+from contin.problems.orbits.homoclinic.trajectories import until_lost
+from contin.simulate.trajectory import integrate
+
+if TYPE_CHECKING:
+    from contin.lowering.system import CompiledSystem
+
+LEAVING: Final = 1e-4  # of the extent, at which trajectories start
+ANGLES: Final = 64
+TURNS: Final = 40.0
+PHASES: Final = 48
+PERIODS: Final = 25.0  # of a cycle, and ...
+RATES: Final = 30.0  # times of the slowest unstable rate, that trajectories take
+PER_TURN: Final = 40  # samples in the time of the shorter period
+AWAY: Final = 0.3  # of the extent, that an orbit that returns must have reached
+FARTHEST: Final = 0.5
+EARLY: Final = 30  # approaches of one trajectory that are looked at
+LATER: Final = 0.1
+MOST: Final = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """From `start` to `finish` in `time`; the phases of the cycles at both ends (0 for equilibria)."""
+
+    system: CompiledSystem
+    p: Array
+    start: Array
+    finish: Array
+    time: float
+    phases: tuple[float, float]
+    gap: float  # of the extent
+    rank: float
+
+    def path(self, s: Array) -> Array:
+        """States at scaled times."""
+        if self.time <= 0.0:
+            return np.tile(self.start, (len(s), 1))
+        return np.asarray(integrate(self.system, self.start, self.p, self.time * (1 + 1e-12), times=s * self.time).u)
+
+
+def approaches(system: CompiledSystem, p: Array, first: Rest | Cycle, last: Rest | Cycle) -> list[Approach]:
+    """The nearest ones, at most `MOST`; NoSolutionError where there is none."""
+    ends = [end.u[None] if isinstance(end, Rest) else end.states for end in (first, last)]
+    both = np.vstack(ends)
+    sizes = np.maximum(np.ptp(both, axis=0), 1e-3 * float(np.ptp(both, axis=0).max()))
+    if float(sizes.max()) == 0.0:
+        raise InputError("both ends of the connecting orbit are the same equilibrium: no cycle is among them")
+    target = ends[1] / sizes
+    from scipy.spatial import cKDTree
+
+    tree, home = cKDTree(target), cKDTree(ends[0] / sizes)
+    own = float(np.linalg.norm(np.ptp(target, axis=0))) or float(np.linalg.norm(np.ptp(both / sizes, axis=0)))
+    longest = _longest(first, last)
+    shortest = min(end.period for end in (first, last) if isinstance(end, Cycle))
+    times = np.linspace(0.0, longest, int(PER_TURN * longest / shortest) + 2)
+    found = []
+    for start, phase in _departures(first, sizes):
+        path = until_lost(system, start, p, times)
+        gaps, places = tree.query(path / sizes)
+        gone = np.maximum.accumulate(home.query(path / sizes)[0])
+        inside = np.arange(1, len(gaps) - 1)
+        minima = inside[(gaps[inside] <= gaps[inside - 1]) & (gaps[inside] < gaps[inside + 1])]
+        for order, k in enumerate(minima[(gone[minima] > AWAY * own) & (gaps[minima] < FARTHEST * own)][:EARLY]):
+            arrived = float(last.times[places[k]]) if isinstance(last, Cycle) else 0.0
+            gap, time = float(gaps[k]) / own, float(times[k])
+            found.append(Approach(system, p, start, path[k], time, (phase, arrived), gap, gap + LATER * order))
+    if not found:
+        raise NoSolutionError(
+            "no trajectory that leaves the first end comes near the second one: change the parameters so that they do"
+        )
+    return [_in_phase(one, first, last) for one in _apart(sorted(found, key=lambda one: one.rank))]
+
+
+def _in_phase(one: Approach, first: Rest | Cycle, last: Rest | Cycle) -> Approach:
+    """With phases at which the offsets are normal to the cycles."""
+    leaving = first.nearest(one.start, one.phases[0]) if isinstance(first, Cycle) else 0.0
+    arriving = last.nearest(one.finish, one.phases[1]) if isinstance(last, Cycle) else 0.0
+    return replace(one, phases=(leaving, arriving))
+
+
+def _apart(found: list[Approach]) -> list[Approach]:
+    """The best ones, at most `MOST`; of those that leave alike the best."""
+    kept: list[Approach] = []
+    for one in found:
+        if not any(one.start is other.start and abs(one.time - other.time) < 0.1 * one.time for other in kept):
+            kept.append(one)
+        if len(kept) == MOST:
+            break
+    return kept
+
+
+def _longest(first: Rest | Cycle, last: Rest | Cycle) -> float:
+    """Time that trajectories are followed."""
+    total = sum(PERIODS * end.period for end in (first, last) if isinstance(end, Cycle))
+    if isinstance(first, Cycle):
+        total += 1.5 * float(elementary.log(1.0 / _leaving(first))) / _rate(first) * first.period
+    if isinstance(first, Rest):
+        rates = np.linalg.eigvals(first.matrix).real
+        total += RATES / float(rates[rates > 0.0].min())
+    return float(total)
+
+
+def _rate(cycle: Cycle) -> float:
+    """At which orbits leave a cycle, a period."""
+    return min((abs(float(elementary.log(abs(m)))) for m in cycle.outside(True)), default=1.0)
+
+
+def _leaving(cycle: Cycle) -> float:
+    """Distance at which orbits leave it: LEAVING, and farther where that takes more than `TURNS` periods."""
+    return max(LEAVING, float(elementary.exp(-TURNS * _rate(cycle))))
+
+
+def _departures(first: Rest | Cycle, sizes: Array) -> Iterator[tuple[Array, float]]:
+    """Starts in the unstable directions, with the phase of a cycle."""
+    if isinstance(first, Rest):
+        basis = first.basis(True)
+        if basis.shape[1] > 2:
+            raise InputError(f"an equilibrium with {basis.shape[1]} unstable directions: one or two are searched")
+        length = LEAVING / float(np.max(np.abs(basis) / sizes[:, None]))
+        count = 2 if basis.shape[1] == 1 else ANGLES
+        for k in range(count):
+            angle = 2.0 * np.pi * k / count
+            parts = np.array([float(elementary.cos(angle)), float(elementary.sin(angle))])[: basis.shape[1]]
+            yield first.u + length * (basis @ parts), 0.0
+        return
+    multipliers = first.outside(True)
+    if len(multipliers) != 1:
+        raise InputError(
+            f"a cycle with {len(multipliers)} unstable multipliers: only orbits that leave along one are searched"
+        )
+    phases = np.arange(PHASES) / PHASES
+    v, rate = first.direction(multipliers[0], phases), abs(float(elementary.log(abs(multipliers[0]))))
+    states = first.profile.at(phases)
+    for phase, u, w in zip(phases, states, v, strict=True):
+        length = _leaving(first) * float(elementary.exp(rate * (phase - 1.0))) / float(np.max(np.abs(w) / sizes))
+        for sense in (1.0, -1.0):
+            yield u + sense * length * w, float(phase)
