@@ -27,6 +27,7 @@ MODULES: Final = {
     "simulations": "contin.runs.simulations",  # few runs simulate; integrators
     "notebook branches": "contin.notebook.branches",  # how a result looks is asked for in notebooks only
     "notebook models": "contin.notebook.models",
+    "notebook solutions": "contin.notebook.solutions",
     "notebook trajectories": "contin.notebook.trajectories",
     "reading": "contin.api.reading",  # results of every kind, with what makes them: few pictures need that
     "picture of branches": "contin.plot.figure",  # a branch draws itself with what is made of branches

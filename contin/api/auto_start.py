@@ -21,6 +21,7 @@ from contin.api.requirements import need_parameters
 from contin.api.searches import find_equilibria
 from contin.api.zeros_held import with_zeros_held
 from contin.continuation.departure import Seed
+from contin.continuation.told import Told
 from contin.errors import AtRestError, ContinError, NoSolutionError, NotFiniteError
 from contin.lazy import module
 from contin.model.kinds import need_time
@@ -47,8 +48,8 @@ Solution = Equilibrium | PeriodicOrbit | ShotOrbit
 _FAILURES: Final = (NoSolutionError, NotFiniteError, np.linalg.LinAlgError)
 
 
-@dataclass(frozen=True, eq=False)
-class FoundStart:
+@dataclass(frozen=True, eq=False, repr=False)
+class FoundStart(Told):
     """A solution, and how it was found: given, rest, cycle, newton or deflation, and in words."""
 
     solution: Any

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StoredSimulation:
     """A trajectory from a file: `columns` (t, states, observables), `section` and `events` where there are any.
 
@@ -67,6 +67,9 @@ class StoredSimulation:
             beside = (times, times, times) if name == "t" else (before[first], gap[first], after[last])
             found[name] = np.insert(column, places, np.column_stack(beside).ravel())
         return found
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
 
     def __str__(self) -> str:
         why = "" if self.outcome == "done" else f": {self.outcome}, {self.why}"

@@ -20,6 +20,7 @@ from contin.continuation.branch import Branch
 from contin.diagram.diagram import Diagram
 from contin.diagram.phase.diagram import PhaseDiagram
 from contin.errors import InputError
+from contin.notebook import html
 from contin.plot.figure import draw
 from contin.plot.look import Look
 from contin.plot.scan import drawn as drawn_scan
@@ -43,7 +44,7 @@ class Drawable(Protocol):
     def plot(self, *, ax: Axes | None = None, **options: Any) -> Figure: ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results:
     """The branches of a result file in their order, by name; `notes` in words; `document`, all that the file says.
 
@@ -81,6 +82,9 @@ class Results:
             raise InputError(f"there is no branch to draw; the file holds {known}{', sweep' if self.sweep else ''}")
         return draw(self.branches, ax=ax, look=Look.of(options))
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self}>"
+
     def __str__(self) -> str:
         parts = [*map(repr, self.branches), *map(str, self.simulations.values())]
         parts += [f"sweep in {self.sweep.parameter}, {len(self.sweep.values)} runs"] if self.sweep is not None else []
@@ -92,7 +96,7 @@ class Results:
         return "".join([*pages, *([self.sweep._repr_html_()] if self.sweep is not None else [])])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScanResults(Results):
     """The runs of a scan, finished or not, as they were stored: a table, a row a run; it has no branches."""
 
@@ -113,6 +117,13 @@ class ScanResults(Results):
         options : x, y, limits, log, size, legend, title, style; `start`, to draw this one alone (into `ax`).
         """
         return drawn_scan(dict(self.document), ax, options)
+
+    def __str__(self) -> str:
+        return "\n".join([f"{len(self.columns['class'])} runs", *(f"  {k}: {n}" for k, n in self.counts.items())])
+
+    def _repr_html_(self) -> str:
+        drawn = html.image(self.plot(), "scan") if self.columns["class"] else ""
+        return drawn + html.table(("class", "runs"), self.counts.items()) + html.notes(self.notes)
 
 
 Read = Results | Diagram | PhaseDiagram | StoredSimulation | Sweep | Survey

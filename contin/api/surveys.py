@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from multiprocessing import get_all_start_methods, get_context
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from contin import lazy
 from contin.api.attractors import MOST, attractors
 from contin.api.auto_start import FoundStart, is_singular
 from contin.api.fixed_totals import varying
@@ -62,7 +63,7 @@ class Attractor(Protocol):
     def words(self) -> str: ...
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Survey:
     """Rows sorted by attractor, then by how soon something happens; `attractors` are the starts, by name."""
 
@@ -106,6 +107,12 @@ class Survey:
         options : y (the parameters to show), labels, limits of `ratio`, size, legend, title, style (`contin.draw`).
         """
         return drawn(self.document(), ax, options, attractor)
+
+    def __repr__(self) -> str:
+        return f"<Survey of {self.model!r}: {len(self.rows)} rows, {len(self.attractors)} attractors>"
+
+    def _repr_html_(self) -> str:
+        return str(lazy.module("notebook trajectories").survey_page(self))
 
     def __str__(self) -> str:
         lines = [f"{self.model}: {len(self.rows)} rows, {self.seconds:.1f} s"]

@@ -38,7 +38,8 @@ def show_orbit(file: Path, place: str, csv: str | None) -> int:
         table.add_column(title, justify="right" if title else "left", no_wrap=True)
     for name, column in orbit.columns.items():
         if name != "t":
-            table.add_row(name, f"{np.min(column):.10g}", f"{np.max(column):.10g}")
+            low = point.values.get(f"{name}.min", np.min(column))  # between the samples, too
+            table.add_row(name, f"{low:.10g}", f"{point.values.get(f'{name}.max', np.max(column)):.10g}")
     report.print(table)
     if csv is not None:
         report.print(Text(f"wrote {csv}"))

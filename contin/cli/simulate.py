@@ -48,6 +48,8 @@ def simulate_model(
             raise InputError(f"{path}: there is no folder {path.parent}")
     writable(out["json"], {})
     model = load(reference)
+    if picture is not None and getattr(model, "observables", None) is not None:
+        look.check_columns(["t", *model.state_names, *model.observables])
     found = simulate(model, starting_point(model, start, states), parse_sets(sets), **options)
     section = found.section  # which the tables and the portrait are of, where there is one
     columns = found.columns if section is None else section

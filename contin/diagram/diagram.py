@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Diagram:
     """What the explorer found: `branches` in the order in which they were followed, `notes` in words.
 
@@ -75,6 +75,10 @@ class Diagram:
         ax : draw into these axes instead.
         """
         return draw(self.branches, ax=ax, look=Look.of({"x": self.parameter, **options}))
+
+    def __repr__(self) -> str:
+        low, high = self.bounds
+        return f"<Diagram in {self.parameter} from {low:g} to {high:g}: {len(self.branches)} branches>"
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook branches").diagram_page(self))

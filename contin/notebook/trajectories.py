@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from contin.notebook import html
 
 if TYPE_CHECKING:
+    from contin.api.surveys import Survey
     from contin.continuation.orbit import Orbit
     from contin.simulate.run import Simulation
     from contin.simulate.scan.carry_out import Scan
@@ -39,3 +40,16 @@ def orbit_page(orbit: Orbit) -> str:
         + html.paragraph(f"period {orbit.period:.12g}")
         + html.details("multipliers", html.table(("multiplier", "modulus"), lines))
     )
+
+
+def survey_page(survey: Survey) -> str:
+    """The bars, a table in words, notes."""
+    columns = survey.columns
+    rows = [
+        (row.attractor, row.parameter, row.value, row.below.type or row.below.reason, row.below.at,
+         row.above.type or row.above.reason, row.above.at)
+        for row in survey.rows
+    ]  # fmt: skip
+    head = ("attractor", "parameter", "value", "below", "at", "above", "at")
+    drawn = html.image(survey.plot(), f"survey of {survey.model}") if columns["parameter"] else ""
+    return drawn + html.details("table", html.table(head, rows)) + html.notes(survey.notes)

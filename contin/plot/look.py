@@ -66,7 +66,7 @@ class Look:
         for key, names in (("limits", list(self.limits)), ("log", list(self.log))):
             for name in names:
                 if name not in known:
-                    raise InputError(f"{key}: no axis shows {name!r}; the axes show {', '.join(known)}")
+                    raise InputError(f"{key}: no axis shows {name!r}; the axes show {', '.join(dict.fromkeys(known))}")
 
 
 PLAIN_LOOK: Final = Look()

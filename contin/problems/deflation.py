@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import NO_FUNCTION, Address, Array
+from contin.continuation.told import Told
 from contin.errors import ContinError, InputError
 from contin.kernels.deflation import search
 from contin.machine import elementary
@@ -27,8 +28,8 @@ ROUNDS = 12  # of deflated Newton from all starts
 QUIET_ROUNDS = 2  # ... without anything new, after which the search ends
 
 
-@dataclass(frozen=True, eq=False)
-class FoundEquilibrium:
+@dataclass(frozen=True, eq=False, repr=False)
+class FoundEquilibrium(Told):
     """One equilibrium of a `find_equilibria`: it starts a continuation like any other.
 
     image_of : index in the list of the equilibrium of which a declared symmetry (`symmetry`) makes this one, or None.

@@ -11,6 +11,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
+from contin.continuation.told import Told
 from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.equilibrium import EquilibriumProblem
@@ -35,8 +36,8 @@ SHOWN = 12  # states in a message
 ACCEPTABLE = 1e-6  # ... or this, where it does not fall any more (a start at a fold: Newton is linear there)
 
 
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
+@dataclass(frozen=True, eq=False, repr=False)
+class Equilibrium(Told):
     """A solution of f(u, p) = 0 (or f(u, p) = u for a map) at fixed parameters: the start of a continuation."""
 
     system: System

@@ -37,7 +37,7 @@ SAMPLES: Final = 5000  # so that fast oscillations are drawn as curves
 BUDGET: Final = 50_000_000  # steps: a minute or two
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Simulation:
     """States (T, n) and observables (T, k) at times t (T,).
 
@@ -133,6 +133,9 @@ class Simulation:
             self.drawn, names, ax, {"x": x, "y": y, **options}, section=self.section
         )
         return drawn
+
+    def __repr__(self) -> str:
+        return f"<Simulation of {self.model.name!r}: {self}>"
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook trajectories").simulation_page(self))

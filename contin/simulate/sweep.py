@@ -33,7 +33,7 @@ LARGEST = 100_000
 LEAST = 1e-3  # natural sizes: what a smaller state is pushed by is a part of this
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
     """One row a run: the parameter's value, direction (+1 up, -1 down), outcome, and statistics (N, 3, k)."""
 
@@ -64,6 +64,10 @@ class Sweep:
         module = lazy.module("drawn sweeps")
         drawn: Figure = module.drawn(self.columns, self.parameter, self.names, ax, {"y": y, **options})
         return drawn
+
+    def __repr__(self) -> str:
+        settled = sum(outcome == "settled" for outcome in self.outcomes)
+        return f"<Sweep in {self.parameter}: {len(self.values)} runs, {settled} settled>"
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook trajectories").sweep_page(self))

@@ -117,3 +117,19 @@ def test_branches_of_functions_without_names_of_states_show_themselves(n):
     branch = contin.continuation(problem, "p", (0.2, 2.0))
     check(branch._repr_html_(), 1 if n == 2 else 0)
     assert ("no picture" in branch._repr_html_()) == (n == 60)
+
+
+def test_solutions_and_surveys_show_themselves_and_are_told_in_a_line():
+    model = contin.load("brusselator")
+    rest, cycle = contin.equilibrium(model, parameters={"B": 1.5}), contin.periodic_orbit(model, {"x": 2.0, "y": 1.0}, {"B": 3.0})
+    saw = contin.Model(
+        "saw", states={"v": 0.0}, parameters={"I": 1.0}, equations={"v": "I"},
+        events=[{"when": "v - 1", "direction": "up", "set": {"v": 0}}],
+    )  # fmt: skip
+    jumping, survey = contin.periodic_orbit(saw), contin.survey(model, processes=1)
+    assert "x</td>" in rest._repr_html_()
+    for shown in (cycle, jumping, survey):
+        assert "data:image/png" in shown._repr_html_()
+    told = [rest, *contin.find_equilibria(model), cycle, jumping, survey, contin.simulate(model, time=1.0)]
+    assert all(len(repr(one)) < 200 and "\n" not in repr(one) for one in told)
+    assert repr(rest).startswith("<equilibrium x = 1")

@@ -91,7 +91,7 @@ class Region:
         return f"{self.stable or 'none'} of {self.total} {many} stable"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PhaseDiagram:
     """Curves, regions and their neighbourhood; `branches` are the one-parameter branches that led to the curves."""
 
@@ -144,6 +144,10 @@ class PhaseDiagram:
     def as_data(self) -> Fields:
         """Parameters, box, regions (representative point, states, outline) and borders, for JSON."""
         return as_data(self)
+
+    def __repr__(self) -> str:
+        names = " and ".join(self.parameters)
+        return f"<PhaseDiagram in {names}: {len(self.loci)} curves, {len(self.regions)} regions>"
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook branches").phase_page(self))

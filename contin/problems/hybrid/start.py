@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
+from contin.continuation.told import Told
 from contin.errors import NoSolutionError
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.hybrid.flow import HybridFlow
@@ -34,8 +35,8 @@ RTOL: Final = 1e-10
 BUDGET: Final = 1_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class HybridOrbit:
+@dataclass(frozen=True, eq=False, repr=False)
+class HybridOrbit(Told):
     """A periodic orbit with jumps at fixed parameters p: the start of a continuation."""
 
     map: ReturnSystem

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
+from contin.continuation.told import Told
 from contin.problems.orbits.layout import Profile
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.symmetry import symmetry_names
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
 
-@dataclass(frozen=True, eq=False)
-class PeriodicOrbit:
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicOrbit(Told):
     """An orbit at fixed parameters p: the start of a continuation."""
 
     system: CompiledSystem

@@ -9,6 +9,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
+from contin.continuation.told import Told
 from contin.errors import NoSolutionError
 from contin.problems.orbits.simulation import BUDGET, LONGEST, find_return, orbit_by_simulation, refuse_chance
 from contin.problems.orbits.start import PeriodicOrbit
@@ -27,8 +28,8 @@ MOST = 64
 AT_REST = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class ShotOrbit:
+@dataclass(frozen=True, eq=False, repr=False)
+class ShotOrbit(Told):
     """An orbit at fixed parameters p, found by shooting: the start of a continuation."""
 
     system: CompiledSystem

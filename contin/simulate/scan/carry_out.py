@@ -31,7 +31,7 @@ BATCH: Final = 16  # runs that a worker of a cluster is given at once
 SEED: Final = 0  # of the order of the runs
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scan:
     """A scan's runs: {number: outcome}."""
 
@@ -65,6 +65,9 @@ class Scan:
         chosen = {"x": x, "y": y, "start": start, **options}
         drawn: Figure = lazy.module("drawn scans").drawn(self.document, ax, chosen)
         return drawn
+
+    def __repr__(self) -> str:
+        return f"<Scan over {', '.join(name for name, _ in self.spec.axes)}: {len(self.rows)} runs>"
 
     def _repr_html_(self) -> str:
         return str(lazy.module("notebook trajectories").scan_page(self))
