@@ -121,7 +121,8 @@ def test_branches_of_functions_without_names_of_states_show_themselves(n):
 
 def test_solutions_and_surveys_show_themselves_and_are_told_in_a_line():
     model = contin.load("brusselator")
-    rest, cycle = contin.equilibrium(model, parameters={"B": 1.5}), contin.periodic_orbit(model, {"x": 2.0, "y": 1.0}, {"B": 3.0})
+    rest = contin.equilibrium(model, parameters={"B": 1.5})
+    cycle = contin.periodic_orbit(model, {"x": 2.0, "y": 1.0}, {"B": 3.0})
     saw = contin.Model(
         "saw", states={"v": 0.0}, parameters={"I": 1.0}, equations={"v": "I"},
         events=[{"when": "v - 1", "direction": "up", "set": {"v": 0}}],
