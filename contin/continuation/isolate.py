@@ -37,6 +37,7 @@ from contin.continuation.problem import (
     is_planar,
     unverified,
 )
+from contin.continuation.sameness import same_point
 
 COINCIDENT = 1e-10  # events closer than this (arclength) are one compound event
 NARROW = 1e-4  # a located bracket, relative to the step, from which Newton on the defining system starts
@@ -45,31 +46,38 @@ DEPTH = 60  # halvings of one step
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
 
-def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[Found | Note]:
-    """All events between a and b, in order."""
+def isolate(
+    stretch: Stretch, a: Sample, b: Sample, depth: int = 0, beside: tuple[Verified, ...] = ()
+) -> Iterator[Found | Note]:
+    """All events between a and b, in order.
+
+    beside : events of the same step that are known already: a change that leads to one of them again is rounding.
+    """
     types = stretch.problem.explain(a, b)
     if types == () or any(unresolved(stretch.problem, row.eigenvalues[None]).any() for row in (a, b)):
         return
     width = stretch.distance(a, b)
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
-        if isinstance(verified, Found):
+        if isinstance(verified, Found) and any(_is_one(stretch, verified.point, known) for known in beside):
+            yield Note(where(stretch, verified.sample, LOST_IN_ROUNDING), hides=True)
+        elif isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
             if len(companions) == 1 and _is_plain(stretch, companions[0], types[0]):
-                yield from _with_rest(stretch, a, b, companions[0], depth)
+                yield from _with_rest(stretch, a, b, companions[0], depth, beside)
             else:
                 yield from companions
         elif isinstance(verified, Nothing):  # a change that is no event, such as a neutral saddle
             yield from _around(stretch, (a, low, high, b), depth)
         elif depth < DEPTH:
-            yield from isolate(stretch, a, low, DEPTH)
+            yield from isolate(stretch, a, low, DEPTH, beside)
             together = list(_compound(stretch, low, high, verified.reason))
             only = together[0] if len(together) == 1 else None
             if isinstance(only, Found) and (stretch.problem.adaptive or _is_plain(stretch, only, types[0])):
-                yield from _with_rest(stretch, a, b, only, depth if stretch.problem.adaptive else DEPTH)
+                yield from _with_rest(stretch, a, b, only, depth if stretch.problem.adaptive else DEPTH, beside)
             else:
                 yield from together
-            yield from isolate(stretch, high, b, DEPTH)
+            yield from isolate(stretch, high, b, DEPTH, beside)
         else:
             yield Note(where(stretch, low, verified.reason))
         return
@@ -84,8 +92,8 @@ def isolate(stretch: Stretch, a: Sample, b: Sample, depth: int = 0) -> Iterator[
     if middle is None:
         yield from _compound(stretch, a, b, "the curve could not be followed between two accepted points")
         return
-    yield from isolate(stretch, a, middle, depth + 1)
-    yield from isolate(stretch, middle, b, depth + 1)
+    yield from isolate(stretch, a, middle, depth + 1, beside)
+    yield from isolate(stretch, middle, b, depth + 1, beside)
 
 
 def _is_plain(stretch: Stretch, found: Found, type_: str) -> bool:
@@ -116,7 +124,9 @@ def _around(stretch: Stretch, samples: tuple[Sample, Sample, Sample, Sample], de
         yield from (item for item in rest if isinstance(item, Found))
 
 
-def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int) -> Iterator[Found | Note]:
+def _with_rest(
+    stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int, beside: tuple[Verified, ...]
+) -> Iterator[Found | Note]:
     """A located point and the rest of the step on both sides of it: what it hid, or a note where it is no simple zero.
 
     The point knows how far from it (along the curve) its zero may be: zeros in between are itself.
@@ -134,7 +144,7 @@ def _with_rest(stretch: Stretch, a: Sample, b: Sample, found: Found, depth: int)
     simple, lost, centre, labelled = True, False, stretch.length_of(point), [found.length]
     for look in sides:
         simple &= vanishes_linearly(stretch, point, look, crossing)
-        for item in _rest(stretch, look.near, look.far, centre, crossing, depth):
+        for item in _rest(stretch, look.near, look.far, centre, crossing, depth, (*beside, found.point)):
             if isinstance(item, Found) and item.point.type == found.point.type:
                 labelled.append(item.length)
             lost |= isinstance(item, Note) and item.hides
@@ -178,7 +188,8 @@ def next_to_event(
 
 
 def _rest(
-    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int
+    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int,
+    beside: tuple[Verified, ...] = (),
 ) -> Iterator[Found | Note]:
     """Events between `near`, next to a located zero at `centre`, and `far`."""
     if depth >= DEPTH or is_clear(stretch, near, far, centre, crossing, stretch.problem.adaptive):
@@ -194,11 +205,15 @@ def _rest(
             continue
         if told_apart(a, b, noise):
             first, second = (a, b) if stretch.length_of(a) <= stretch.length_of(b) else (b, a)
-            yield from isolate(stretch, first, second, depth + 1)
+            yield from isolate(stretch, first, second, depth + 1, beside)
         else:
             unclear = a
     if unclear is not None:
         yield Note(where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
+
+
+def _is_one(stretch: Stretch, a: Verified, b: Verified) -> bool:
+    return same_point(stretch.problem, a, b, stretch.frame.scale)
 
 
 def _verified(stretch: Stretch, type_: str, near: Sample) -> Outcome:

@@ -42,7 +42,7 @@ def locate_branch_point(
             return found
     best: Located | None = None
     for apart in APART:
-        found = _interpolated(problem, type_, z if best is None else best.z, tangent, scale, apart)
+        found = _interpolated(problem, type_, z, tangent, scale, apart)  # from z again: of several zeros, its own
         if isinstance(found, Rejected):
             if best is not None:
                 break
