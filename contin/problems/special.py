@@ -272,7 +272,8 @@ def _accept(
     others = np.delete(values, chosen)
     beyond = np.abs(others) - 1.0 if problem.is_map else others.real
     sizes = 1.0 if problem.is_map else np.delete(noises(values, rates), chosen)
-    crowded = bool(np.any(np.abs(beyond) < SINGULAR * sizes))
+    # at a multiple branch point Newton's method for a simple one stops where the others are no more than its error
+    crowded = bool(np.any(np.abs(beyond) < (CRITICAL if type_ == "BP" else SINGULAR) * sizes))
     rounding = 0.5 * np.finfo(float).eps * abs(float(z[-1]))
     if is_suspect(values, problem.is_map):  # of a pair that is critical together one is left
         beyond = np.where(np.abs(beyond) <= np.delete(errors_of(problem, z, values, frame.scale), chosen), 0.0, beyond)

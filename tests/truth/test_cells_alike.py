@@ -27,6 +27,7 @@ def check(seed: int) -> None:
     equations = {
         x: f"p - 1 + 0.5*{x} + {a!r}*{x}^2 - {x}^3 + {k!r}*({' + '.join(y for y in names if y != x)})" for x in names
     }
+    half = max(half, abs(at(3.0)) + 1.0)
     model = Model("cells", states=dict.fromkeys(names, 3.0), parameters={"p": at(3.0)}, equations=equations)
     branch = api.continuation(api.equilibrium(model), "p", (-half, half))
     places = {"BP": [-3.0, 2.0 * a, 0.5 - k], "LP": [-3.0, 2.0 * a, 0.5 + (n - 1) * k]}
