@@ -38,8 +38,7 @@ def figure(
         if name is not None and name not in columns:
             raise InputError(f"there is no column {name!r} to draw; there are {', '.join(columns)}")
     shown = (chosen if len(chosen) > 1 else list(states))[:MOST_PANELS]
-    across = look.x or states[0]
-    up = chosen[0] if chosen else (states[1] if len(states) > 1 else None)
+    across, up = _portrait_axes(look.x, chosen, states)
     look.check_columns(["t", *shown, across, *([up] if up else [])])
     if ax is not None:
         return _into(ax, columns, look, (across, up) if up else ("t", across), closed, section)
@@ -59,6 +58,14 @@ def figure(
         if look.title:
             drawing.suptitle(look.title, fontsize="large")
     return drawing
+
+
+def _portrait_axes(x: str | None, chosen: Sequence[str], states: Sequence[str]) -> tuple[str, str | None]:
+    """What the portrait shows: of several y without x the first two; no column over itself unless it is asked for."""
+    if x is None and len(chosen) > 1:
+        return chosen[0], chosen[1]
+    up = chosen[0] if chosen else next((name for name in states if name != (x or states[0])), None)
+    return x or next((name for name in states if name != up), states[0]), up
 
 
 def drawn(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from contin.bvp.connection_problem import ConnectionToCycle
 from contin.continuation.defects import noted
 from contin.continuation.fields import fields_along, has_fields
+from contin.problems.hybrid.locus import HybridLocus
 from contin.problems.orbits.homoclinic.problem import ConnectionProblem
 from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.records import Record
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
     from contin.problems.orbits.layout import Profile
 
-WITH_ORBITS: Final = (OfPeriodicOrbits, ConnectionProblem, ConnectionToCycle)
+WITH_ORBITS: Final = (OfPeriodicOrbits, ConnectionProblem, ConnectionToCycle, HybridLocus)
 
 
 class OrbitSamples:
@@ -43,8 +44,9 @@ def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
         return None
     profile = _profile(branch.problem, point)
     if has_fields(branch.problem):
-        return {"orbit": {"t": profile.times * profile.period, **fields_along(branch.problem, profile.u, point.values)}}
-    names = branch.problem.system.state_names[: profile.n]  # (of a connection to a cycle those of the model come first)
+        fields = fields_along(branch.problem, profile.u, point.values)
+        return {"orbit": {"t": profile.times * profile.period, **fields}}
+    names = branch.problem.system.state_names[: profile.u.shape[1]]  # of a connection to a cycle, the model
     states = dict(zip(names, profile.u.T, strict=True))
     return {"orbit": {"t": profile.times * profile.period, **states}}
 

@@ -61,8 +61,8 @@ def save_branches(
 
 
 def _orbit(branch: Branch, point: SpecialPoint) -> Record | None:
-    """The orbit at a labelled point of a family."""
-    if branch.kind != "orbit" or not callable(getattr(point.problem, "profile", None)):
+    """The orbit at a labelled point of a family, or of a curve of orbits."""
+    if branch.kind not in ("orbit", "locus") or not callable(getattr(point.problem, "profile", None)):
         return None
     return {"orbit": dict(point.orbit.columns)}
 

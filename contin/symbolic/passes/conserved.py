@@ -29,8 +29,11 @@ SMALLEST: Final = 1e-6  # part of the largest |c x| that counts for a state that
 
 
 def without_conserved(model: object) -> Any:
-    """The model at fixed totals, made once: itself where it has none, declares `conserved: false` or is a function."""
-    if not isinstance(model, Model) or not model.conserved or model.totals or model.rotation:
+    """The model at fixed totals, made once: itself where it has none, declares `conserved: false` or is a function.
+
+    Jumps (`events:`) change what the flow conserves, so that models with them are as they are.
+    """
+    if not isinstance(model, Model) or not model.conserved or model.totals or model.rotation or model.events:
         return model
     return kept_with(model, "without conserved totals", lambda: reduce_conserved(model))
 
