@@ -16,6 +16,7 @@ from contin.model.parts import Parameter, Start
 from contin.model.values import parameter_values
 from contin.pde.arrays import ArrayFormulas
 from contin.pde.equations import Discretised
+from contin.pde.frame import Travelling
 from contin.pde.measures import Observer
 from contin.problems.functions.problem import FunctionProblem
 from contin.records import Fields, Record
@@ -31,13 +32,14 @@ class PdeProblem(FunctionProblem):
 
     def __init__(
         self,
-        discretised: Discretised,
+        discretised: Discretised | Travelling,
         observer: Observer,
         parameters: Sequence[Parameter],
         starts: Sequence[Start],
         guess: Start,
         read_start: Reader,
         described: Record,
+        velocity: str | None = None,
     ) -> None:
         self.discretised, self._read_start = discretised, read_start
         self._formulas = tuple(parameters)
@@ -62,6 +64,11 @@ class PdeProblem(FunctionProblem):
         def parameter_jacobian(u: Array, p: Mapping[str, float], name: str) -> Array:
             return discretised.forms(u, p, [(np.zeros(discretised.n), {name: 1.0})])
 
+        def record(u: Array, p: Mapping[str, float]) -> dict[str, float]:
+            assert velocity is not None
+            assert isinstance(discretised, Travelling)
+            return {**observer(u, p), velocity: float(discretised.velocity(u, p))}
+
         bounds = {q.name: q.range for q in parameters if q.range is not None}
         numbers = {name: tuple(evaluated(pair, values)) for name, pair in bounds.items()}
         super().__init__(
@@ -70,8 +77,8 @@ class PdeProblem(FunctionProblem):
             values,
             discretised.jacobian,
             parameter_jacobian=parameter_jacobian,
-            derivative=derivative,
-            record=observer,
+            derivative=derivative if isinstance(discretised, Discretised) else None,
+            record=observer if velocity is None else record,
             states=[f"{field}[{k}]" for k, (field, _) in enumerate(where)],
             ranges={name: (pair[0], pair[1]) for name, pair in numbers.items()},
             explain=self._explained,
@@ -129,13 +136,7 @@ class PdeProblem(FunctionProblem):
         return self._vector(chosen, values), np.array(list(values.values()))
 
     def _vector(self, start: Start, p: Mapping[str, float]) -> Array:
-        d = self.discretised
-        u = np.empty(d.n)
-        for field in self.fields:
-            formula = start.states.get(field, self._guess.states[field])
-            free = d.unknowns.free[field]
-            at = {name: x[free] for name, x in d.grid.coordinates.items()}
-            u[d.unknowns.places[field]] = ArrayFormulas([formula])({**p, **at}, len(free))[0]
+        u = sampled(self.discretised, {f: start.states.get(f, self._guess.states[f]) for f in self.fields}, p)
         if not np.all(np.isfinite(u)):
             field, x = self._where[int(np.flatnonzero(~np.isfinite(u))[0])]
             raise InputError(f"{self.name}: the start of {field} is not finite at {self._place(x)}")
@@ -164,6 +165,16 @@ class PdeProblem(FunctionProblem):
         """What a store keeps of it."""
         sizes = " x ".join(str(n) for n in self.discretised.grid.shape)
         return f"# {sizes} nodes\n{super().text()}"
+
+
+def sampled(d: Discretised | Travelling, formulas: Mapping[str, Expression], p: Mapping[str, float]) -> Array:
+    """The unknowns (n,) of fields that formulas give."""
+    u = np.empty(d.n)
+    for field, formula in formulas.items():
+        free = d.unknowns.free[field]
+        at = {name: x[free] for name, x in d.grid.coordinates.items()}
+        u[d.unknowns.places[field]] = ArrayFormulas([formula])({**p, **at}, len(free))[0]
+    return u
 
 
 def evaluated(formulas: Sequence[Expression], values: Fields) -> list[float]:

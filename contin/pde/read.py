@@ -24,9 +24,10 @@ from contin.model.values import parameter_values
 from contin.pde.axes import Axis
 from contin.pde.conditions import ConditionReader, SideError
 from contin.pde.equations import Discretised
+from contin.pde.frame import Travelling
 from contin.pde.grid import Grid
 from contin.pde.measures import MeasureReader, Observer
-from contin.pde.problem import PdeProblem
+from contin.pde.problem import PdeProblem, sampled
 from contin.pde.schema import LARGEST_GRID, AxisEntry, PdeEntry
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Unknowns
@@ -121,10 +122,37 @@ class _Builder:
             self.problems.raise_if_any()
             raise
         described = {"name": entry.name, "title": entry.title, "source": entry.source, "expect": self._expected()}
+        observer = Observer(system, observables, measures.found)
+        moving = self._travelling(system, parameters)
+        velocity = None if entry.travelling is None else canonical_name(entry.travelling.velocity)
         return PdeProblem(
-            system, Observer(system, observables, measures.found), parameters, starts, guess, self._read_start,
-            described,
+            moving or system, observer, parameters, starts, guess, self._read_start, described, velocity
         )
+
+    def _travelling(self, system: Discretised, parameters: list[Parameter]) -> Travelling | None:
+        """The equations in the frame that moves with a wave, where the file asks for it."""
+        item = self.entry.travelling
+        if item is None:
+            return None
+        path: Path = ("travelling",)
+        circles = [axis.name for axis in self.grid.axes if axis.periodic]
+        name = canonical_name(item.axis)
+        if name not in circles:
+            known = f"periodic are {', '.join(circles)}" if circles else "no axis is periodic"
+            self.problems.add((*path, "axis"), f"waves travel along a periodic axis: {name} is none; {known}")
+        wave = self._known(item.like, self.fields, "field", (*path, "like"), self.guesses, self.problems)
+        taken = {*self.fields, *self.axes, *self.names, *map(canonical_name, self.entry.observables)}
+        if canonical_name(item.velocity) in taken:
+            self.problems.add((*path, "velocity"), f"{item.velocity} is declared already; choose another name")
+        self.problems.raise_if_any()
+        formulas = {field: wave.get(field, number(0)) for field in self.fields}
+        like = sampled(system, formulas, parameter_values(parameters, []))
+        try:
+            return Travelling(system, self.axes.index(name), like)
+        except InputError as error:
+            self.problems.add((*path, "like"), str(error), key=True)
+            self.problems.raise_if_any()
+            raise
 
     def _read_start(self, mapping: Record) -> Start:
         """A start given where a run or a call needs one."""

@@ -42,6 +42,14 @@ class AxisEntry(_Entry):
     periodic: bool = False
 
 
+class TravellingEntry(_Entry):
+    """Waves are followed in the frame that moves with them: along which axis, the velocity's name, a wave for the phase."""
+
+    axis: Name
+    velocity: Name = "c"
+    like: Annotated[dict[str, Formula], Field(min_length=1)]
+
+
 class PdeEntry(_Entry):
     """A whole model file of kind: pde."""
 
@@ -59,6 +67,7 @@ class PdeEntry(_Entry):
     equations: dict[str, Formula]
     boundary: dict[str, Annotated[list[Text], BeforeValidator(_texts), WithJsonSchema(_TEXTS)]] = {}
     observables: dict[str, Formula] = {}
+    travelling: TravellingEntry | None = None
     starts: dict[str, StartEntry] = {}
     expect: list[ExpectEntry] = []
 

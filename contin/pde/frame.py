@@ -1,0 +1,85 @@
+"""Waves that travel along a circle, as equilibria in a frame that moves with them.
+
+With D = d/dx on the unknowns, the equations u' = F(u) + (c + s) D u have a wave of velocity c(u) as an equilibrium:
+
+    c(u) = -<D u, F(u)>/<D u, D u>            removes what moves the wave along itself (Beyn and Thuemmler 2004)
+    s(u) = -<D w, u>/<D w, D u>               brings it to the phase of a given wave w
+
+The Jacobian there is that of the flow in the moving frame, but for the eigenvalue 0 of translations, which becomes -1: all
+others, and so stability, are those of the wave. Its rows are full, for c depends on all unknowns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.sparse import csc_matrix, csr_matrix
+
+from contin.abi import Array, Vector
+from contin.errors import InputError
+from contin.pde.equations import Discretised
+from contin.pde.piece import Values
+from contin.pde.slots import Slot
+
+
+class Travelling:
+    """Discretised equations in the frame that moves along the periodic axis number `axis` with a wave."""
+
+    def __init__(self, still: Discretised, axis: int, like: Array) -> None:
+        self.still, self.n = still, still.n
+        self.unknowns, self.grid, self.slots = still.unknowns, still.grid, still.slots
+        self.generator = self._generator(axis)
+        self._turned = np.asarray(self.generator @ like)
+        if not self._turned.any():
+            name = self.grid.axes[axis].name
+            raise InputError(f"the wave under `travelling` does not change along {name}: write one, as in cos({name})")
+
+    def _generator(self, axis: int) -> csr_matrix:
+        """D on the unknowns."""
+        total = csr_matrix((self.n, self.n))
+        for field in self.unknowns.fields:
+            orders = tuple(int(k == axis) for k in range(len(self.grid.axes)))
+            rows = self.unknowns.map_of(Slot(field, orders)).S[self.unknowns.free[field]]
+            places = self.unknowns.places[field]
+            put = csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(self.n, len(places)))
+            total = total + put @ rows
+        return csr_matrix(total)
+
+    def velocity(self, u: Vector, p: Values) -> Vector:
+        """c(u)"""
+        w = self.generator @ u
+        return np.asarray(-(w * self.still.value(u, p)).sum(axis=0) / (w * w).sum(axis=0))
+
+    def value(self, u: Vector, p: Values) -> Vector:
+        """F + (c + s) D u, of one state or of K."""
+        w, f = self.generator @ u, self.still.value(u, p)
+        c = -(w * f).sum(axis=0) / (w * w).sum(axis=0)
+        s = -(self._turned @ u) / (self._turned @ w)
+        return np.asarray(f + (c + s) * w)
+
+    def jacobian(self, u: Array, p: Values) -> csc_matrix:
+        """The exact Jacobian, with full rows."""
+        D, t = self.generator, self._turned
+        w, f, J = D @ u, self.still.value(u, p), self.still.jacobian(u, p)
+        square, along, turned = float(w @ w), float(w @ f), float(t @ w)
+        c, s = -along / square, -float(t @ u) / turned
+        by_c = -(D.T @ f + J.T @ w) / square + 2.0 * along / square**2 * (D.T @ w)
+        by_s = -t / turned + float(t @ u) / turned**2 * (D.T @ t)
+        return csc_matrix(J.toarray() + (c + s) * D.toarray() + np.outer(w, by_c + by_s))
+
+    def jacobians(self, u: Array, p: Values) -> list[csc_matrix]:
+        """At K states."""
+        return [self.jacobian(column, p) for column in u.T]
+
+    def forms(self, u: Array, p: Values, directions: Sequence[tuple[Array, Mapping[str, float]]]) -> Array:
+        """The derivative along parameters alone."""
+        if len(directions) != 1 or np.any(directions[0][0]):
+            raise NotImplementedError("derivatives in a moving frame are taken by complex steps")
+        rate = self.still.forms(u, p, directions)
+        w = self.generator @ u
+        return np.asarray(rate - (w * rate).sum(axis=0) / (w * w).sum(axis=0) * w)
+
+    def fields(self, u: Array, p: Values) -> dict[str, Array]:
+        """As they are."""
+        return self.still.fields(u, p)
