@@ -97,7 +97,8 @@ class Discretised:
         b = {s: _across(x, u) for s, x in _stacked([q.jet([], p, rates, whole) for q in self._values], whole).items()}
         inner = [piece.jet(_slot_jets(piece, jet_u, b, None), p, rates, whole) for piece in self._slopes]
         g = _stacked([{s: _spread(x, u) for s, x in jet.items()} for jet in inner], whole)
-        out = np.empty(u.shape)
+        rated = [x for rate in rates for x in rate.values()]
+        out = np.empty(u.shape, np.result_type(u, float, *p.values(), *rated, *(v for v, _ in directions)))
         for field, piece in self.pieces.items():
             jet = piece.jet(_slot_jets(piece, jet_u, b, g), p, rates, whole)
             out[self.unknowns.places[field]] = _spread(jet[whole], u)

@@ -5,8 +5,8 @@ With D = d/dx on the unknowns, the equations u' = F(u) + (c + s) D u have a wave
     c(u) = -<D u, F(u)>/<D u, D u>            removes what moves the wave along itself (Beyn and Thuemmler 2004)
     s(u) = -<D w, u>/<D w, D u>               brings it to the phase of a given wave w
 
-The Jacobian there is that of the flow in the moving frame, but for the eigenvalue 0 of translations, which becomes -1: all
-others, and so stability, are those of the wave. Its rows are full, for c depends on all unknowns.
+The Jacobian there is that of the flow in the moving frame, but for the eigenvalue 0 of translations, which becomes -1:
+all others, and so stability, are those of the wave. Its rows are full, for c depends on all unknowns.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from scipy.sparse import csc_matrix, csr_matrix
 
 from contin.abi import Array, Vector
 from contin.errors import InputError
-from contin.pde.equations import Discretised
-from contin.pde.piece import Values
+from contin.pde.piece import NOTHING, Jet, Values, subsets
+from contin.pde.protocol import Equations, check_full
 from contin.pde.slots import Slot
 
 
 class Travelling:
     """Discretised equations in the frame that moves along the periodic axis number `axis` with a wave."""
 
-    def __init__(self, still: Discretised, axis: int, like: Array) -> None:
+    def __init__(self, still: Equations, axis: int, like: Array) -> None:
         self.still, self.n = still, still.n
         self.unknowns, self.grid, self.slots = still.unknowns, still.grid, still.slots
+        check_full(self, "travelling")
         self.generator = self._generator(axis)
         self._turned = np.asarray(self.generator @ like)
         if not self._turned.any():
@@ -73,13 +74,36 @@ class Travelling:
         return [self.jacobian(column, p) for column in u.T]
 
     def forms(self, u: Array, p: Values, directions: Sequence[tuple[Array, Mapping[str, float]]]) -> Array:
-        """The derivative along parameters alone."""
-        if len(directions) != 1 or np.any(directions[0][0]):
-            raise NotImplementedError("derivatives in a moving frame are taken by complex steps")
-        rate = self.still.forms(u, p, directions)
-        w = self.generator @ u
-        return np.asarray(rate - (w * rate).sum(axis=0) / (w * w).sum(axis=0) * w)
+        """D^k (F + (c + s) D u)[d_1, ..., d_k], by the rules of products and quotients over their subsets."""
+        whole = frozenset(range(len(directions)))
+        state: Jet = {NOTHING: u, **{frozenset({k}): d for k, (d, _) in enumerate(directions)}}
+        w = {s: self.generator @ x for s, x in state.items()}
+        f = {s: self.still.forms(u, p, [directions[k] for k in sorted(s)]) for s in subsets(whole)}
+        f[NOTHING] = self.still.value(u, p)
+        phase = {s: self._turned @ x for s, x in state.items()}
+        turned = {s: self._turned @ x for s, x in w.items()}
+        c = _quotient(_inner(w, f, whole), _inner(w, w, whole), whole)
+        s = _quotient(phase, turned, whole)
+        moved = sum((c[a] + s[a]) * w[whole - a] for a in [NOTHING, *subsets(whole)] if whole - a in w)
+        return np.asarray(f[whole] - moved)
 
     def fields(self, u: Array, p: Values) -> dict[str, Array]:
         """As they are."""
         return self.still.fields(u, p)
+
+
+def _inner(a: Jet, b: Jet, whole: frozenset[int]) -> Jet:
+    """The inner product of two jets, those of a being few."""
+    return {
+        s: np.asarray(sum((x * b[s - part]).sum(axis=0) for part, x in a.items() if part <= s and s - part in b))
+        for s in [NOTHING, *subsets(whole)]
+    }
+
+
+def _quotient(above: Jet, below: Jet, whole: frozenset[int]) -> Jet:
+    """The jet of a quotient of two numbers: q[S] b = a[S] - sum of b[A] q[S - A]."""
+    q: Jet = {}
+    for s in [NOTHING, *subsets(whole)]:
+        rest = sum(below[a] * q[s - a] for a in subsets(s) if a in below)
+        q[s] = np.asarray((above.get(s, 0.0) - rest) / below[NOTHING])
+    return q

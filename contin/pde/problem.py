@@ -15,9 +15,9 @@ from contin.model.expression import Expression
 from contin.model.parts import Parameter, Start
 from contin.model.values import parameter_values
 from contin.pde.arrays import ArrayFormulas
-from contin.pde.equations import Discretised
 from contin.pde.frame import Travelling
 from contin.pde.measures import Observer
+from contin.pde.protocol import Equations
 from contin.problems.functions.problem import FunctionProblem
 from contin.records import Fields, Record
 
@@ -32,7 +32,7 @@ class PdeProblem(FunctionProblem):
 
     def __init__(
         self,
-        discretised: Discretised | Travelling,
+        discretised: Equations,
         observer: Observer,
         parameters: Sequence[Parameter],
         starts: Sequence[Start],
@@ -77,7 +77,7 @@ class PdeProblem(FunctionProblem):
             values,
             discretised.jacobian,
             parameter_jacobian=parameter_jacobian,
-            derivative=derivative if isinstance(discretised, Discretised) else None,
+            derivative=derivative,
             record=observer if velocity is None else record,
             states=[f"{field}[{k}]" for k, (field, _) in enumerate(where)],
             ranges={name: (pair[0], pair[1]) for name, pair in numbers.items()},
@@ -167,7 +167,7 @@ class PdeProblem(FunctionProblem):
         return f"# {sizes} nodes\n{super().text()}"
 
 
-def sampled(d: Discretised | Travelling, formulas: Mapping[str, Expression], p: Mapping[str, float]) -> Array:
+def sampled(d: Equations, formulas: Mapping[str, Expression], p: Mapping[str, float]) -> Array:
     """The unknowns (n,) of fields that formulas give."""
     u = np.empty(d.n)
     for field, formula in formulas.items():

@@ -23,11 +23,13 @@ from contin.model.source import CallSource, Path, Problems, Source
 from contin.model.values import parameter_values
 from contin.pde.axes import Axis
 from contin.pde.conditions import ConditionReader, SideError
+from contin.pde.conserved import Conserving
 from contin.pde.equations import Discretised
 from contin.pde.frame import Travelling
 from contin.pde.grid import Grid
 from contin.pde.measures import MeasureReader, Observer
 from contin.pde.problem import PdeProblem, sampled
+from contin.pde.protocol import Equations
 from contin.pde.schema import LARGEST_GRID, AxisEntry, PdeEntry
 from contin.pde.slots import Slots
 from contin.pde.unknowns import Unknowns
@@ -123,13 +125,28 @@ class _Builder:
             raise
         described = {"name": entry.name, "title": entry.title, "source": entry.source, "expect": self._expected()}
         observer = Observer(system, observables, measures.found)
-        moving = self._travelling(system, parameters)
+        held = self._conserving(system, parameters)
+        moving = self._travelling(held, parameters)
         velocity = None if entry.travelling is None else canonical_name(entry.travelling.velocity)
         return PdeProblem(
-            moving or system, observer, parameters, starts, guess, self._read_start, described, velocity
+            moving or held, observer, parameters, starts, guess, self._read_start, described, velocity
         )
 
-    def _travelling(self, system: Discretised, parameters: list[Parameter]) -> Travelling | None:
+    def _conserving(self, system: Discretised, parameters: list[Parameter]) -> Equations:
+        """The equations with the means held that the file gives."""
+        given, path = dict(self.entry.conserved), ("conserved",)
+        means = self._known(given, self.fields, "field", path, self.constants, self.problems)
+        self.problems.raise_if_any()
+        if not means:
+            return system
+        try:
+            return Conserving(system, means, parameter_values(parameters, []))
+        except InputError as error:
+            self.problems.add(path, str(error), key=True)
+            self.problems.raise_if_any()
+            raise
+
+    def _travelling(self, system: Equations, parameters: list[Parameter]) -> Travelling | None:
         """The equations in the frame that moves with a wave, where the file asks for it."""
         item = self.entry.travelling
         if item is None:

@@ -43,7 +43,7 @@ class AxisEntry(_Entry):
 
 
 class TravellingEntry(_Entry):
-    """Waves are followed in the frame that moves with them: along which axis, the velocity's name, a wave for the phase."""
+    """The frame that moves with waves: along which axis, the velocity's name, a wave for the phase."""
 
     axis: Name
     velocity: Name = "c"
@@ -67,6 +67,7 @@ class PdeEntry(_Entry):
     equations: dict[str, Formula]
     boundary: dict[str, Annotated[list[Text], BeforeValidator(_texts), WithJsonSchema(_TEXTS)]] = {}
     observables: dict[str, Formula] = {}
+    conserved: dict[str, Formula] = {}
     travelling: TravellingEntry | None = None
     starts: dict[str, StartEntry] = {}
     expect: list[ExpectEntry] = []

@@ -52,25 +52,79 @@ def test_jacobian_in_the_moving_frame_is_the_derivative():
     u, v = problem.u0 + 0.1 * rng.normal(size=d.n), rng.normal(size=d.n)
     slope = d.value(u + 1e-30j * v, p).imag / 1e-30
     np.testing.assert_allclose(d.jacobian(u, p) @ v, slope, rtol=1e-10, atol=1e-10 * np.abs(slope).max())
+    # forms of order k are derivatives of those of order k - 1 along the last direction
+    known = [(rng.normal(size=d.n), {"mu": 0.3, "c1": -0.2}), (rng.normal(size=d.n), {"mu": 0.1})]
+    for k in (1, 2):
+        rates = {name: value + 1e-30j * known[0][1].get(name, 0.0) for name, value in p.items()}
+        slope = d.forms(u + 1e-30j * known[0][0], rates, [*known[1:k], (v, {"c2": 1.0})]).imag / 1e-30
+        found = d.forms(u, p, [*known[:k], (v, {"c2": 1.0})])
+        np.testing.assert_allclose(found, slope, rtol=1e-9, atol=1e-10 * np.abs(slope).max())
     by_parameter = d.value(u.astype(complex), {**p, "mu": p["mu"] + 1e-30j}).imag / 1e-30
     np.testing.assert_allclose(d.forms(u, p, [(0 * u, {"mu": 1.0})]), by_parameter, rtol=1e-10, atol=1e-12)
 
 
-def test_kuramoto_sivashinsky_steady_waves_are_mirror_symmetric_until_they_travel():
-    # u_t = -nu u_xxxx - u_xx - u u_x on a circle: steady waves from nu = 1 on, u ~ a sin x, do not travel
-    problem = contin.load({
+def kuramoto_sivashinsky(**more):
+    """u_t = -nu u_xxxx - u_xx - u u_x on a circle: steady waves near a sin x + b sin 2x from nu = 1 on."""
+    return contin.load({
         "name": "ks", "kind": "pde", "domain": {"x": {"to": "2*pi", "points": 24, "method": "fourier"}},
-        "fields": {"u": "-sin(x)"}, "parameters": {"nu": {"value": 0.8, "range": [0.5, 0.95]}},
+        "fields": {"u": "-2.6*sin(x)"}, "parameters": {"nu": {"value": 0.8, "range": [0.2, 0.95]}, "average": 0},
         "equations": {"u": "-nu*dxxxx(u) - dxx(u) - u*dx(u)"},
-        "travelling": {"axis": "x", "like": {"u": "-sin(x)"}},
+        "conserved": {"u": "average"},
+        "travelling": {"axis": "x", "like": {"u": "-sin(x) - sin(2*x)"}},
+        **more,
     })  # fmt: skip
-    line = contin.continuation(problem, "nu", (0.5, 0.95), settings={"steps": 20})
+
+
+def test_kuramoto_sivashinsky_waves_stand_still_until_they_branch_off_and_travel():
+    problem = kuramoto_sivashinsky()
+    line = contin.continuation(problem, "nu", (0.28, 0.95), settings={"steps": 40})
     assert np.abs(line.columns["c"]).max() < 1e-8
-    # near onset u = a sin x + b sin 2x with a^2 = 24 (1 - nu)(...): -u u_x couples them; b (16 nu - 4) = -a^2/2, ...
-    nu = float(line.columns["nu"].max())
+    top = int(np.argmax(line.columns["nu"]))
+    nu = line.columns["nu"][top]
     b = 2 * (1 - nu)
     a = np.sqrt(2 * b * (16 * nu - 4))
-    assert line.columns["u.norm"][np.argmax(line.columns["nu"])] == pytest.approx(np.hypot(a, b) / np.sqrt(2), rel=0.02)
+    assert line.columns["u.norm"][top] == pytest.approx(np.hypot(a, b) / np.sqrt(2), rel=0.02)
+    birth = line["BP1"]
+    # Kevrekidis, Nicolaenko, Scovel (1990): 4/nu = 13.005
+    assert 4 / birth.z[-1] == pytest.approx(13.005, abs=2e-3)
+    waves = contin.continuation(birth.switch(), "nu", (0.28, 0.95), settings={"steps": 10})
+    speed = waves.columns["c"]
+    row = int(np.argmax(np.abs(speed)))
+    assert abs(speed[row]) > 0.3
+    # the wave solves the equations as they are written, -nu D^4 u - D^2 u - u D u = -c D u, D exact on Fourier modes
+    u, here = waves.z[row, :-1], waves.columns["nu"][row]
+    modes = 1j * np.fft.fftfreq(24, 1 / 24)
+    modes[12] = 0.0
+
+    def derivative(v, order=1):
+        return np.fft.ifft(modes**order * np.fft.fft(v)).real
+
+    rest = -here * derivative(u, 4) - derivative(u, 2) - u * derivative(u) + speed[row] * derivative(u)
+    assert np.abs(rest).max() < 1e-5 * np.abs(derivative(u, 4)).max()
+    assert abs(u.mean()) < 1e-10
+
+
+def test_a_wave_with_a_mean_is_carried_along_by_it():
+    # Galilean invariance: u(x - m t) + m
+    still = contin.equilibrium(kuramoto_sivashinsky())
+    carried = contin.equilibrium(kuramoto_sivashinsky(), parameters={"average": 0.75})
+    np.testing.assert_allclose(carried.u, still.u + 0.75, atol=1e-9)
+    problem = kuramoto_sivashinsky()
+    assert problem.discretised.velocity(carried.u, {**problem.values, "average": 0.75}) == pytest.approx(0.75, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"equations": {"u": "dxx(u) - u^3"}}, "conserved: the equation of u does not conserve its mean on this grid"),
+        ({"conserved": {"w": 0}}, "conserved.w: not a field"),
+        ({"domain": {"x": {"to": "2*pi", "points": 3001, "periodic": True}}}, "`conserved` makes the Jacobian full"),
+    ],
+)
+def test_mistakes_in_what_is_conserved(change, message):
+    with pytest.raises(contin.InputError) as error:
+        kuramoto_sivashinsky(**change)
+    assert message in str(error.value)
 
 
 @pytest.mark.parametrize(
