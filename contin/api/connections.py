@@ -10,7 +10,6 @@ import numpy as np
 from contin.abi import Array
 from contin.api.starts import equilibrium
 from contin.bvp.connections import CycleConnection
-from contin.bvp.cycle_ends import Cycle, Rest
 from contin.continuation.branch import SpecialPoint
 from contin.errors import ExpressionError, InputError
 from contin.lowering.system import CompiledSystem
@@ -18,6 +17,7 @@ from contin.model.expression import Expression
 from contin.model.kinds import need_time
 from contin.model.model import Model
 from contin.model.parser import parse
+from contin.problems.orbits.cycle_ends import Cycle, Rest
 from contin.problems.orbits.frame import system_of_orbits
 from contin.problems.orbits.homoclinic.reversor import reversor_of
 from contin.problems.orbits.homoclinic.start import ConnectingOrbit

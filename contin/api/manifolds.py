@@ -16,7 +16,9 @@ from contin.lowering.system import CompiledSystem
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.manifolds.eigenspace import Eigenspace, Side, eigenspace
 from contin.problems.manifolds.iterated import Grown, MapCurve
-from contin.problems.manifolds.segments import Grower, Segment, curve, disc
+from contin.problems.manifolds.segments import FromCycle, FromRest, Grower, Segment, curve, disc
+from contin.problems.orbits.cycle_ends import Cycle
+from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.start import Equilibrium
 from contin.records import Record
 
@@ -39,7 +41,8 @@ def manifold(
 ) -> Branch:
     """The stable or unstable manifold of an equilibrium (of a fixed point of a map, where it is a curve).
 
-    origin : a model, whose equilibrium is solved from `start`; or a labelled point of a branch of equilibria.
+    origin : a model, whose equilibrium is solved from `start`; a labelled point of a branch of equilibria; or one of a
+        family of periodic orbits, whose surface along its one real multiplier on that side is grown (both sheets).
     length : arclength, in the states' own units, of every orbit on it, or of either branch of a curve.
     dimension : 1 or 2; by default that of the whole eigenspace. Below that, the strong manifold of the fastest rates.
     spacing : of a surface, the widest gap between neighbouring orbits at equal arclength (default length/20).
@@ -57,6 +60,10 @@ def manifold(
     if spacing is not None and not spacing > 0.0:
         raise InputError(f"spacing: a positive distance; got {spacing!r}")
     began = computing_time()
+    if isinstance(origin, SpecialPoint) and isinstance(origin.problem, OrbitProblem):
+        if dimension not in (None, 2):
+            raise InputError("manifold: of a cycle, surfaces along a real multiplier are grown: leave out `dimension`")
+        return _of_cycle(origin, origin.problem, side, length, spacing or SPACING * length, samples, name, began)
     system, u, p = _rest(origin, start, parameters)
     is_map = system.kind == "map"
     matrix = np.asarray(system.jacobian(u, p)[1])[:, : len(u)]
@@ -70,8 +77,8 @@ def manifold(
     if is_map:
         table, troubles = _of_map(MapCurve(system, u, p, space, length, side == "stable"))
     else:
-        grower = Grower(system, u, p, space, length, samples, side == "stable")
-        table, troubles = _of_flow(grower, u, spacing or SPACING * length)
+        grower = Grower(system, p, FromRest(u, space), length, samples, side == "stable")
+        table, troubles = _of_flow(grower, u, space.dimension, spacing or SPACING * length)
     seconds = computing_time() - began
     return _branch(name, system, u, p, table, troubles, seconds, f"{side} manifold, {_words(space)}")
 
@@ -96,10 +103,10 @@ def _rest(origin: Any, start: Any, parameters: Record | None) -> tuple[CompiledS
 Table = dict[str, Vector]
 
 
-def _of_flow(grower: Grower, u0: Array, spacing: float) -> tuple[Table, list[str]]:
+def _of_flow(grower: Grower, u0: Array, dimension: int, spacing: float) -> tuple[Table, list[str]]:
     """Columns, the states as "u", and what is not as asked for."""
     troubles: list[str] = []
-    if grower.space.dimension == 1:
+    if dimension == 1:
         left, right = curve(grower)
         middle = Segment(0.0, np.zeros(1), np.zeros(1), u0[None], True)
         parts = [(left, -1.0, slice(None, None, -1)), (middle, 1.0, slice(None)), (right, 1.0, slice(None))]
@@ -112,25 +119,63 @@ def _of_flow(grower: Grower, u0: Array, spacing: float) -> tuple[Table, list[str
         segments: Sequence[Segment] = (left, right)
     else:
         segments, widest = disc(grower, spacing)
-        table = {
-            "orbit": np.repeat(np.arange(len(segments)), grower.samples),
-            "angle": np.repeat([one.angle for one in segments], grower.samples),
-            "s": np.concatenate([one.s for one in segments]),
-            "t": np.concatenate([one.t for one in segments]),
-            "u": np.concatenate([one.u for one in segments]),
-        }
+        table = _surface(segments, grower.samples)
         if widest > spacing:
             troubles.append(
                 f"neighbouring orbits part by up to {widest:.3g}, more than the spacing of {spacing:.3g}: their starts "
                 "are as near as rounding or the number of orbits allows"
             )
+    return table, troubles + _short(segments)
+
+
+def _surface(segments: Sequence[Segment], samples: int) -> Table:
+    return {
+        "orbit": np.repeat(np.arange(len(segments)), samples),
+        "angle": np.repeat([one.angle for one in segments], samples),
+        "s": np.concatenate([one.s for one in segments]),
+        "t": np.concatenate([one.t for one in segments]),
+        "u": np.concatenate([one.u for one in segments]),
+    }
+
+
+def _short(segments: Sequence[Segment]) -> list[str]:
     short = [one for one in segments if not one.whole]
-    if short:
-        least = min(float(one.s[-1]) for one in short)
-        troubles.append(
-            f"{len(short)} of {len(segments)} orbits come to rest before the length is reached, one at {least:.6g}"
+    if not short:
+        return []
+    least = min(float(one.s[-1]) for one in short)
+    return [f"{len(short)} of {len(segments)} orbits come to rest before the length is reached, one at {least:.6g}"]
+
+
+def _of_cycle(
+    point: SpecialPoint, problem: OrbitProblem, side: str, length: float, spacing: float, samples: int, name: str,
+    began: float,
+) -> Branch:  # fmt: skip
+    """Both sheets of the surface that belongs to the one multiplier outside (inside) the unit circle."""
+    system, p = problem.system, problem.full_parameters(point.z)
+    if not isinstance(system, CompiledSystem) or system.n_switches or system.model.forcing is not None:
+        raise InputError("manifold: cycles of smooth autonomous flows given by formulas have surfaces that are grown")
+    cycle = Cycle(system, p, problem.profile(point.z))
+    multipliers = cycle.outside(side == "unstable")
+    if len(multipliers) != 1:
+        listed = ", ".join(f"{m:.6g}" for m in cycle.multipliers)
+        raise InputError(
+            f"manifold: {point.branch}.{point.label} has {len(multipliers)} {side} multipliers besides 1 ({listed}); "
+            "surfaces are grown where there is one"
         )
-    return table, troubles
+    multiplier = multipliers[0]
+    segments: list[Segment] = []
+    troubles: list[str] = []
+    for sense in (1.0, -1.0)[: 2 if multiplier > 0.0 else 1]:
+        grower = Grower(system, p, FromCycle(cycle, multiplier, sense), length, samples, side == "stable")
+        ring, widest = disc(grower, spacing)
+        segments += ring
+        if widest > spacing:
+            troubles.append(f"neighbouring orbits part by up to {widest:.3g}, more than the spacing of {spacing:.3g}")
+    table = _surface(segments, samples)
+    words = f"{side} manifold of a cycle, multiplier {multiplier:.6g}, period {cycle.period:.6g}"
+    seconds = computing_time() - began
+    troubles += _short(segments)
+    return _branch(name, system, cycle.states[0], p, table, troubles, seconds, words, "cycle through")
 
 
 def _of_map(grower: MapCurve) -> tuple[Table, list[str]]:
@@ -149,12 +194,13 @@ def _of_map(grower: MapCurve) -> tuple[Table, list[str]]:
 
 
 def _branch(
-    name: str, system: CompiledSystem, u: Array, p: Array, table: Table, troubles: list[str], seconds: float, what: str
+    name: str, system: CompiledSystem, u: Array, p: Array, table: Table, troubles: list[str], seconds: float, what: str,
+    of: str = "equilibrium",
 ) -> Branch:  # fmt: skip
     states = table.pop("u")
     columns = {**table, **{state: states[:, k].copy() for k, state in enumerate(system.state_names)}}
     place = ", ".join(f"{state} = {value:.8g}" for state, value in zip(system.state_names, u, strict=True))
-    end = End("bound", f"{what} of the equilibrium {place}")
+    end = End("bound", f"{what} of the {of} {place}")
     rows = len(states)
     z = np.column_stack([states, np.full(rows, p[0] if len(p) else 0.0)])
     return Branch(

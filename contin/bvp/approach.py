@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.bvp.cycle_ends import Cycle, Rest
 from contin.errors import InputError, NoSolutionError
 from contin.machine import elementary
+from contin.problems.orbits.cycle_ends import Cycle, Rest
 from contin.problems.orbits.homoclinic.trajectories import until_lost
 from contin.simulate.trajectory import integrate
 

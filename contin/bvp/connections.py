@@ -17,7 +17,6 @@ import numpy as np
 from contin.abi import Array
 from contin.bvp.approach import Approach, approaches
 from contin.bvp.connection_problem import ConnectionToCycle, CurveOfConnections, Homotopy
-from contin.bvp.cycle_ends import Cycle, Rest
 from contin.bvp.problem import BoundaryProblem
 from contin.bvp.start import solved
 from contin.bvp.two_point import two_point
@@ -26,6 +25,7 @@ from contin.continuation.settings import Settings
 from contin.continuation.trace import trace
 from contin.errors import ContinError, InputError, NoSolutionError
 from contin.machine import elementary
+from contin.problems.orbits.cycle_ends import Cycle, Rest
 from contin.problems.orbits.layout import Profile, node_times
 from contin.problems.orbits.mesh import choose_mesh
 from contin.symbolic.passes.connecting import (

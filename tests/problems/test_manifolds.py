@@ -116,3 +116,28 @@ def test_the_unstable_manifold_starts_from_a_label():
 def test_mistakes_are_named(options, message):
     with pytest.raises(InputError, match=message):
         contin.manifold(LORENZ, {"x": 0, "y": 0, "z": 0}, **options)
+
+
+def test_surfaces_of_a_cycle_in_closed_form():
+    """r = 1, z = 0 is a cycle with the multipliers exp(-2 * 2 pi) and exp(2 pi).
+
+    With z' = z and r' = r (1 - r^2): the stable surface is z = 0, the unstable one r = 1, a cylinder.
+    """
+    model = Model(
+        "ring", states={"x": 1, "y": 0, "z": 0}, parameters={"a": 1.0, "k": 1.0},
+        equations={"x": "a*x*(1 - x^2 - y^2) - y", "y": "a*y*(1 - x^2 - y^2) + x", "z": "k*z"},
+    )  # fmt: skip
+    orbit = contin.periodic_orbit(model, np.column_stack([np.cos(TURN), np.sin(TURN), 0 * TURN]), times=TURN)
+    point = contin.continuation(orbit, "a", (0.5, 2), values={"a": [1.0]})["UZ1"]
+    unstable = contin.manifold(point, length=7, spacing=4, samples=60)
+    x, y, z = (unstable.columns[name] for name in "xyz")
+    assert np.abs(np.hypot(x, y) - 1.0).max() < 1e-7
+    assert z.max() > 0.1 > -0.1 > z.min()  # both sheets
+    stable = contin.manifold(point, side="stable", length=4, spacing=4, samples=60)
+    x, y, z = (stable.columns[name] for name in "xyz")
+    assert np.abs(z).max() < 1e-9
+    assert np.hypot(x, y).min() < 0.5
+    assert np.hypot(x, y).max() > 1.5
+
+
+TURN = np.linspace(0.0, 2.0 * np.pi, 200)

@@ -57,7 +57,9 @@ def test_the_tests_of_a_curve_of_cycles_stand_one_after_the_other(locus):
 
 
 def test_flips_and_resonances_of_connections_stand_in_the_order_of_their_tests():
-    assert types.tests_of_connections() == ("NSS", "NCH", "OFS", "OFU", "IFS", "IFU")
+    assert types.tests_of_connections() == (
+        "NSS", "NCH", "OFS", "OFU", "IFS", "IFU", "DRS", "DRU", "NDS", "NDU", "TLS", "TLU",
+    )
 
 
 def test_curves_that_meet_are_those_of_the_points_with_folds_of_cycles_for_folds():

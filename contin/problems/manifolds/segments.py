@@ -1,15 +1,16 @@
-"""Orbit segments on a manifold of an equilibrium: its two branches where it is a curve, a disc of them for a surface.
+"""Orbit segments on a manifold: two branches where it is a curve, a disc or a ring of them for a surface.
 
-A segment begins at a distance DELTA from the equilibrium in the eigenspace and is as long as was asked for. On a
-surface the segments begin on a circle there; between two neighbours whose distance at equal arclength exceeds the
-spacing another one is laid. Where rates differ much, orbits whose starts differ by less than rounding part by the size
-of the whole surface: such a new one begins later, where its neighbours are still close.
+A segment begins at a distance DELTA from the equilibrium in the eigenspace (from the cycle along its Floquet direction)
+and is as long as was asked for. On a surface the segments begin on a closed curve there; between two neighbours whose
+distance at equal arclength exceeds the spacing another one is laid. Where rates differ much, orbits whose starts differ
+by less than rounding part by the size of the whole surface: such a new one begins later, where its neighbours are still
+close.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -21,9 +22,11 @@ from contin.problems.manifolds.eigenspace import Eigenspace
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
+    from contin.problems.orbits.cycle_ends import Cycle
 
 DELTA: Final = 1e-5  # of the length: where segments begin
 RTOL: Final = 1e-10
+LINEAR, AWAY = 1e-4, 1e-2  # of a cycle's extent
 LONGEST: Final = 200.0  # times of the slowest rate of the eigenspace
 FIRST: Final = 16  # segments of a disc
 MOST: Final = 400
@@ -45,14 +48,81 @@ class Segment:
     whole: bool
 
 
+class Source(Protocol):
+    """What a manifold belongs to: where its segments begin, by an angle in [0, 2 pi), and its slowest rate."""
+
+    @property
+    def rate(self) -> float: ...
+
+    @property
+    def wait(self) -> float:
+        """Time that orbits take before their length counts."""
+
+    def start(self, angle: float, distance: float) -> Array: ...
+
+
+@dataclass(frozen=True, eq=False)
+class FromRest:
+    """An equilibrium u0 with the eigenspace of its manifold."""
+
+    u0: Array
+    space: Eigenspace
+
+    wait = 0.0
+
+    @property
+    def rate(self) -> float:
+        return float(np.min(np.abs(self.space.values.real)))
+
+    def start(self, angle: float, distance: float) -> Array:
+        if self.space.dimension == 1:
+            direction = np.array([1.0 if abs(angle) < 1.0 else -1.0])
+        else:
+            direction = np.array([elementary.cos(angle), elementary.sin(angle)])
+        return np.asarray(self.u0 + distance * (self.space.basis @ direction))
+
+
+@dataclass(frozen=True, eq=False)
+class FromCycle:
+    """A cycle, beside which a closed curve runs along the Floquet direction of one multiplier.
+
+    With a negative one the curve closes after two turns, and its two senses are one. Orbits begin at LINEAR of the
+    cycle's extent from it, and their lengths count from about AWAY of it on: a weak multiplier takes many
+    turns.
+    """
+
+    cycle: Cycle
+    multiplier: float
+    sense: float
+
+    @property
+    def rate(self) -> float:
+        return abs(float(elementary.log(abs(self.multiplier)))) / self.cycle.period
+
+    @property
+    def wait(self) -> float:
+        return float(elementary.log(AWAY / LINEAR)) / self.rate
+
+    @property
+    def turns(self) -> int:
+        return 1 if self.multiplier > 0.0 else 2
+
+    def start(self, angle: float, distance: float) -> Array:
+        phase = self.turns * angle / (2.0 * np.pi)
+        here = np.array([phase % 1.0])
+        sense = self.sense if phase < 1.0 else -self.sense
+        v = self.cycle.direction(self.multiplier, here)[0]
+        extent = float(np.linalg.norm(np.ptp(self.cycle.states, axis=0)))
+        return np.asarray(self.cycle.profile.at(here)[0] + sense * LINEAR * extent * v / np.linalg.norm(v))
+
+
 @dataclass(frozen=True, eq=False)
 class Grower:
-    """Segments on the manifold of the equilibrium u0 at p, `backward` in time for a stable one."""
+    """Segments on a manifold at p, `backward` in time for a stable one."""
 
     system: CompiledSystem
-    u0: Array
     p: Array
-    space: Eigenspace
+    source: Source
     length: float
     samples: int
     backward: bool
@@ -64,9 +134,23 @@ class Grower:
 
     def segment(self, angle: float) -> Segment:
         """The orbit that begins at an angle of the circle in the eigenspace."""
-        start = self.u0 + DELTA * self.length * (self.space.basis @ self._direction(angle))
+        start = self.source.start(angle, DELTA * self.length)
+        if self.source.wait:
+            start = self._waited(start, angle)
         s, t, u, whole = self._flown(start, self.lengths, angle)
         return Segment(angle, s, t, u, whole)
+
+    def _waited(self, start: Array, angle: float) -> Array:
+        sign = -1.0 if self.backward else 1.0
+
+        def rate(_: float, u: Array) -> Array:
+            return sign * np.asarray(self.system.value(u, self.p))
+
+        atol = 1e-5 * RTOL * self.length
+        found = solve_ivp(rate, (0.0, self.source.wait), start, method="DOP853", rtol=RTOL, atol=atol)
+        if found.status < 0 or not np.all(np.isfinite(found.y)):
+            raise NotFiniteError(f"manifold: the orbit at angle {angle:.6g} leaves the equations' domain")
+        return np.asarray(found.y[:, -1])
 
     def between(self, a: Segment, b: Segment) -> Segment:
         """An orbit between two whose starts are too near for rounding: it begins where they are `LINK` near.
@@ -94,9 +178,8 @@ class Grower:
             return float(y[-1] - s[-1])
 
         reached.terminal = True  # type: ignore[attr-defined]
-        slowest = float(np.min(np.abs(self.space.values.real)))
         found = solve_ivp(
-            rate, (0.0, LONGEST / slowest), np.append(start, s[0]), method="DOP853", rtol=RTOL,
+            rate, (0.0, LONGEST / self.source.rate), np.append(start, s[0]), method="DOP853", rtol=RTOL,
             atol=1e-3 * RTOL * self.length, events=reached, dense_output=True,
         )  # fmt: skip
         if found.status < 0 or not np.all(np.isfinite(found.y)):
@@ -113,11 +196,6 @@ class Grower:
             speed = np.linalg.norm(self.system.values(here[:-1].T.copy(), self.p), axis=1)
             t = np.clip(t + (s - here[-1]) / np.maximum(speed, 1e-300), 0.0, found.t[-1])
         return s, sign * t, found.sol(t)[:-1].T.copy(), whole
-
-    def _direction(self, angle: float) -> Array:
-        if self.space.dimension == 1:
-            return np.array([1.0 if abs(angle) < 1.0 else -1.0])
-        return np.array([elementary.cos(angle), elementary.sin(angle)])
 
 
 def curve(grower: Grower) -> list[Segment]:

@@ -5,6 +5,9 @@
                   a saddle-node, one of their ends has no part in the direction of that eigenvalue
     SH            a pair becomes imaginary: Shilnikov-Hopf
     OFS OFU       orbit flip: the orbit enters (leaves) along the strong stable (unstable) directions
+    DRS DRU       two leading eigenvalues of one side are alike: real before, a pair beyond (Belyakov)
+    NDS NDU       the leading eigenvalues, a pair on one side, have zero sum of real parts: neutrally divergent
+    TLS TLU       a pair and a real eigenvalue of one side, both leading, have one real part
     IFS IFU       inclination flip: so does the bounded solution of the adjoint variational equation
 Champneys and Kuznetsov, Int. J. Bifurcation and Chaos 4 (1994) 785; flips have a sign where the leading eigenvalue is
 real.
@@ -67,6 +70,7 @@ def tests_at(
     if len(curve.slots) == 1:  # resonances and flips are no bifurcations of connections that persist
         return tests, values
     tests[0] = sum_of_rates if abs(sum_of_rates) > ROUNDING else 0.0  # resonant all along: no sign of its own
+    tests[6:12] = spectral_tests(values if curve.saddles == 1 else np.empty(0, complex), leave, arrive)
     memory = curve.gauge.vectors
     first = last = None  # of the adjoint solution where it is accurate
     if adjoint is not None and curve.saddles == 1:
@@ -81,6 +85,29 @@ def tests_at(
         tests[3] = _component(memory, "OFU", slow_out, slow_out.left, leaving)
         tests[5] = _component(memory, "IFU", slow_out, slow_out.right, last)
     return tests, values
+
+
+def spectral_tests(values: NDArray[np.complex128], leave: int, arrive: int) -> Array:
+    """DRS, DRU, NDS, NDU, TLS, TLU of a saddle with `arrive` stable and `leave` unstable directions; NaN: no meaning.
+
+    A discriminant ((a - b) / (|a| + |b|))^2 is positive for real a, b and negative for a pair.
+    """
+    tests = np.full(6, np.nan)
+    if len(values) != leave + arrive:
+        return tests
+    order = np.argsort(values.real)
+    sides = values[order[:arrive][::-1]], values[order[arrive:]]  # both from the slowest on
+    for k, (own, other) in enumerate((sides, sides[::-1])):
+        if len(own) > 1:
+            square = (own[0] - own[1]) ** 2 / (abs(own[0]) + abs(own[1])) ** 2
+            tests[k] = float(square.real)
+        size = max(abs(own[0]), abs(other[0])) if len(own) and len(other) else 1.0
+        if len(own) > 1 and len(other) and own[0].imag != 0.0:
+            tests[2 + k] = float((2.0 * own[0].real + other[0].real) / size)
+        reals, pairs = own[own.imag == 0.0], own[own.imag > 0.0]
+        if len(reals) and len(pairs) and any(own[0] == one or own[0] == np.conj(one) for one in (reals[0], pairs[0])):
+            tests[4 + k] = float((reals[0].real - pairs[0].real) / size)
+    return tests
 
 
 def _same_sense(memory: dict[str, Array], adjoint: Array) -> Array:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
 
 STEPS: Final = 2000  # of the variational equations over a period
+STRONGEST: Final = 28.0  # |log| of a multiplier whose mode is resolved
 NEUTRAL: Final = 1e-3  # |log| of a multiplier, within which it counts as 1
 
 
@@ -99,6 +100,8 @@ class Cycle:
                 raise InputError(f"a multiplier of the cycle, {value:.6g}, is neutral: it has no hyperbolic manifolds")
             if (size > 0.0) is not unstable:
                 continue
+            if abs(size) > STRONGEST:
+                raise InputError(f"a multiplier of the cycle, {value:.3g}, is so strong that rounding hides its mode")
             if abs(value.imag) > 1e-9 * abs(value):
                 raise InputError(
                     f"the cycle has complex multipliers ({value:.6g}), whose adjoint modes would be projected out: "
