@@ -181,9 +181,9 @@ class IteratedSystem:
         for _ in range(self.times):
             value, matrix = self.base.jacobian(x, p)
             bent = self.base.gradient(x, p, along)
-            second = _after(bent, slope) + matrix[:, : self.n] @ second
-            slope = _after(matrix, slope)
-            with np.errstate(over="ignore", invalid="ignore"):
+            with np.errstate(over="ignore", invalid="ignore"):  # whoever asks sees that it is not finite
+                second = _after(bent, slope) + matrix[:, : self.n] @ second
+                slope = _after(matrix, slope)
                 along = np.concatenate([matrix @ along, along[self.n :]])
             x = value
         return second

@@ -26,6 +26,7 @@ SINGLE: Final = 0.05  # second singular value of that change: beyond, more than 
 FURTHER: Final = 3e-4  # ... where a last step went past it
 TOUCHES: Final = 1e-6  # rate along the branch below which it does not cross the surface
 SETTLED: Final = 0.01  # change of the place in the last round, in multiples of BESIDE
+CLOSER: Final = 16.0  # ratio of distances at which a corner changes the Jacobian alike
 AWAY: Final = 10.0  # multiples of the first distance within which the corner must lie
 
 
@@ -78,6 +79,10 @@ def _searched(problem: EquilibriumProblem, last: Sample, frame: Frame, first: fl
             return None
     if not norm((corner - before) / scale) < SETTLED * BESIDE:
         return None
+    closer = BESIDE / CLOSER * scale * ahead
+    gap = scaled(corner + closer)[1] - scaled(corner - closer)[1]
+    if not np.linalg.norm(gap, 2) > 0.5 * float(sizes[0]):  # NaN, too
+        return None  # it shrinks with the distance: the function is smooth, and bent
     beyond = np.linalg.svd(j_new)[2][-1]
     rate = dot(gradient, beyond)
     if abs(rate) < TOUCHES:

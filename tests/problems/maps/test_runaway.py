@@ -21,3 +21,12 @@ def test_a_cycle_that_grows_without_bound_ends_where_its_multipliers_have_no_dig
         if branch.ends[1].reason == "bound" and np.abs(branch.z[-1]).max() > 1e2:
             runaway = branch
     assert runaway is not None
+
+
+def test_no_corner_is_seen_where_an_iterate_is_strongly_bent():
+    """The doubled cycle of the logistic map beyond a = 3: x = (a + 1 +- sqrt((a + 1)(a - 3)))/(2 a)."""
+    model = Model("logistic", kind="map", states={"x": 0.6}, parameters={"a": 2.5}, equations={"x": "a*x*(1 - x)"})
+    line = contin.continuation(contin.equilibrium(model), "a", (1.5, 4.0))
+    for _ in range(4):
+        line = contin.continuation(line["PD1"].switch(), "a", (0.0, 4.0))
+        assert line.notes == ()
