@@ -20,7 +20,7 @@ project = "contin"
 author = "The contin developers"
 release = version = __version__
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
-exclude_patterns = ["_build", "gallery/*.py", "metronomes/*.py"]
+exclude_patterns = ["_build", "gallery/*.py", "metronomes/*.py", "metronomes/paper.md"]  # the paper: build_paper.py
 html_theme = "furo"
 html_title = f"contin {__version__}"
 nitpicky = False

@@ -22,10 +22,10 @@ def draw_5c():
         for k, colour in ((1, BLUE), (2, RED)):
             sizes = columns[f"r{k}"] if slow == 1.0 else np.hypot(columns[f"x{k}"], columns[f"y{k}"])
             ax.plot(t, sizes, color=colour, linewidth=1.2 if slow == 1.0 else 0.2, label=f"metronome {k}")
-        ax.set(xlabel=rf"{EPS} t", ylabel="amplitude", ylim=(1.7, 2.35), xlim=(0, 40))
+        ax.set(xlabel=rf"{EPS} t", ylabel="amplitude", ylim=(1.65, 2.35), xlim=(0, 40))
     axes[0, 0].set_title("averaged to first order", fontsize=9)
     axes[0, 1].set_title(f"equations of motion, {EPS} = 0.01", fontsize=9)
-    axes[0, 0].legend(frameon=False, fontsize=8, loc="lower right")
+    axes[0, 0].legend(frameon=False, fontsize=8, loc="lower center", ncols=2)
     return drawing
 
 

@@ -95,7 +95,6 @@ def draw_borders():
         if count > 3:
             left.axhline(endless_border(count), color=COLOURS[count], linewidth=0.6, alpha=0.6, xmin=0.72)
     left.set(xlabel=MU, ylabel=BETA, xscale="log", xlim=(0.01, 15), ylim=(0.02, 1.0))
-    left.legend(frameon=False, fontsize=8, loc="lower right", ncols=2)
     damping, ratios = np.linspace(0.003, 0.62, 110), np.geomspace(0.01, 100, 110)
     for rest, colour in ((1, BLUE), (2, RED), (4, PINK), (6, ORANGE)):
         rates = [[growth(b, mu, rest) for mu in ratios] for b in damping]
@@ -103,7 +102,7 @@ def draw_borders():
         right.plot([], [], color=colour, label=f"{rest} at rest")
     right.set(xlabel=MU, xscale="log", xlim=(0.01, 100), ylim=(0.02, 1.0))
     right.axhline(FOLD, color=BLACK, linewidth=1.0)
-    right.legend(frameon=False, fontsize=8, loc="center left")
+    drawing.legend(loc="outside lower center", ncols=9, frameon=False, fontsize=7, columnspacing=1.2, handlelength=1.4)
     return drawing
 
 
