@@ -19,8 +19,8 @@ from drawing import points, results, table
 
 HERE = Path(__file__).resolve().parent
 RUNS = (
-    "pair-diagram", "pair-beats", "pair-loci", "pair-orbits", "pair-first-order", "pair-second-order", "pair-motion-eps",
-    "pair-experiment", "lone-sizes", "lone-motion", "lone-borders", "some-shares",
+    "pair-diagram", "pair-beats", "pair-loci", "pair-orbits", "pair-first-order", "pair-second-order",
+    "pair-motion-eps", "pair-experiment", "lone-sizes", "lone-motion", "lone-borders", "some-shares",
 )  # fmt: skip
 DAMPING = 0.8  # beta
 WIDTH = 7.0  # inches: two columns of a journal
