@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from contin.model.model import Model
 
 PASSES: Final[Mapping[str, tuple[str, str]]] = {
+    "array": ("contin.symbolic.passes.array", "array"),
     "average": ("contin.symbolic.averaging.average", "average"),
     "coordinates": ("contin.symbolic.passes.coordinates", "change_coordinates"),
     "corotate": ("contin.symbolic.passes.corotating", "corotate"),
@@ -46,7 +47,8 @@ def apply_passes(
         problems.add(("transform",), f"{model.name} is a Python function; passes need a model made of formulas")
         return model
     if written and isinstance(model, Model) and model.events and not _averages_first(written):
-        problems.add(("transform",), f"{model.name} has `events`; passes other than average do not know of jumps")
+        what = f"{model.name} has `events`; passes other than average and array do not know of jumps"
+        problems.add(("transform",), what)
         return model
     if written and values:
         model = _with_values(model, values)
@@ -79,9 +81,10 @@ def apply_passes(
 
 
 def _averages_first(written: Sequence[str | Record]) -> bool:
-    """True where the first pass is `average`, which takes events as kicks and leaves none."""
-    first = written[0]
-    return first == "average" or (not isinstance(first, str) and "average" in first)
+    """True where the first pass is `average`, which takes events as kicks and leaves none; `array` keeps them."""
+    names = [item if isinstance(item, str) else next(iter(item), "") for item in written]
+    first = next((name for name in names if name != "array"), "array")
+    return first in ("average", "array")
 
 
 def _with_ranges(model: Model, ranges: Mapping[str, tuple[float, float]]) -> Model:
