@@ -6,6 +6,7 @@ import subprocess
 import sys
 import sysconfig
 import venv
+from math import pi
 from pathlib import Path
 
 import pytest
@@ -128,3 +129,29 @@ def test_without_packages_there_is_no_such_point(environment):
     code = "from contin.special.table import table; print('NSA' in table())"
     assert environment.run(code).stdout.strip() == "True"
     assert environment.run(code, CONTIN_PLUGINS="0").stdout.strip() == "False"
+
+
+ENERGY = """
+import contin
+from contin.symbolic.passes.metronomes import metronomes
+slow = contin.average(contin.load("metronomes/pair"), form="energy")
+branch = contin.continuation(contin.equilibrium(slow, "in-phase"), "mu", (0.05, 8), name="line")
+[point] = [p for p in branch.points if p.type == "BP"]
+print(slow.state_names, float(point.values["mu"]), float(point.values["E1"]))
+print(contin.average(metronomes(2, escapement="brass")).parameter_names)
+"""
+
+
+def test_a_form_and_an_escapement_of_the_package_are_used(environment):
+    states, names = environment.run(ENERGY).stdout.splitlines()
+    assert states.startswith("('E1', 'E2', 'psi')")
+    mu, energy = (float(x) for x in states.split(")")[1].split())
+    r = ((12 + (144 - 48 * pi * 0.8) ** 0.5) / 4) ** 0.5
+    assert energy == pytest.approx(r**2 / 2, abs=1e-8)
+    a, b, beta = 4, 1, 0.8
+    root = (9 * a**2 - 48 * pi * b * beta) ** 0.5
+    assert mu == pytest.approx(-15 * pi * beta / 8 + 27 * a**2 / (64 * b) + 9 * a * root / (64 * b), abs=1e-8)
+    assert "'a'" in names
+    code = "import contin; contin.average(contin.load('metronomes/pair'), form='energy')"
+    failed = environment.run(code, good=False, CONTIN_PLUGINS="0")
+    assert "averaging has no form 'energy'" in failed.stderr

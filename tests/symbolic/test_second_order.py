@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import contin
 from contin.errors import InputError
-from contin.model.evaluate import evaluate
+from contin.model.evaluate import evaluate, evaluate_all
 from contin.symbolic.averaging.turn_grid import TurnGrid
 
 
@@ -126,3 +126,43 @@ def test_zero_mean_antiderivative_of_a_jump():
     )
     found = grid.antiderivative(f)
     assert np.max(np.abs(found - (slope - grid.mean(slope)))) < 1e-13
+
+
+def mathieu(ratio, stiffness, drive, parameters, small=0.1):
+    """x'' + (ratio^2 + eps * stiffness) x = eps * drive with the time's period pi."""
+    return contin.Model(
+        "mathieu",
+        states={"x": 1.0, "y": 0.0},
+        parameters={"eps": small, **parameters},
+        equations={"x": "y", "y": f"-{ratio**2}*x - eps*({stiffness})*x + eps*({drive})"},
+        forcing={"period": "pi"},
+        averaging={"small": "eps", "forcing": 2, "oscillators": [{"position": "x", "velocity": "y", "harmonic": ratio}]},
+    )
+
+
+def borders(slow, eps):
+    """Values of c at which rest has a zero eigenvalue."""
+    def determinant(c):
+        at = {"eps": eps, "c": c}
+        one, two = (
+            np.array(evaluate_all(slow.equations, {**at, "u1": a, "v1": b})) for a, b in ((1.0, 0.0), (0.0, 1.0))
+        )
+        return float(np.linalg.det(np.array([one, two])))
+
+    grid = np.linspace(-1.4, 1.4, 201)
+    values = [determinant(c) for c in grid]
+    return [
+        brentq(determinant, a, b, xtol=1e-14)
+        for a, b, f, g in zip(grid, grid[1:], values, values[1:], strict=False)
+        if f * g < 0
+    ]
+
+
+def test_the_tongues_of_mathieu_s_equation_to_second_order():
+    """x'' + (a - 2 q cos 2t) x = 0: a_1, b_1 = 1 +- q - q^2/8 + O(q^3); a_2, b_2 = 4 + 5 q^2/12, 4 - q^2/12 (DLMF 28.6)."""
+    for eps in (0.02, 0.01):
+        slow = contin.average(mathieu(1, "c", "2*cos(2*t)*x", {"c": 0.1}, eps), form="cartesian", order=2)
+        low, high = borders(slow, eps)
+        assert [low, high] == pytest.approx([-1 - eps / 8, 1 - eps / 8], abs=0.2 * eps**2)
+        slow = contin.average(mathieu(2, "eps*c", "2*cos(2*t)*x", {"c": 0.1}, eps), form="cartesian", order=2)
+        assert borders(slow, eps) == pytest.approx([-1 / 12, 5 / 12], abs=1e-12)

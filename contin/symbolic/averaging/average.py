@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from contin.model.model import Model
 from contin.symbolic.averaging.derived import derived
+from contin.symbolic.averaging.form_names import FORMS
 
 
 def average(model: Model, form: str = "polar", time: str = "slow", order: int = 1, reach: float | None = None) -> Model:
@@ -40,4 +41,6 @@ def average(model: Model, form: str = "polar", time: str = "slow", order: int = 
 
         return averaged(model, form, time, order, reach).model
 
+    if form not in FORMS:  # of a package, whose text is no part of the key
+        return derive()
     return derived("average", model, (form, time, order, reach), derive)

@@ -19,8 +19,10 @@ from contin.symbolic.averaging.carry_over import (
     averaged_symmetries,
     gauge_symmetries,
 )
+from contin.symbolic.averaging.form_names import FORMS
 from contin.symbolic.averaging.forms import AveragedForm, check_form
 from contin.symbolic.averaging.oscillators import weak_oscillators
+from contin.symbolic.averaging.other_forms import form_of_package, in_new_form, names_of_packages
 from contin.symbolic.averaging.reach import limits_of
 from contin.symbolic.averaging.second_order import second_order_terms
 from contin.symbolic.passes.holding import holds
@@ -50,8 +52,12 @@ def averaged(
         raise InputError(f"averaging: order must be 1 or 2; got {order!r}")
     if reach is not None and not (isinstance(reach, int | float) and 0.0 < reach < math.inf):
         raise InputError(f"averaging: reach must be a positive number, the largest amplitude; got {reach!r}")
+    other = form_of_package(form) if isinstance(form, str) and form not in FORMS else None
+    if other is not None:
+        plain = averaged(model, other.base, time, order, reach)
+        return replace(plain, model=in_new_form(plain.model, form, other))
     oscillators = weak_oscillators(model, order)
-    check_form(form, oscillators)
+    check_form(form, oscillators, names_of_packages())
     system = slow_system(oscillators, None if reach is None else float(reach))
     built = build_form(system, form)
     equations = built.equations

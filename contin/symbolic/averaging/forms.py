@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Final
 
 from contin.errors import InputError
 from contin.model.advice import closest
 from contin.model.expression import ONE, ZERO, Expression, add, call, mul, number, power, symbol
 from contin.symbolic.averaging.amplitudes import MeanEquation, SlowSystem
 from contin.symbolic.averaging.complex_formulas import Complex, conjugate, plus, times, to_power
+from contin.symbolic.averaging.form_names import FORMS
 from contin.symbolic.averaging.friction import response_amplitude
 from contin.symbolic.averaging.kicks import Frame, kick_mean, kick_rates
 from contin.symbolic.averaging.radial import RadialAverage
 from contin.symbolic.averaging.resonant import Powers
 from contin.symbolic.averaging.shared_average import shared_average
 from contin.symbolic.averaging.weak import WeakOscillators
-
-FORMS: Final = ("polar", "cartesian", "stokes")
 
 
 @dataclass(frozen=True)
@@ -43,11 +41,12 @@ class AveragedForm:
     definitions: Mapping[str, Expression] = field(default_factory=dict)
 
 
-def check_form(name: object, oscillators: WeakOscillators) -> str:
-    """A form's name, checked against the oscillators."""
+def check_form(name: object, oscillators: WeakOscillators, others: Sequence[str] = ()) -> str:
+    """A form's name, checked against the oscillators; `others` are those of packages."""
     count = oscillators.count
     if not isinstance(name, str) or name not in FORMS:
-        advice = closest(str(name), FORMS) or f"there are {', '.join(FORMS)}"
+        known = [*FORMS, *others]
+        advice = closest(str(name), known) or f"there are {', '.join(known)}"
         raise InputError(f"averaging has no form {name!r}: {advice}")
     if name == "stokes" and count != 2:
         raise InputError(f"the form stokes is for two oscillators, and there are {count}; use polar or cartesian")

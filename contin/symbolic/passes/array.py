@@ -33,8 +33,8 @@ def array(
 ) -> Model:
     """`count` copies of a flow, joined.
 
-    States x become x1 .. xN. For every neighbour, `join` = {state: formula} adds the formula to the state's equation; in
-    it x is the own state and x_other the neighbour's.
+    States x become x1 .. xN. For every neighbour, `join` = {state: formula} adds the formula to the state's equation;
+    there x is the own state, and x_other the neighbour's.
 
     Parameters
     ----------

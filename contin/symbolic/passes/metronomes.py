@@ -17,6 +17,7 @@ import numpy as np
 from contin.errors import InputError
 from contin.model.model import Model
 from contin.records import Fields, Record
+from contin.symbolic.passes.escapements import escapement_of
 from contin.symbolic.passes.mechanics import mechanical_model
 
 ESCAPEMENT = "a*x^3 - b*x^5 if x*y > 0 else 0"
@@ -37,7 +38,8 @@ def metronomes(
 
     alike : one mu and one beta; otherwise mu1 .., beta1 .., and for i > 1 kappa_i, rho_i (equal by default).
         Frequencies are near-identical where kappa_i mu_1/mu_i is near 1.
-    escapement : g(x, y) as a formula in x, y and `parameters`; `parameters` default to a = 4, b = 1.
+    escapement : g(x, y) as a formula in x, y and `parameters`, which default to a = 4, b = 1; or the name of one
+        (cubic, constant, van_der_pol, or of a package), with its own parameters.
     platforms : a networkx graph; its edges are springs of stiffness `spring` (per mass of a platform) between platforms
         of equal mass, and `places` says on which node each metronome stands. Default: one platform. Platforms follow
         their load at the metronomes' frequency: the coupling of i and j is mu (1 - spring L)^-1 between their places
@@ -49,6 +51,9 @@ def metronomes(
         The graph is in resonance with the metronomes (an eigenvalue of spring L near 1), or a place is no node.
     """
     given = dict(GAINS if parameters is None else parameters)
+    if escapement.isidentifier():
+        named = escapement_of(escapement)
+        escapement, given = named.formula, {**named.parameters, **(parameters or {})}
     names = [f"x{i + 1}" for i in range(count)]
     if platforms is not None:
         return _on_graph(names, escapement, given, platforms, places, spring)
