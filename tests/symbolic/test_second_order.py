@@ -136,7 +136,11 @@ def mathieu(ratio, stiffness, drive, parameters, small=0.1):
         parameters={"eps": small, **parameters},
         equations={"x": "y", "y": f"-{ratio**2}*x - eps*({stiffness})*x + eps*({drive})"},
         forcing={"period": "pi"},
-        averaging={"small": "eps", "forcing": 2, "oscillators": [{"position": "x", "velocity": "y", "harmonic": ratio}]},
+        averaging={
+            "small": "eps",
+            "forcing": 2,
+            "oscillators": [{"position": "x", "velocity": "y", "harmonic": ratio}],
+        },
     )
 
 
@@ -159,7 +163,7 @@ def borders(slow, eps):
 
 
 def test_the_tongues_of_mathieu_s_equation_to_second_order():
-    """x'' + (a - 2 q cos 2t) x = 0: a_1, b_1 = 1 +- q - q^2/8 + O(q^3); a_2, b_2 = 4 + 5 q^2/12, 4 - q^2/12 (DLMF 28.6)."""
+    """x'' + (a - 2 q cos 2t) x = 0: a_1, b_1 = 1 +- q - q^2/8; a_2, b_2 = 4 + 5 q^2/12, 4 - q^2/12 (DLMF 28.6)."""
     for eps in (0.02, 0.01):
         slow = contin.average(mathieu(1, "c", "2*cos(2*t)*x", {"c": 0.1}, eps), form="cartesian", order=2)
         low, high = borders(slow, eps)
