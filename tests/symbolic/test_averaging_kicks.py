@@ -185,3 +185,16 @@ def test_narrow_pulses_become_kicks():
     wide, narrow = (abs(rate(width) - limit) for width in (0.02, 0.01))
     assert wide < 0.02 * limit
     assert 1.8 < wide / narrow < 2.2 if narrow > 1e-12 else wide < 1e-12
+
+
+def test_clocks_on_a_beam_swing_as_averaged_in_phase_and_in_anti_phase():
+    """A slaved beam and kicks at a threshold, simulated with jumps: amplitudes to the order of eps."""
+    clocks = contin.load("oscillators/clocks-on-a-beam")
+    q, gamma, c, k, friction = 3 / math.pi, 0.3, 0.5, 0.2, 0.5
+    for sign, damping in ((1, gamma + k * friction / (1 + friction**2)), (-1, gamma)):
+        r = math.sqrt((q**2 + q * math.sqrt(q**2 - 4 * damping**2 * c**2)) / 2) / damping
+        start = {"x1": 1.1 * r, "y1": 0.0, "x2": 1.1 * r * sign, "y2": 0.0, "V": 0.0}
+        run = contin.simulate(clocks, start, {"k": k, "eps": 0.02}, time=400.0, rtol=1e-7)
+        size = np.hypot(run.columns["x1"], run.columns["y1"])[-150:]
+        assert np.mean(size) == pytest.approx(r, rel=0.03)
+        assert np.sign(run.columns["x1"][-150:] @ run.columns["x2"][-150:]) == sign
