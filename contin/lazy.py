@@ -29,6 +29,7 @@ MODULES: Final = {
     "notebook models": "contin.notebook.models",
     "notebook solutions": "contin.notebook.solutions",
     "notebook trajectories": "contin.notebook.trajectories",
+    "stored planes": "contin.plane.stored",  # a file may hold phase planes, which are drawn on the top floor
     "reading": "contin.api.reading",  # results of every kind, with what makes them: few pictures need that
     "picture of branches": "contin.plot.figure",  # a branch draws itself with what is made of branches
     "drawn trajectories": "contin.plot.trajectory",

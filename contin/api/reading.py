@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from contin import lazy
 from contin.api.read_branches import branch_of
 from contin.api.read_regions import phase_of
 from contin.api.read_runs import StoredSimulation, simulation_of, survey_of, sweep_of
@@ -133,10 +134,11 @@ def read(file: str | Path) -> Any:
     """What contin wrote, as it was, from a `.contin`, `.json` or `.scan` file.
 
     A saved diagram or phase diagram is a `Diagram` or `PhaseDiagram` again; a run of several things `Results`, with its
-    branches, `contin.read(file)[branch][label]`; a scan its table; the JSON of `contin simulate`, `sweep` and `survey`
-    a trajectory, a `Sweep` and a `Survey`. Columns, points, values, eigenvalues, normal forms and ends are those that
-    were saved; `point.orbit` and `branch.orbit(row)` where the file keeps them. From the points of a `.contin` file
-    branches are followed: `point.switch()`, `point.locus()`. InputError for any other file.
+    branches, `contin.read(file)[branch][label]`; a scan its table; the JSON of `contin simulate`, `sweep`, `survey` and
+    `plane` a trajectory, a `Sweep`, a `Survey` and a `PhasePlane` (a list of these along a parameter). Columns, points,
+    values, eigenvalues, normal forms and ends are those that were saved; `point.orbit` and `branch.orbit(row)` where
+    the file keeps them. From the points of a `.contin` file branches are followed: `point.switch()`, `point.locus()`.
+    InputError for any other file.
     """
     path = Path(file)
     if ending_of(path) == ".scan":
@@ -145,12 +147,24 @@ def read(file: str | Path) -> Any:
     if ending_of(path) == ".json":
         written = read_mapping(path)
         kind = kind_of(written)
+        if kind in ("plane", "planes"):
+            return _planes(written, path)
         if kind is not None:
             return _of_command(checked(written, kind, path), kind)
     document = read_results(path)
     solutions = load_solutions(path) if ending_of(path) == ".contin" else None
     branches = tuple(branch_of(branch, document, solutions) for branch in document["branches"])
     return _whole(document, branches)
+
+
+def _planes(written: Record, path: Path) -> object:
+    """A phase plane, or those along a parameter."""
+    stored = lazy.module("stored planes")
+    shape = stored.SHAPE
+    if written["kind"] == "plane":
+        return stored.plane_of(checked(written, "plane", path, shape))
+    every = {"type": "object", "required": ["planes"], "properties": {"planes": {"type": "array", "items": shape}}}
+    return [stored.plane_of(one) for one in checked(written, "planes", path, every)["planes"]]
 
 
 def _of_command(document: Fields, kind: str) -> Read:

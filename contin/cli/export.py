@@ -27,7 +27,7 @@ def export_file(file: Path, out: Path) -> int:
     if ending_of(file) == ".scan":
         return export_scan(file, out)
     if ending_of(file) == ".json" and (kind := kind_of(written := read_mapping(file))) is not None:
-        return export_scan(file, out) if kind == "scan" else export_table(checked(written, kind, file), kind, out)
+        return export_scan(file, out) if kind == "scan" else export_table(written, kind, file, out)
     document = read_results(file)
     names = {branch["name"] for branch in document["branches"]}
     both = ending_of(file) == ending_of(out) == ".contin"
@@ -36,10 +36,13 @@ def export_file(file: Path, out: Path) -> int:
     return 0
 
 
-def export_table(document: Fields, kind: str, out: Path) -> int:
+def export_table(written: Fields, kind: str, file: Path, out: Path) -> int:
     """What `contin simulate`, `sweep` or `survey` wrote as JSON, as a table (.csv)."""
+    if kind in ("plane", "planes"):
+        raise InputError(f"{out}: a phase plane is no table; draw it with contin plot, or read it with contin.read")
     if out.suffix != ".csv":
         raise InputError(f"{out}: the results of a {kind} are exported as .csv")
+    document = checked(written, kind, file)
     columns = document["survey"] if kind == "survey" else document["columns"]
     if "section" in document:
         columns = document["section"]

@@ -71,6 +71,9 @@ def _alone(file: Path, out: Path, options: Mapping[str, object]) -> int:
     """What has no branches: a trajectory, a sweep, a survey."""
     if out.suffix not in PICTURES:
         raise InputError(f"{out}: pictures end in {', '.join(PICTURES)}; an interactive page shows branches")
-    write_figure(lazy.module("reading").read(file).plot(**options), out)
+    found = lazy.module("reading").read(file)
+    if isinstance(found, list):
+        raise InputError(f"{file} holds {len(found)} phase planes; draw one of them: contin.read(file)[0].plot()")
+    write_figure(found.plot(**options), out)
     print(out)
     return 0

@@ -44,13 +44,8 @@ def drawn(plane: PhasePlane, ax: Axes | None, options: Mapping[str, object]) -> 
         drawing, [axes] = canvas(look, ax, [f"{y} over {x}"], SIZE)
         _draw(plane, axes, look)
         handles, words = axes.get_legend_handles_labels()
-        finish(drawing, [axes], look, ax, handles, words, _title(plane), 3)
+        finish(drawing, [axes], look, ax, handles, words, plane.field.title, 3)
     return drawing
-
-
-def _title(plane: PhasePlane) -> str:
-    model = plane.field.model
-    return str(getattr(model, "title", None) or model.name)
 
 
 def _draw(plane: PhasePlane, ax: Axes, look: Look) -> None:
@@ -92,7 +87,7 @@ def _draw(plane: PhasePlane, ax: Axes, look: Look) -> None:
     ax.set_xlim(*plane.window[0])
     ax.set_ylim(*plane.window[1])
     dress(ax, look, x, y)
-    units = {s.name: s.unit for s in getattr(plane.field.planar, "states", ()) or () if getattr(s, "unit", None)}
+    units = plane.field.units
     for name, setter in ((x, ax.set_xlabel), (y, ax.set_ylabel)):
         setter(typeset(name) + (f" ({units[name]})" if name in units else ""))
 
@@ -104,13 +99,18 @@ def _once(label: str, seen: set[str]) -> str | None:
     return label
 
 
-def _arrows(plane: PhasePlane, ax: Axes) -> None:
-    """The direction field: arrows of one length, as steep as trajectories are in the picture."""
-    window = plane.window
+def arrow_places(window: Array) -> Array:
+    """Where arrows stand, (ARROWS^2, 2)."""
     widths = window[:, 1] - window[:, 0]
     fractions = (np.arange(ARROWS) + 0.5) / ARROWS
-    x, y = np.meshgrid(*(low + fractions * (high - low) for low, high in window))
-    points = np.column_stack([x.ravel(), y.ravel()])
+    x, y = np.meshgrid(*(low + fractions * width for low, width in zip(window[:, 0], widths, strict=True)))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _arrows(plane: PhasePlane, ax: Axes) -> None:
+    """The direction field: arrows of one length, as steep as trajectories are in the picture."""
+    widths = plane.window[:, 1] - plane.window[:, 0]
+    points = arrow_places(plane.window)
     scaled = plane.field.motion(points) / widths
     with np.errstate(all="ignore"):
         unit = scaled / np.asarray(elementary.hypot(*scaled.T))[:, None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Union, cast
+from typing import Final, Protocol, Union, cast
 
 import numpy as np
 
@@ -26,6 +26,36 @@ RATES: Final = ("rate_of_the_first", "rate_of_the_second")
 DIFFERENCE: Final = 1e-5  # steps of differences, as a part of the window: their error is about 1e-10 of the field
 
 
+class Shown(Protocol):
+    """What a picture and a report ask of a field."""
+
+    @property
+    def names(self) -> tuple[str, str]: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def title(self) -> str: ...
+
+    @property
+    def units(self) -> Mapping[str, str]: ...
+
+    @property
+    def is_map(self) -> bool: ...
+
+    @property
+    def periods(self) -> Array: ...
+
+    @property
+    def parameters(self) -> dict[str, float]: ...
+
+    @property
+    def held(self) -> Mapping[str, float]: ...
+
+    def motion(self, points: Array) -> Array: ...
+
+
 @dataclass(frozen=True, eq=False)
 class PlanarField:
     """d(x, y)/dt = f(x, y) of a flow, or (x, y) -> f(x, y) of a map; `held`: the values of the other states.
@@ -42,6 +72,20 @@ class PlanarField:
     def names(self) -> tuple[str, str]:
         first, second = self.planar.state_names
         return first, second
+
+    @property
+    def name(self) -> str:
+        return str(self.model.name)
+
+    @property
+    def title(self) -> str:
+        return str(getattr(self.model, "title", None) or self.model.name)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Of the states that have one."""
+        states = getattr(self.planar, "states", ()) or ()
+        return {s.name: s.unit for s in states if getattr(s, "unit", None)}
 
     @property
     def is_map(self) -> bool:

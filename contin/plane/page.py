@@ -59,10 +59,7 @@ def plane_page(planes: Sequence[PhasePlane], parameter: str | None = None) -> st
         frames.append({"name": value, "image": _svg(one, value), "words": str(one)})
     template = resources.files("contin.plane").joinpath("plane.html").read_text(encoding="utf-8")
     text = json.dumps(frames, ensure_ascii=True, separators=(",", ":")).replace("<", "\\u003c")
-    model = planes[0].field.model
-    return template.replace("{{TITLE}}", html.escape(str(getattr(model, "title", None) or model.name))).replace(
-        "{{DATA}}", text
-    )
+    return template.replace("{{TITLE}}", html.escape(planes[0].field.title)).replace("{{DATA}}", text)
 
 
 def _svg(one: PhasePlane, title: str) -> str:

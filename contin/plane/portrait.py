@@ -13,9 +13,9 @@ from contin.api.searches import reach_of
 from contin.errors import InputError
 from contin.model.model import Model
 from contin.plane.cycles import Cycle, cycles
-from contin.plane.drawing import drawn
+from contin.plane.drawing import arrow_places, drawn
 from contin.plane.factors import components
-from contin.plane.field import PlanarField, TwoStates, planar_field
+from contin.plane.field import PlanarField, Shown, TwoStates, planar_field
 from contin.plane.flights import Flight, fly
 from contin.plane.iterates import iterate
 from contin.plane.nullclines import nullcline
@@ -44,7 +44,7 @@ class PhasePlane:
     trajectories: from the given points.  notes: what is not known, and what is held.
     """
 
-    field: PlanarField
+    field: Shown
     window: Array
     nullclines: tuple[tuple[Array, ...], tuple[Array, ...]]
     rests: tuple[Rest, ...]
@@ -64,7 +64,7 @@ class PhasePlane:
         """The plane as plain data."""
         x, y = self.field.names
         return {
-            "contin": 1, "kind": "plane", "model": self.field.model.name, "x": x, "y": y,
+            "contin": 1, "kind": "plane", "model": self.field.name, "x": x, "y": y,
             "parameters": self.field.parameters, "held": dict(self.field.held), "window": self.window.tolist(),
             "equilibria": [
                 {"values": dict(zip((x, y), r.u.tolist(), strict=True)), "type": r.type, "stability": r.stability,
@@ -83,6 +83,10 @@ class PhasePlane:
             ],
             "trajectories": [{"end": f.end, "to": f.rest, "points": f.points.tolist()} for f in self.trajectories],
             "notes": list(self.notes),
+            "field": {
+                "title": self.field.title, "map": self.field.is_map, "periods": self.field.periods.tolist(),
+                "units": dict(self.field.units), "arrows": self.field.motion(arrow_places(self.window)).tolist(),
+            },
         }  # fmt: skip
 
     def _repr_html_(self) -> str:
@@ -92,7 +96,7 @@ class PhasePlane:
 
     def __str__(self) -> str:
         x, y = self.field.names
-        lines = [f"phase plane of {self.field.model.name}: {x} in [{self.window[0, 0]:.6g}, {self.window[0, 1]:.6g}], "
+        lines = [f"phase plane of {self.field.name}: {x} in [{self.window[0, 0]:.6g}, {self.window[0, 1]:.6g}], "
                  f"{y} in [{self.window[1, 0]:.6g}, {self.window[1, 1]:.6g}]"]  # fmt: skip
         lines += [f"  {rest}" for rest in self.rests]
         lines += [

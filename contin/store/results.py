@@ -33,7 +33,12 @@ def read_results(path: Path) -> Fields:
         return sqlite.load(path)
     if ending == ".json":
         return json_format.read(path)
-    raise InputError(f"{path}: expected a result file that ends in .contin or .json")
+    if ending in (".csv", ".nc"):
+        raise InputError(
+            f"{path}: a table for other programs (pandas.read_csv, xarray.open_datatree); contin reads .contin, .json and "
+            ".scan files: keep one of these beside it"
+        )
+    raise InputError(f"{path}: expected a result file that ends in .contin, .json or .scan")
 
 
 def save_branches(

@@ -72,21 +72,26 @@ _TABLES: Final = {"simulation": ("columns", "section", "events"), "sweep": ("col
 
 
 def kind_of(document: Record) -> str | None:
-    """simulation, sweep, survey or scan; None for results with branches, and for anything else."""
+    """simulation, sweep, survey, scan, plane or planes; None for results with branches, and for anything else."""
     if "branches" in document:
         return None
+    if document.get("kind") in ("plane", "planes"):
+        return str(document["kind"])
     for kind in ("survey", "sweep", "scan"):
         if kind in document:
             return kind
     return "simulation" if {"end_time", "outcome", "columns"} <= set(document) else None
 
 
-def checked(document: Record, kind: str, path: Path) -> Fields:
-    """The document of this kind, with a note where its `sha256` is absent or wrong; InputError where it is none."""
+def checked(document: Record, kind: str, path: Path, shape: Record | None = None) -> Fields:
+    """The document of this kind, with a note where its `sha256` is absent or wrong; InputError where it is none.
+
+    shape : of a kind that another room knows.
+    """
     version = document.get("contin")
     if isinstance(version, bool) or not isinstance(version, int) or version > FORMAT_VERSION:
         raise FormatVersionError(f"{path}: written in format {version}; this contin reads up to {FORMAT_VERSION}")
-    where = first_mistake(document, SHAPES[kind])
+    where = first_mistake(document, SHAPES[kind] if shape is None else shape)
     if where is None:
         for name in _TABLES.get(kind, ("columns",)):
             if len({len(column) for column in document.get(name, {}).values()}) > 1:

@@ -23,7 +23,8 @@ def is_result(path: Path) -> bool:
     """True for a store by its ending, and for JSON results (a model or a run file may be JSON, too)."""
     if ending_of(path) == ".json" and path.is_file():
         try:
-            return not {"branches", "columns", "survey"}.isdisjoint(read_mapping(path))
+            written = read_mapping(path)
+            return kind_of(written) is not None or not {"branches", "columns"}.isdisjoint(written)
         except InputError:
             return False
     return ending_of(path) in STORES

@@ -194,3 +194,30 @@ def test_rows_that_do_not_fit_are_refused(diagram, tmp_path):
     (tmp_path / "d.json").write_text(json.dumps(document))
     with pytest.raises(InputError, match="list of equal length"):
         contin.read(tmp_path / "d.json")
+
+
+def test_phase_planes_come_back(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "q.yaml").write_text(
+        "{contin: 1, name: well, states: {q: {value: 0.5, unit: m}, v: 0}, parameters: {d: 0.2}, "
+        "equations: {q: v, v: q - q^3 - d*v}}"
+    )
+    box = ["--x", "-2", "2", "--y", "-1", "1"]
+    assert call("plane", "q.yaml", "q", "v", *box, "--from", "1,0.5", "--json", "p.json", "-o", "p.svg", "--quiet") == 0
+    again, live = contin.read("p.json"), contin.plane(
+        contin.load("q.yaml"), "q", "v", x_range=(-2, 2), y_range=(-1, 1), points=[(1, 0.5)]
+    )
+    assert str(again) == str(live)
+    assert again.document() == live.document()
+    for one, other in zip(again.plot().axes, live.plot().axes, strict=True):
+        assert (one.get_xlabel(), len(one.lines), one.get_xlim()) == (
+            other.get_xlabel(), len(other.lines), other.get_xlim()
+        )  # fmt: skip
+    assert call("plot", "p.json", "--out", "p2.svg", "--title", "Two wells") == 0
+    assert "Two wells" in (tmp_path / "p2.svg").read_text()
+    assert call("check", "p.json") == 0
+    document = json.loads((tmp_path / "p.json").read_text())
+    document["equilibria"][0]["stability"] = "odd"
+    (tmp_path / "p.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match="should be one of stable"):
+        contin.read("p.json")
