@@ -35,8 +35,8 @@ def read_results(path: Path) -> Fields:
         return json_format.read(path)
     if ending in (".csv", ".nc"):
         raise InputError(
-            f"{path}: a table for other programs (pandas.read_csv, xarray.open_datatree); contin reads .contin, .json and "
-            ".scan files: keep one of these beside it"
+            f"{path}: a table for other programs (pandas.read_csv, xarray.open_datatree); contin reads .contin, .json "
+            "and .scan files: keep one of these beside it"
         )
     raise InputError(f"{path}: expected a result file that ends in .contin, .json or .scan")
 
