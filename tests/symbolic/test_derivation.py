@@ -44,3 +44,14 @@ def test_the_command_writes_files_and_the_saved_model_is_the_derived_one(tmp_pat
         main(["derive", "metronomes/pair", "--latex", "../outside.tex"])
     assert ended.value.code == 2
     assert "working folder" in capsys.readouterr().err
+
+
+def test_derivations_show_kicks_friction_forcing_and_what_follows():
+    seen = {
+        "oscillators/clocks-on-a-beam": ["Kicks", "Where x1 - c crosses zero upwards", "V = C/(C^2 + 1)*x1"],
+        "oscillators/coulomb-platform": ["Dry friction", "The level is mu"],
+        "oscillators/autoparametric": ["F*cos(2*t)", "Oscillator 2 has the frequency 2 omega", "conj(A1) A2"],
+    }
+    for name, words in seen.items():
+        text = derive(contin.load(name)).text()
+        assert [w for w in words if w not in text] == []

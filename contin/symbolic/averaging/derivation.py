@@ -62,6 +62,8 @@ def derive(model: Model, form: str = "polar", time: str = "slow", order: int = 1
         *_transformation(result),
         *_integrals(result),
         *_products(result),
+        *_kicks(result),
+        *_friction(result),
         *_result(result),
     )
     title = f"{model.title or model.name}: averaging, {form} form"
@@ -117,6 +119,9 @@ def _perturbations(result: Averaged) -> Iterator[Block]:
 def _with_phases(formula: Expression, oscillators: WeakOscillators) -> Expression:
     """Phasors as sin and cos of the time, or of a rotator's phase."""
     mapping: dict[Expression, Expression] = {}
+    for response in oscillators.responses:
+        mapping[symbol(response.pair.position)] = symbol("sign_V")
+        mapping[symbol(response.pair.velocity)] = symbol("sign_V_rate")
     for phasor in oscillators.phasors:
         rate = mul(number(phasor.pair.harmonic), oscillators.omega)
         phase = symbol(phasor.state) if phasor.state is not None else mul(rate, symbol(TIME))
@@ -222,6 +227,37 @@ def _products(result: Averaged) -> Iterator[Block]:
         yield Sentence(
             "Forces that are no polynomials of several oscillators are averaged by fixed rules over the turn."
         )
+
+
+def _kicks(result: Averaged) -> Iterator[Block]:
+    oscillators = result.system.oscillators
+    if not oscillators.kicks:
+        return
+    yield Heading("Kicks")
+    yield Sentence(
+        f"A kick changes A of its oscillator by {oscillators.small} exp(-i tau) (e - i f/omega), e and f the "
+        "changes of position and velocity at the phase tau; it happens once a turn and adds omega/(2 pi) times that."
+    )
+    for kick in oscillators.kicks:
+        way = {"up": "upwards", "down": "downwards"}.get(kick.direction, "in both directions")
+        yield Sentence(f"Where {{0}} crosses zero {way}:", (_with_phases(kick.when, oscillators),))
+        for name, change in kick.changes.items():
+            formula = _with_phases(change, oscillators)
+            yield Formula(f"change of {name}", rf"\Delta {latex_name(name)}", formula)
+
+
+def _friction(result: Averaged) -> Iterator[Block]:
+    oscillators = result.system.oscillators
+    if not oscillators.responses:
+        return
+    yield Heading("Dry friction")
+    yield Sentence(
+        "With f = Re(B exp(i tau)) and m = level/|B|, sign(V) has the first harmonic B/|B| (s + i d). Stuck, m > 1: "
+        "s = 1/m, d = 0. Slipping all the time, m < 1/sqrt(1 + pi^2/4): s = 2 m, d = -(4/pi) sqrt(1 - (pi m/2)^2). "
+        "Between, V slips for u of each half turn, tan(acos(m)) = (u - sin(u))/(1 - cos(u))."
+    )
+    for response in oscillators.responses:
+        yield Sentence("The level is {0}.", (response.level,))
 
 
 def _amplitude_names(oscillators: WeakOscillators) -> list[str]:
