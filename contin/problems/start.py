@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,8 @@ from contin.errors import ContinError, NoSolutionError, NotFiniteError
 from contin.problems.algebraic import AlgebraicProblem
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.maps.cycle import CycleProblem
+from contin.problems.surfaces.pseudo import Pseudo, pseudo_equilibrium, surface_at
+from contin.problems.surfaces.sliding import Sliding
 from contin.simulate.consistent import consistent_start
 from contin.simulate.natural import natural_metric
 from contin.systems.iterate import IteratedSystem
@@ -44,12 +46,16 @@ class Equilibrium(Told):
     u: Array
     p: Array
     angle_periods: Array
+    pseudo: Pseudo | None = None  # of a pseudo-equilibrium: the surface, and the system that slides on it
 
     def problem(self, parameter: str) -> EquilibriumProblem:
         """The continuation problem with this parameter free."""
         index = list(self.system.parameter_names).index(parameter)
         kind = AlgebraicProblem if self.system.kind == "algebraic" else EquilibriumProblem
-        return kind(self.system, self.p, index, self.angle_periods)
+        regular = kind(self.system, self.p, index, self.angle_periods)
+        if self.pseudo is None:
+            return regular
+        return replace(regular, system=self.pseudo.system, sliding=Sliding(regular, self.pseudo.jump))
 
     def seed(self, parameter: str) -> Seed:
         """Where a continuation with this parameter free starts."""
@@ -64,6 +70,8 @@ class Equilibrium(Told):
         states = ", ".join(f"{n} = {v:.10g}" for n, v in zip(self.system.state_names, self.u, strict=True))
         if isinstance(self.system, IteratedSystem):
             return f"point {states} of a cycle of period {self.system.times}"
+        if self.pseudo is not None:
+            return f"pseudo-equilibrium {states} on the surface {self.pseudo.jump.surface.text}"
         return f"{'fixed point' if self.system.kind == 'map' else 'equilibrium'} {states}"
 
 
@@ -73,18 +81,49 @@ def converge(system: System, u: Array, p: Array, angle_periods: Array) -> Equili
     Where that stalls, Powell's hybrid method (which may leave the Newton direction for the gradient) looks for a better
     guess. Raises NotFiniteError where the equations have no value at u (naming the equation), NoSolutionError with the
     residual history where no method converges, and with the nearest equilibrium that Newton finds from starts scattered
-    around u, if there is one.
+    around u, if there is one. On a surface where the equations of a flow jump, and beside one where nothing else is
+    found, the solution is a pseudo-equilibrium, if motion slides there.
     """
     u = _on_constraints(system, np.array(u, dtype=float), np.array(p, dtype=float))
+    if surface_at(system, u, np.asarray(p, dtype=float)) is not None:
+        sliding = _sliding(system, u, p, angle_periods)
+        if sliding is not None:
+            return sliding
     try:
-        return _newton(system, u, p, angle_periods)
+        return _regular(system, u, p, angle_periods)
     except NoSolutionError as error:
         guess = _powell(EquilibriumProblem(system, np.array(p, dtype=float), 0, angle_periods), u)
         if guess is not None:
             with suppress(NoSolutionError, NotFiniteError):  # the failure of Newton's own is told below
-                return _newton(system, guess, p, angle_periods)
+                return _regular(system, guess, p, angle_periods)
+        sliding = _sliding(system, u, p, angle_periods)
+        if sliding is not None:
+            return sliding
         nearest = _nearest(system, u, p, angle_periods)
         raise NoSolutionError(f"{error} {_advice(system, nearest)}") from None
+
+
+def _regular(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium:
+    """Newton's equilibrium; on a surface where the equations jump, at which their own value says nothing, the
+    pseudo-equilibrium."""
+    found = _newton(system, u, p, angle_periods)
+    surface = surface_at(system, found.u, found.p)
+    if surface is None:
+        return found
+    sliding = _sliding(system, found.u, p, angle_periods)
+    if sliding is None:
+        raise NoSolutionError(
+            f"no equilibrium found from the start: {_states(system, found.u)} lies on the surface "
+            f"{surface.surface.text}, where the equations jump, and motion does not slide there."
+        )
+    return sliding
+
+
+def _sliding(system: System, u: Array, p: Array, angle_periods: Array) -> Equilibrium | None:
+    """The pseudo-equilibrium on a surface that motion slides on next to u."""
+    base = np.array(p, dtype=float)
+    pseudo = pseudo_equilibrium(system, u, base, lambda slid, at: _newton(slid, at, base, angle_periods).u)
+    return None if pseudo is None else Equilibrium(system, pseudo.u, base, angle_periods, pseudo)
 
 
 def _on_constraints(system: System, u: Array, p: Array) -> Array:
@@ -103,7 +142,7 @@ def _nearest(system: System, u: Array, p: Array, angle_periods: Array) -> Array 
         for _ in range(STARTS):
             with suppress(NoSolutionError, NotFiniteError, np.linalg.LinAlgError):  # one of many starts
                 start = u + radius * size * generator.uniform(-1.0, 1.0, len(u))
-                found.append(_newton(system, start, p, angle_periods).u)
+                found.append(_regular(system, start, p, angle_periods).u)
         if found:
             return min(found, key=lambda v: float(np.max(np.abs(v - u) / size)))
     return None

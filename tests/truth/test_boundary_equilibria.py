@@ -282,3 +282,35 @@ def test_sliding_motion_meets_a_second_surface():
     assert slides.ends[1].reason == "surface"
     assert abs(slides["BE1"].values["p"] - 0.5) <= slides["BE1"].error
     np.testing.assert_allclose(slides.columns["y"], 2.0 * slides.columns["p"] - 1.0, atol=1e-9)
+
+
+RELAY = {"x": "p - 0.5*x - y", "y": "x - 0.3 - k*sign(y)"}
+
+
+@pytest.mark.parametrize(
+    ("equations", "start", "p", "at", "edges"),
+    [
+        ({"x": "p - x - 2*heaviside(x - 1)"}, {"x": 1.0}, 2.2, {"x": 1.0}, (1.0, 3.0)),
+        ({"x": "p - x - 2*heaviside(x - 1)"}, {"x": 1.0}, 2.0, {"x": 1.0}, (1.0, 3.0)),  # their mean is 0
+        ({"x": "p - x - 2*heaviside(x - 1)"}, {"x": 0.5}, 2.0, {"x": 1.0}, (1.0, 3.0)),
+        (RELAY, {"x": 0.3, "y": 0.0}, 0.2, {"x": 0.4, "y": 0.0}, (-0.35, 0.65)),
+        ({"x": "(1 if x < 0 else -1) + y", "y": "p - y"}, {"x": 0.0, "y": 0.3}, 0.1, {"x": 0.0, "y": 0.1}, (-1.0, 1.0)),
+    ],
+)
+def test_a_start_inside_the_sliding_region_is_a_pseudo_equilibrium_on_a_named_surface(equations, start, p, at, edges):
+    model = Model("sliding", states=start, parameters={"p": p, "k": 1.0}, equations=equations)
+    found = api.equilibrium(model)
+    assert "pseudo-equilibrium" in str(found)
+    assert "on the surface" in str(found)
+    assert found.u == pytest.approx([at[name] for name in start], abs=1e-9)
+    branch = api.continuation(found, "p", (-5.0, 5.0))
+    assert [point.type for point in branch.points] == ["BE", "BE"]
+    for point, edge in zip(branch.points, edges, strict=True):
+        assert abs(point.values["p"] - edge) <= point.error
+
+
+def test_a_zero_of_the_mean_on_a_surface_that_is_crossed_is_no_equilibrium():
+    """x' = -1 below x = 0 and 1 above: with heaviside(0) = 1/2 it vanishes at x = 0, which motion leaves."""
+    model = Model("crossed", states={"x": 0.0}, parameters={"p": 0.0}, equations={"x": "p - 1 + 2*heaviside(x)"})
+    with pytest.raises(NoSolutionError, match="surface x"):
+        api.equilibrium(model)

@@ -32,6 +32,7 @@ AHEAD: Final = tuple(accumulate([2.15] * 9, mul, initial=1e-6))  # scaled distan
 NEAR: Final = 1e-4  # a step across a surface is repeated with shorter ones down to this length
 SHORTER: Final = 4.0
 TOGETHER: Final = 1e-8  # scaled distance of two surfaces that are met at once
+EDGE: Final = 1e-12  # of a weight: the end of the sliding motion
 ROUNDED: Final = 1e-9  # of the terms: slopes below this have no sign
 
 
@@ -63,7 +64,8 @@ def cut_at_surface(problem: EquilibriumProblem, chunk: Chunk) -> Chunk:
         return chunk
     weights = problem.sliding.weights(problem, chunk.z[1:])
     drive = problem.sliding.drive(problem, chunk.z)
-    left = np.flatnonzero(~((weights >= 0.0) & (weights <= 1.0)) | (drive[1:] * _first(drive) < TANGENT))
+    inside = (weights > EDGE) & (weights < 1.0 - EDGE)  # a row on the end itself would have nothing ahead
+    left = np.flatnonzero(~inside | (drive[1:] * _first(drive) < TANGENT))
     return _before(chunk, int(left[0])) if left.size else chunk
 
 

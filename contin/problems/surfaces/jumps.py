@@ -74,17 +74,22 @@ class Jump:
         values = evaluate_all(self._formulas, dict(zip(names, [*u.tolist(), *p.tolist()], strict=True)))
         return float(values[0]), np.array(values[1:], dtype=float)
 
-    def is_jump(self, u: Array, p: Array) -> bool:
-        """True where the equations jump on the surface, at its point next to u."""
+    def nearest(self, u: Array, p: Array) -> Array:
+        """The surface's point next to u, relative to the states' own sizes."""
         n, at = len(u), np.array(u, dtype=float)
         for _ in range(LANDINGS):
             h, slope = self.height(at, p)
-            way = slope[:n] * elementary.square(np.abs(u))  # nearest, relative to the states' own sizes
+            way = slope[:n] * elementary.square(np.abs(u))
             way = way if float(slope[:n] @ way) > 0.0 else slope[:n]
             square = float(slope[:n] @ way)
             if h == 0.0 or not square > 0.0:
                 break
             at = at - h * way / square
+        return at
+
+    def is_jump(self, u: Array, p: Array) -> bool:
+        """True where the equations jump on the surface, at its point next to u."""
+        at = self.nearest(u, p)
         below, above = self.lower.value(at, p), self.upper.value(at, p)
         full = np.concatenate([at, p])
         terms = np.abs(self.lower.jacobian(at, p)[1][:, : len(full)]) @ np.abs(full)
