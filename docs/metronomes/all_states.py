@@ -75,13 +75,14 @@ def rates(z, mu, beta):
 
 
 def simulated(points=200, seed=5, step=0.02, settle=400.0, watch=80.0):
-    """Names of the states on which 15 starts settle, at random points (of a third, mu is at random in its logarithm)."""
+    """Names of the states on which 15 starts settle, at random points (a third: mu at random in its logarithm)."""
     random = np.random.default_rng(seed)
     mu, beta = random.uniform(0.05, 15, points), random.uniform(0.02, 1.2, points)
     mu[: points // 3] = np.exp(random.uniform(np.log(0.05), np.log(15), points // 3))
     starts = [
-        (2.1, 2.0, 0.05), (2.1, 2.1, 3.0), (2.1, 0.02, 0.5), (2.2, 0.6, 1.0), (2.1, 1.5, 0.3), (2.1, 2.0, 1.5), (2.3, 2.0, -0.2),
-        (1.8, 1.0, 2.0), (2.3, 0.1, 2.0), (2.2, 2.15, 0.02), (2.4, 1.2, -1.0), (2.0, 0.8, -2.5), (2.4, 2.2, 0.1), (0.02, 0.01, 1.0), (2.45, 0.25, 2.8),
+        (2.1, 2.0, 0.05), (2.1, 2.1, 3.0), (2.1, 0.02, 0.5), (2.2, 0.6, 1.0), (2.1, 1.5, 0.3), (2.1, 2.0, 1.5),
+        (2.3, 2.0, -0.2), (1.8, 1.0, 2.0), (2.3, 0.1, 2.0), (2.2, 2.15, 0.02), (2.4, 1.2, -1.0), (2.0, 0.8, -2.5),
+        (2.4, 2.2, 0.1), (0.02, 0.01, 1.0), (2.45, 0.25, 2.8),
     ]  # fmt: skip
     z = np.array([[r1, r2 * np.exp(1j * psi)] for r1, r2, psi in starts]).T[:, None, :] * np.ones((1, points, 1))
     m, b = mu[:, None], beta[:, None]
@@ -119,7 +120,7 @@ def stored():
 
 
 def compared():
-    """Points where a start settles on a state that the curves do not have; and those where no start finds one that they have."""
+    """Points where a start settles on a state that the curves do not have; and where none finds one that they have."""
     curves = Curves()
     wrong, missed = [], []
     for point in stored():
