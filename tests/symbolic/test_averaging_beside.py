@@ -209,6 +209,7 @@ def test_trajectories_of_a_forced_oscillator_with_a_platform_stay_near_the_avera
         ({"x": "y", "y": "-x", "W": "-W^3+x"}, {"oscillators": [pair()], "slaved": ["W"]}, None, "must be linear"),
         ({"x": "y", "y": "-x", "p": "2"}, {"oscillators": [pair()], "rotators": [{"phase": "p"}]}, None, "`harmonic`"),
         ({"x": "y", "y": "-x", "p": "2"}, {"oscillators": [pair()], "slow": ["x"]}, None, "already has a role"),
+        ({"x": "y", "y": "-x", "r": "eps*x^2"}, {"oscillators": [pair()], "slow": ["r"]}, None, "rename r"),
         ({"x": "y", "y": "-x", "w": "0"}, {"oscillators": [pair()], "forcing": 2, "slow": ["w"]}, None, "no forcing"),
     ],
 )

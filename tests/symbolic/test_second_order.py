@@ -146,6 +146,7 @@ def mathieu(ratio, stiffness, drive, parameters, small=0.1):
 
 def borders(slow, eps):
     """Values of c at which rest has a zero eigenvalue."""
+
     def determinant(c):
         at = {"eps": eps, "c": c}
         one, two = (
@@ -170,3 +171,67 @@ def test_the_tongues_of_mathieu_s_equation_to_second_order():
         assert [low, high] == pytest.approx([-1 - eps / 8, 1 - eps / 8], abs=0.2 * eps**2)
         slow = contin.average(mathieu(2, "eps*c", "2*cos(2*t)*x", {"c": 0.1}, eps), form="cartesian", order=2)
         assert borders(slow, eps) == pytest.approx([-1 / 12, 5 / 12], abs=1e-12)
+
+
+def test_a_forced_piecewise_oscillator_to_second_order():
+    """Multipliers of the entrained oscillation, log/(eps T), against the eigenvalues at the averaged equilibrium."""
+    gaps = {1: [], 2: []}
+    for eps in (0.04, 0.02):
+        model = contin.Model(
+            "forced",
+            states={"x": 1.0, "y": 0.0},
+            parameters={"eps": eps},
+            equations={"x": "y", "y": "-x + eps*((x if x*y > 0 else 0) - 0.8*y - 0.3*x^3 + cos(t))"},
+            forcing={"period": "2*pi"},
+            averaging={"small": "eps", "oscillators": [{"position": "x", "velocity": "y"}]},
+        )
+        found = {order: averaged_exponents(contin.average(model, order=order)) for order in (1, 2)}
+        (r, psi), _ = found[2]
+        exact = exponents(eps, np.array([r * math.cos(psi), -r * math.sin(psi)]))
+        for order, (_, eigenvalues) in found.items():
+            gaps[order].append(float(np.max(np.abs(eigenvalues - exact))))
+    assert 1.6 < gaps[1][0] / gaps[1][1] < 2.6
+    assert 3.2 < gaps[2][0] / gaps[2][1] < 5.0
+
+
+def averaged_exponents(slow):
+    """The equilibrium (r, psi) of a forced polar form, and its eigenvalues."""
+
+    def rates(u):
+        return np.array(evaluate_all(slow.equations, slow.default_parameters() | {"r": u[0], "psi": u[1]}))
+
+    u = np.array(contin.equilibrium(slow, {"r": 1.1, "psi": -1.8}).u)
+    h = 1e-6
+    jacobian = np.array([(rates(u + d) - rates(u - d)) / (2 * h) for d in h * np.eye(2)]).T
+    return u, np.sort_complex(np.linalg.eigvals(jacobian).astype(complex))
+
+
+def exponents(eps, u):
+    """log(multiplier)/(eps 2 pi) of the periodic solution near u, by Newton's method on the map of one period."""
+
+    def force(t, u, sign):
+        x, y = u
+        return [y, -x + eps * ((x if sign > 0 else 0.0) - 0.8 * y - 0.3 * x**3 + math.cos(t))]
+
+    def quarter(t, u, _):
+        return u[0] * u[1]
+
+    quarter.terminal = True
+
+    def after(t, u, end, **more):
+        sign = 1.0 if u[0] * u[1] + 1e-9 * (u[1] ** 2 - u[0] ** 2) > 0 else -1.0
+        run = solve_ivp(force, (t, end), u, "DOP853", args=(sign,), rtol=1e-11, atol=1e-12, **more)
+        return run.t[-1], run.y[:, -1]
+
+    def period_map(u):
+        t, end = 0.0, 2 * math.pi
+        while t < end:
+            t, u = after(t, u, min(t + 1e-4, end))
+            t, u = after(t, u, end, events=quarter)
+        return u
+
+    h = 1e-4
+    for _ in range(3):
+        jacobian = np.array([(period_map(u + d) - period_map(u - d)) / (2 * h) for d in h * np.eye(2)]).T
+        u = u + np.linalg.solve(jacobian - np.eye(2), u - period_map(u))
+    return np.sort_complex(np.log(np.linalg.eigvals(jacobian).astype(complex)) / (eps * 2 * math.pi))

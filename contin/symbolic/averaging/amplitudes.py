@@ -8,7 +8,7 @@ neither, which stays a function of all the amplitudes to be averaged by quadratu
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from contin.errors import InputError, NotFiniteError
@@ -273,9 +273,15 @@ def _as_force(average: RadialAverage, omega: Expression) -> RadialAverage:
     return RadialAverage(pieces, average.presumes, average.limits)
 
 
-def refuse_names(model_parameters: Iterable[str], made: Iterable[str]) -> None:
-    """The names of the averaged states must be free."""
+def refuse_names(model_parameters: Iterable[str], slow: Collection[str], made: Sequence[str]) -> None:
+    """The names of the averaged states and observables must be free, of parameters and of slow states."""
     taken = set(model_parameters)
+    twice = [name for name in slow if made.count(name) > 1]
+    if twice:
+        raise InputError(
+            f"averaging: the averaged model calls an amplitude, a phase or an observable {twice[0]}, and so is a slow "
+            f"state or a rotator; rename {twice[0]}"
+        )
     for name in made:
         if name in taken:
             raise InputError(

@@ -70,7 +70,8 @@ def averaged(
     if time == "fast":
         eps = symbol(oscillators.small)
         equations = tuple(mul(eps, e) for e in equations)
-    refuse_names(model.parameter_names, [*built.states, *built.observables])
+    made = [*built.states, *built.observables]
+    refuse_names(model.parameter_names, [s.name for s in oscillators.slow], made)
     observables, dropped = averaged_observables(built, oscillators)
     result = Model.from_parts(
         name=model.name,

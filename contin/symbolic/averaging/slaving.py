@@ -105,7 +105,7 @@ def _check_decay(
 ) -> None:
     at = {**values, small: 0.0}
     matrix = [[float(evaluate(rows[a].get(symbol(b), ZERO), at)) for b in names] for a in names]
-    slowest = -float(np.max(np.linalg.eigvals(np.array(matrix)).real))
+    slowest = 0.0 - float(np.max(np.linalg.eigvals(np.array(matrix)).real))
     if not slowest > abs(values[small]):
         raise InputError(
             f"averaging: the slaved states {', '.join(names)} decay at the rate {slowest:.6g} for the default "
