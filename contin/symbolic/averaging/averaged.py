@@ -11,13 +11,12 @@ from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
 from contin.symbolic.averaging.amplitudes import SlowSystem, refuse_names, slow_system
 from contin.symbolic.averaging.build_form import build_form
+from contin.symbolic.averaging.carried_symmetries import averaged_symmetries, gauge_symmetries
 from contin.symbolic.averaging.carry_over import (
     amplitudes_in,
     averaged_observables,
     averaged_starts,
     averaged_states,
-    averaged_symmetries,
-    gauge_symmetries,
 )
 from contin.symbolic.averaging.form_names import FORMS
 from contin.symbolic.averaging.forms import AveragedForm, check_form
