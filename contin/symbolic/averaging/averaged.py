@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from contin.errors import InputError
 from contin.model.expression import Expression, add, mul, symbol
 from contin.model.model import Model
-from contin.symbolic.averaging.amplitudes import SlowSystem, refuse_names, slow_system
+from contin.symbolic.averaging.amplitudes import SlowSystem, refuse_names
+from contin.symbolic.averaging.averager import slow_system
 from contin.symbolic.averaging.build_form import build_form
 from contin.symbolic.averaging.carried_symmetries import averaged_symmetries, gauge_symmetries
 from contin.symbolic.averaging.carry_over import (
