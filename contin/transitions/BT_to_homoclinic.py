@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.errors import InputError
 from contin.normalforms.homoclinic import bogdanov_takens_unfolding
+from contin.normalforms.homoclinic_series import homoclinic_series
 from contin.normalforms.result import NO_FORM
 from contin.normalforms.sources import compiled_jet
 from contin.problems.loci.problem import LocusProblem
@@ -47,25 +50,55 @@ def homoclinic_at_bogdanov_takens(problem: LocusProblem, point: SpecialPoint, pa
         return []
     typical = float(np.max(np.abs(unfolding.chain.q0) / problem.curve.sizes))
     parent = Parent(point.branch, point.label)
-    for relative in EPS:
+    predictors = _predictors(compiled(problem), jet, u, p, (first, second), unfolding)
+    for relative, predict in product(EPS, predictors):
         eps = float(np.sqrt(relative * abs(unfolding.a) / (6.0 * max(typical, 1e-300))))
         try:
-            seed = _seed(compiled(problem), u, p, (first, second), unfolding, eps, parent)
+            seed = _seed(compiled(problem), (first, second), predict(eps), parent)
         except (InputError, ZeroDivisionError, np.linalg.LinAlgError):  # by zero: a nearly degenerate point
             continue
         return [_away(seed, np.array([p[second], p[first]]), problem, parameters, point)]
     return []
 
 
-def _seed(
-    system: CompiledSystem, u: Array, p: Array, active: tuple[int, int], unfolding: Any, eps: float, parent: Parent
-) -> Seed:
-    """The predicted orbit, about the exact fold of equilibria nearby, corrected.
+@dataclass(frozen=True, eq=False)
+class _Prediction:
+    """Parameters, saddle, and the orbit as a function of time."""
+
+    p: Array
+    saddle: Array
+    orbit: Callable[[Array], Array]
+    half: float  # of the time interval
+
+
+def _predictors(
+    system: CompiledSystem, jet: Any, u: Array, p: Array, active: tuple[int, int], unfolding: Any
+) -> list[Callable[[float], _Prediction]]:
+    """By the series to the fifth order in eps, where it is known, and to leading order about the exact fold."""
+    leading = partial(_leading, system, u, p, active, unfolding)
+    try:
+        series = homoclinic_series(jet, unfolding)
+    except (*NO_FORM, np.linalg.LinAlgError):  # the leading order is left
+        return [leading]
+
+    def by_series(eps: float) -> _Prediction:
+        moved = p.copy()
+        moved[list(active)] += series.at(eps)
+        return _Prediction(
+            moved, u + series.saddle(eps), lambda times: u + series.orbit(eps, times), HALF_TIME / eps
+        )
+
+    return [by_series, leading]
+
+
+def _leading(
+    system: CompiledSystem, u: Array, p: Array, active: tuple[int, int], unfolding: Any, eps: float
+) -> _Prediction:
+    """The predicted orbit, about the exact fold of equilibria nearby.
 
     The linear map of the parameters leaves an error of the order of b1 = -4 eps^4 / a itself; counted from the fold
     curve b1 = 0, it is of higher order.
     """
-    n = len(u)
     b2 = float(unfolding.beta(eps)[1])
     along = p.copy()
     along[list(active)] += unfolding.K[:, 1] * b2
@@ -73,12 +106,18 @@ def _seed(
     shift = unfolding.beta(eps) * np.array([1.0, 0.0])
     moved[list(active)] += unfolding.K @ shift
     centre = centre - unfolding.H[:, 1] * b2
-    half = HALF_TIME / eps
+    return _Prediction(
+        moved, centre + unfolding.saddle(eps), lambda times: centre + unfolding.orbit(eps, times), HALF_TIME / eps
+    )
+
+
+def _seed(system: CompiledSystem, active: tuple[int, int], one: _Prediction, parent: Parent) -> Seed:
+    """The predicted orbit, corrected."""
+    n, half, moved, saddle = system.n, one.half, one.p, one.saddle
     h = np.full(INTERVALS, 1.0 / INTERVALS)
     rest = Profile(4, np.zeros((INTERVALS * 4 + 1, n)), 2.0 * half, h, float(moved[active[0]]))
-    piece = replace(rest, u=centre + unfolding.orbit(eps, (2.0 * rest.times - 1.0) * half))
+    piece = replace(rest, u=one.orbit((2.0 * rest.times - 1.0) * half))
     orbits = OrbitProblem(system, moved, active[0], np.zeros(n), 4)
-    saddle = centre + unfolding.saddle(eps)
     values = np.linalg.eigvals(system.jacobian(saddle, moved)[1][:, :n])
     stable = int(np.sum(values.real < 0.0))
     curve = ConnectionCurve(orbits, active[1], 1, stable, n - stable)
