@@ -79,7 +79,8 @@ class ConnectionToCycle(BoundaryProblem):
     def time(self, z: Array) -> float:
         """Of the connecting orbit between its ends."""
         p = dict(zip(self.two.parameters, self.full_parameters(z)[:-1].tolist(), strict=True))
-        return float(p["T:"]) if "T:" in p else float(z[self.two.n_states + self.two.free.index("T:")])
+        period = self.two.free.index(f"period:{self.cycles[0]}")
+        return float(p["T:"]) * float(z[self.two.n_states + period])
 
     def columns(self, z: Array) -> dict[str, Array]:
         """Parameters, smallest and largest values of the states on the connecting orbit and the cycle(s), periods."""

@@ -136,10 +136,10 @@ class CycleConnection:
 
     def _lengthened(self, problem: BoundaryProblem, z: Array) -> tuple[BoundaryProblem, Array]:
         """Step 2, as far as it goes."""
-        gap, rate, period = self._gap(problem, z)
+        gap, rate = self._gap(problem, z)
         if gap <= NEAR:
             return problem, z
-        more = min(float(elementary.log(gap / (0.3 * NEAR))) / rate, LONGEST) * period
+        more = min(float(elementary.log(gap / (0.3 * NEAR))) / rate, LONGEST)
         at = float(z[-1])
         try:
             return problem, _followed(problem, z, (at, at + more), 1, "step 2 of the homotopy (a longer time)")
@@ -148,10 +148,10 @@ class CycleConnection:
                 return problem, z
             raise
 
-    def _gap(self, problem: BoundaryProblem, z: Array) -> tuple[float, float, float]:
-        """Distance from the cycle(s), of their extent; rate of approach a period; the period."""
+    def _gap(self, problem: BoundaryProblem, z: Array) -> tuple[float, float]:
+        """Distance from the cycle(s), of their extent; rate of approach a period."""
         u, n = problem.profile(z).u, self.system.n
-        gap, rate, period = 0.0, np.inf, 1.0
+        gap, rate = 0.0, np.inf
         for place, end in ((1, self.first), (2, self.last)):
             held = place == 1 and isinstance(self.last, Cycle)  # then its distance is a parameter
             if isinstance(end, Cycle) and not held:
@@ -160,8 +160,8 @@ class CycleConnection:
                 own = float(np.linalg.norm(offset) / np.linalg.norm(np.ptp(u[:, k : k + n], axis=0)))
                 rates = [abs(float(elementary.log(abs(m)))) for m in end.outside(place == 1)]
                 if own > gap:
-                    gap, rate, period = own, min(rates, default=1.0), end.period
-        return gap, rate, period
+                    gap, rate = own, min(rates, default=1.0)
+        return gap, rate
 
     def _in_parameters(self, problem: BoundaryProblem, z: Array, parameters: tuple[str, ...]) -> Seed:
         """The same solution with the user's first parameter varying."""
@@ -194,7 +194,8 @@ class CycleConnection:
         """Of all constants of the boundary-value problem."""
         names = self.system.parameter_names
         values = dict(zip(names, (float(x) for x in self.p), strict=False))
-        values |= {MISS: 1.0, TIME: one.time}
+        clock = next((end.period for end in (self.first, self.last) if isinstance(end, Cycle)), 1.0)
+        values |= {MISS: 1.0, TIME: one.time / clock}
         for place, end, state in ((1, self.first, one.start), (2, self.last, one.finish)):
             if isinstance(end, Rest):
                 values |= _at_rest(end, place, state, self.system.state_names)

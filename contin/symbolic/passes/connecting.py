@@ -11,7 +11,8 @@ stable ones where it leaves; the last equation chooses the phase. An end that is
     f(x0) = 0,   f_u(x0) V = V L,   R^T V = 1,   u(e) = x0 + V c (+ miss),   |c| = distance
 
 with V (n, k) a basis of its unstable (at the end: stable) eigenspace and R a fixed one. (Doedel, Kooi, van Voorn and
-Kuznetsov, Int. J. Bifurcation and Chaos 18 (2008) 1889 and 19 (2009) 159.) T and the distances are parameters.
+Kuznetsov, Int. J. Bifurcation and Chaos 18 (2008) 1889 and 19 (2009) 159.) The distances are parameters, and so is T,
+in periods of the (first) cycle, so that phases stay where they are when the period changes.
 """
 
 from __future__ import annotations
@@ -63,6 +64,9 @@ def connecting(model: Model, first: End, last: End) -> Connecting:
     """The boundary-value problem of orbits of a flow that lead from `first` to `last`."""
     writer = _Writer(model)
     time = symbol(TIME)
+    for place, end in (("end", last), ("start", first)):
+        if isinstance(end, CycleEnd):
+            time = mul(symbol(TIME), symbol(f"period:{AT[place]}"))
     states = [State(name, ZERO) for name in model.state_names]
     equations = [mul(time, f) for f in model.equations]
     for place, end in (("start", first), ("end", last)):
