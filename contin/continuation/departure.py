@@ -28,7 +28,7 @@ from contin.machine import elementary
 NEAR_START = 1e-3  # half-width, in steps, of the interval around a start that is searched for special points
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Seed:
     """Where a branch starts.
 
@@ -48,6 +48,11 @@ class Seed:
     reach: float | None = None  # a scaled distance from z at which the branch is told from its neighbours
     beside: Mapping[int, Array] = field(default_factory=dict)  # by arm: a point on it, where no order of terms tells it
     measured: tuple[int, NDArray[np.complex128]] | None = None  # unstable count and eigenvalues at z, where known
+
+    def __repr__(self) -> str:
+        born = f" born at {self.parent.branch}.{self.parent.label}" if self.parent is not None else ""
+        varied = " and ".join(getattr(self.problem, "parameters", ()))
+        return f"<start of a branch of kind {self.problem.kind!r} in {varied}{born}>"
 
     @property
     def born(self) -> bool:

@@ -36,7 +36,7 @@ class Sampled(Protocol):
         """(points,), from 0 to 1"""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Orbit:
     """One period of an orbit: times `t` from 0 to the period, every state in `columns` (with `t`), `multipliers`."""
 
@@ -85,6 +85,9 @@ class Orbit:
         from pandas import DataFrame
 
         return DataFrame(dict(self.columns))
+
+    def __repr__(self) -> str:
+        return f"<Orbit of period {self.period:.10g}: {', '.join(name for name in self.columns if name != 't')}>"
 
     def _repr_html_(self) -> str:
         return cast("str", lazy.module("notebook trajectories").orbit_page(self))

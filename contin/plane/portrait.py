@@ -35,7 +35,7 @@ FAR: Final = 4.0  # of its sizes: how far the window may grow for what is bounde
 BESIDE: Final = 0.01  # of the window: where trajectories that look for cycles begin next to an equilibrium
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PhasePlane:
     """The plane of two states of a flow or map at fixed parameters; all points are (x, y).
 
@@ -88,6 +88,10 @@ class PhasePlane:
                 "units": dict(self.field.units), "arrows": self.field.motion(arrow_places(self.window)).tolist(),
             },
         }  # fmt: skip
+
+    def __repr__(self) -> str:
+        x, y = self.field.names
+        return f"<PhasePlane of {self.field.name!r} in {x} and {y}: {len(self.rests)} equilibria>"
 
     def _repr_html_(self) -> str:
         from contin.notebook import html
