@@ -45,6 +45,14 @@ def stencil(order: int) -> tuple[tuple[int, float], ...]:
     return tuple((int(o), float(w)) for o, w in zip(offsets, weights, strict=True) if abs(w) > 1e-13)
 
 
+@cache
+def circle(order: int) -> tuple[tuple[complex, float, complex], ...]:
+    """w, weight and w^-order at the nodes of the upper half of the unit circle; the lower is its conjugate."""
+    half = CIRCLE_POINTS // 2
+    nodes = [elementary.exp(1j * np.pi * j / half) for j in range(half + 1)]
+    return tuple((w, 1.0 if j in (0, half) else 2.0, w**-order) for j, w in enumerate(nodes))
+
+
 @dataclass(frozen=True, eq=False)
 class Lines:
     """Directional derivatives of F(u, p), both vectors; `sizes` (n + m,) are typical sizes of u and p.
@@ -76,12 +84,10 @@ class Lines:
             return np.zeros(n)
         if self.analytic:
             r = CIRCLE * reach
-            half = CIRCLE_POINTS // 2
             total = np.zeros(n)
-            for j in range(half + 1):  # the lower half is the conjugate of the upper
-                w = elementary.exp(1j * np.pi * j / half)
+            for w, weight, turned_back in circle(order):
                 value = np.asarray(self.function(u + r * w * v[:n], p + r * w * v[n:]), dtype=complex)
-                total += (1.0 if j in (0, half) else 2.0) * (value * w**-order).real
+                total += weight * (value * turned_back).real
             return total * (math.factorial(order) / (CIRCLE_POINTS * elementary.pow(r, order)))
         if order == 1:
             return self._slope_between_corners(u, p, v, reach)
