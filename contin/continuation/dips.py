@@ -11,6 +11,7 @@ from contin.continuation.curve import Stretch
 from contin.continuation.found import Found, Note, anchored_on_branch, at_point, found_at, where
 from contin.continuation.isolate import isolate, together_between
 from contin.continuation.march import is_dip
+from contin.continuation.position import position
 from contin.continuation.problem import Nothing, Outcome, Rejected, Sample, Verified, is_planar
 from contin.continuation.sameness import same_point
 from contin.linalg.vectors import dot
@@ -130,7 +131,7 @@ def _pair(
     if touching:
         yield from (found_at(stretch, low, point, anchor) for point in touching)
         return
-    yield Note(f"{TOUCHES} near {stretch.problem.parameters[0]} = {points[0].z[-1]:.3g}")
+    yield Note(f"{TOUCHES} near {position(stretch.problem, points[0].z)}")
     if len(points) == 2:
         yield from (item for item in items if isinstance(item, Note))
 

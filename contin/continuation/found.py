@@ -8,6 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.curve import Stretch
+from contin.continuation.position import position
 from contin.continuation.problem import Sample, Verified
 from contin.errors import InputError, NotFiniteError
 from contin.linalg.vectors import dot
@@ -36,7 +37,7 @@ class Note:
 
 
 def where(stretch: Stretch, a: Sample, text: str) -> str:
-    return f"{text} near {stretch.problem.parameters[0]} = {a.z[-1]:.10g}"
+    return f"{text} near {position(stretch.problem, a.z)}"
 
 
 def anchored(point: Verified, place: Array) -> Verified:

@@ -18,6 +18,7 @@ from contin.continuation.halting import Halt, halt, halves, mirror
 from contin.continuation.isolate import isolate, next_to_event
 from contin.continuation.march import is_dip
 from contin.continuation.piece import Piece, Row
+from contin.continuation.position import position
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
 from contin.continuation.sameness import same_point
 from contin.continuation.settings import Settings
@@ -56,7 +57,7 @@ class Course:
 
     def position(self, z: Array) -> str:
         """In words."""
-        return f"{self.problem.parameters[0]} = {z[-1]:.10g}"
+        return position(self.problem, z)
 
 
 def resolve(

@@ -19,6 +19,7 @@ from contin.continuation.floors import above_floors
 from contin.continuation.journal import Journal, journaled
 from contin.continuation.lost import until_lost
 from contin.continuation.piece import Piece
+from contin.continuation.position import position
 from contin.continuation.problem import (
     Frame,
     Problem,
@@ -236,20 +237,18 @@ def _ends(seed: Seed, records: dict[int, _ArmRecord]) -> tuple[End, End]:
 
 def _remarks(labelled: list[tuple[int, Verified, Array]], problem: Problem) -> list[str]:
     """What could not be told about labelled points, with their places."""
-    name = problem.parameters[0]
-    return [f"{v.remark} near {name} = {v.z[-1]:.10g}" for _, v, _ in labelled if v.remark]
+    return [f"{v.remark} near {position(problem, v.z)}" for _, v, _ in labelled if v.remark]
 
 
 def _changes(rows: list[int], unstable: NDArray[np.int64], z: Array, problem: Problem) -> list[str]:
     """A note for every change of `unstable` that no label explains."""
-    name = problem.parameters[0]
     texts = []
     for row in rows:
         before, after = unstable[row - 1], unstable[row]
         text = f"unstable changes from {before} to {after} without a label that explains it"
         if before == after:
             text = f"unstable is {after} beyond labelled points that change it to another number: one may be missing"
-        texts.append(f"{text} near {name} = {z[row, -1]:.10g} (row {row})")
+        texts.append(f"{text} near {position(problem, z[row])} (row {row})")
     return texts
 
 
