@@ -12,6 +12,8 @@ from contin.continuation.problem import Verified
 from contin.special.table import special_type
 
 ANY: Final = 1_000_000
+TURNS: Final = 1e-5  # scaled slope of the parameter at a pitchfork: so small along the branch that turns there,
+STEEP: Final = 1e-2  # ... and larger along the one that is crossed
 BESIDE: Final = 3  # rows about a corner that the corrector may put on either of its arms
 MET: Final = ("joined", "hopf", "homoclinic", "heteroclinic", "surface")  # ends whose last row is a special point
 
@@ -29,11 +31,19 @@ def moved(point: Verified) -> int:
     return _critical(point.type) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
 
 
-def is_sure(point: Verified) -> bool:
-    """True where exactly as many eigenvalues change sides as the table says: all in one sense, and one set of them."""
+def certainly(point: Verified, slope: float) -> int | None:
+    """How many eigenvalues change sides there: all in one sense, and one set of them; None where that is not certain.
+
+    slope : of the parameter along the branch, scaled. Along a branch that turns at a pitchfork the critical eigenvalue
+    touches zero; along the one that is crossed it changes sides.
+    """
     several = int(point.vectors.get("kernel", 1)) != 1 or bool(point.also) or point.touches
-    plain = point.normal_form.get("kind") not in ("nonsmooth", "tangency", "degenerate")
-    return plain and not several and _critical(point.type) < ANY
+    kind = point.normal_form.get("kind")
+    if several or kind in ("nonsmooth", "tangency", "degenerate") or _critical(point.type) >= ANY:
+        return None
+    if kind == "pitchfork" and abs(slope) < STEEP:
+        return 0 if abs(slope) <= TURNS else None
+    return moved(point)
 
 
 def _is_sum(change: int, parts: Iterable[int], slack: int) -> bool:
@@ -45,22 +55,24 @@ def _is_sum(change: int, parts: Iterable[int], slack: int) -> bool:
 
 
 def unexplained(
-    unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified]], born: Iterable[int] = (),
+    unstable: NDArray[np.int64], labels: Iterable[tuple[int, Verified, float]], born: Iterable[int] = (),
     jumps: Iterable[int] = (), exact: bool = True,
 ) -> list[int]:  # fmt: skip
     """Rows before which `unstable` does not change by what the labels since the last unlabelled row explain.
 
-    unstable (rows,) : critical values not counted at labelled rows.  labels : (row, point).  born : rows at special
-    points of other branches, whose critical values are not counted either.  jumps : rows before which the equations are
-    not smooth and any number of values changes.  exact : a simple label changes `unstable` by its number, not less; not
-    so where the unknowns are others than the states, as along folds under a condition.
+    unstable (rows,) : critical values not counted at labelled rows.  labels : (row, point, slope of the parameter along
+    the branch there, scaled).  born : rows at special points of other branches, whose critical values are not counted
+    either.  jumps : rows before which the equations are not smooth and any number of values changes.  exact : a simple
+    label changes `unstable` by its number, not less; not so where the unknowns are others than the states, as along
+    folds under a condition.
     """
     allowed: dict[int, int] = dict.fromkeys(born, ANY)
     exactly: dict[int, list[int]] = {}
     corners = list(jumps)
-    for row, point in labels:
-        if exact and is_sure(point):
-            exactly.setdefault(row, []).append(moved(point))
+    for row, point, slope in labels:
+        sure = certainly(point, slope) if exact else None
+        if sure is not None:
+            exactly.setdefault(row, []).append(sure)
             allowed.setdefault(row, 0)
         else:
             allowed[row] = allowed.get(row, 0) + moved(point)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,15 @@ class Linearisation(Protocol):
 
     def solve(self, right: Array) -> Array:
         """M x = right, (n + 1,)."""
+
+
+@runtime_checkable
+class Judged(Protocol):
+    """A linearisation that knows how well the equations are met where it was made."""
+
+    @property
+    def met(self) -> bool:
+        """True where what is left of every equation is small beside its linear terms."""
 
 
 class Correctable(Protocol):
@@ -92,6 +101,7 @@ def correct(
     for what is left to correct after it. The result's own matrix is from within `CLOSE` of the point.
     """
     size_before, first = np.inf, 0.0
+    once_more = True  # where the last matrix may be another one than that of the point
     here, fresh, compare = before, False, False  # compare: the last step was Newton's, so this one must be shorter
     for iteration in range(1, NEWTON_LIMIT + 1):
         z = z0 + scale * y
@@ -117,11 +127,14 @@ def correct(
         first = size if first == 0.0 else first
         ratio = size / size_before
         left = size * ratio if chord else size * ratio * ratio
-        done = size <= tolerance or (size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
+        met = not isinstance(now, Judged) or now.met
+        done = size <= tolerance and (met or not once_more or iteration == NEWTON_LIMIT)
+        done = done or (met and size_before < np.inf and size < CLOSE and left < 0.01 * tolerance)
         if not done and compare and ratio > 0.5:
             if not (size < STAGNATION and first > size):
                 return Failure.NO_CONTRACTION
             done = True
+        once_more = once_more and size > tolerance
         if done:
             last = here if fresh and here is not None else problem.linearisation(z0 + scale * y, tangent, scale)
             if last is None:

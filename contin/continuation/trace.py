@@ -179,8 +179,12 @@ def _assemble(
     reasons = [record.end.reason if record else "" for record in (records.get(-1), records.get(1))]
     born = [start_row] if seed.born else []  # rows whose critical eigenvalues are not counted, as at labelled ones
     born += [row for row, reason in zip((0, len(z) - 1), reasons, strict=True) if reason in MET]
+    for row, reason in zip((0, len(z) - 1), reasons, strict=True):
+        if reason == "closed":  # the start once more
+            unstable[row] = unstable[start_row]
+            born += [row] if seed.born else []
     told = is_planar(problem) and bool(properties)  # as that eigenvalues stay critical: their signs are rounding
-    labels = [(row, point) for row, point, _ in rows.labelled]
+    labels = [(row, point, float(raw_tangents[row, -1] / scale[-1])) for row, point, scale in rows.labelled]
     exact = problem.has_stability and eigenvalues.shape[1] > 0 and not problem.free_names
     changes = [] if told else unexplained(unstable, labels, born, rows.jumps, exact)
     unlabelled = 0 if told else len(unexplained(unstable, labels, born, (), exact))  # with those where equations jump

@@ -43,6 +43,7 @@ from contin.kernels.tests_of_stability import flow_tests, map_tests
 
 TESTS = 4
 NEWTON_LIMIT = 7
+MET = 1e-6  # of the sum of the moduli of an equation's linear terms: what may be left of it at a row's Jacobian
 LANDED = 1e-9  # a step that ends on a zero of a test function, where signs say nothing, is repeated a little shorter
 
 
@@ -104,7 +105,9 @@ def correct(
     """Newton on [F(z0 + D y); tangent . y - h] = 0 from the guess y (in place, with z = z0 + D y).
 
     A last correction is accepted unseen where quadratic convergence puts it below `trust` times the tolerance: 0 for
-    piecewise equations, whose next iterate may see another formula.
+    piecewise equations, whose next iterate may see another formula. Where an unknown is far smaller than its scale and
+    matters all the same, as p in p exp(x), the Jacobian of the iterate before may be another one: where the
+    equations are not met to `MET` of their linear terms there, one more iteration is made.
 
     On success `matrix` holds LU factors at (nearly) the solution and the permutation's sign is returned (+1 or -1).
     Otherwise 0 (no convergence) or 2 (not finite). sizes[0] is the first correction's length, sizes[1] the iterations.
@@ -112,6 +115,7 @@ def correct(
     n = f.size
     before = math.inf
     first = 0.0
+    once_more = True
     for iteration in range(NEWTON_LIMIT):
         sizes[1] = iteration + 1.0
         if not linearise(address, is_map, z, p, active, scale, tangent, f, jacobian, matrix, block):
@@ -122,6 +126,12 @@ def correct(
         for i in range(n):
             step[i] = -f[i]
         step[n] = h - along
+        met = True
+        for i in range(n):
+            terms = 0.0
+            for j in range(n + 1):
+                terms += abs(matrix[i, j] * z[j] / scale[j])
+            met = met and abs(f[i]) <= MET * terms
         sign = lu_factor(matrix, pivots)
         if sign == 0:
             return 0
@@ -135,17 +145,18 @@ def correct(
         if iteration == 0:
             first = size
             sizes[0] = size
-        if size <= tolerance:
+        if size <= tolerance and (met or not once_more or iteration + 1 == NEWTON_LIMIT):
             return sign
         if not size < 1e3:
             return 0
         if iteration > 0:
             ratio = size / before
-            if size < 1e-4 and size * ratio * ratio < trust * tolerance:
+            if met and size < 1e-4 and size * ratio * ratio < trust * tolerance:
                 return sign  # the next correction, by quadratic convergence, is far below the tolerance
             if ratio > 0.5:
                 limit = STAGNATION if trust > 0.0 else 0.01 * STAGNATION
                 return sign if size < limit and first > size else 0
+        once_more = once_more and size > tolerance
         before = size
     return 0
 

@@ -52,6 +52,7 @@ from contin.simulate.natural import guessed_note
 from contin.simulate.reach import has_reach, is_constrained, left_reach
 from contin.special.table import test_on_branch
 from contin.symbolic.passes.translations import translation_notes
+from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
     pass
@@ -206,6 +207,12 @@ class EquilibriumProblem(AlgebraicEquations):
     def watch(self, type_: str) -> int | None:
         return test_on_branch(type_)
 
+    @cached_property
+    def _opaque(self) -> bool:
+        """True for functions whose corners nobody knows; iterates of formulas are as smooth as these."""
+        system = self.system.base if isinstance(self.system, IteratedSystem) else self.system
+        return bool(system.jacobian_address == NO_FUNCTION)
+
     def verify(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         return self._described(self._turning(special.verify(self, type_, near, frame), near, frame), frame)
 
@@ -215,7 +222,7 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def _turning(self, found: Outcome, near: Sample, frame: Frame) -> Outcome:
         """A fold of a user's function only where the curve itself turns: its derivatives may be wrong."""
-        if self.system.jacobian_address != NO_FUNCTION or (isinstance(found, Verified) and found.type != "LP"):
+        if not self._opaque or (isinstance(found, Verified) and found.type != "LP"):
             return found
         if not isinstance(found, Verified):
             return self._corner_beside(near, frame) or found
@@ -232,7 +239,7 @@ class EquilibriumProblem(AlgebraicEquations):
 
     def _corner_beside(self, near: Sample, frame: Frame) -> Rejected | None:
         """What a corner of a user's function does at a sample; None where there is none."""
-        if self.system.jacobian_address != NO_FUNCTION or self.system.n_switches:
+        if not self._opaque or self.system.n_switches:
             return None
         corner = unnamed_corner(self, near, frame)
         if corner is None:
@@ -282,7 +289,7 @@ class EquilibriumProblem(AlgebraicEquations):
     def cross_corner(
         self, last: Sample, frame: Frame, settings: Settings
     ) -> tuple[Sample, Verified | Corner | None] | None:
-        if self.system.jacobian_address == NO_FUNCTION and not self.system.n_switches:
+        if self._opaque and not self.system.n_switches:
             return cross_unnamed_corner(self, last, frame, settings)
         crossed = corners.cross_corner(self, last, frame, settings)
         return None if crossed is None or self.separated(last.z, crossed[0].z) else crossed

@@ -28,6 +28,7 @@ RESIDUAL_LIMIT = 1e-8  # scaled; a defining system that cannot be brought below 
 CONSISTENT = 20.0  # ... nor one whose residual exceeds its own rounding errors by more than this factor
 COINCIDENT = 1e-9  # an eigenvalue this close to the boundary (beside the largest) is on it
 CRITICAL = 1e-5  # an eigenvalue this small beside the largest takes part in a compound event
+UNSURE = 1e-11  # scaled: a fold that is known no better may be a branch point
 NEXT = 1e-4  # scaled: how far from it a multiple zero may be found
 SINGULAR = 1e-7  # a singular value this small beside the Jacobian's size counts for the dimension of a kernel
 ROUNDED = 1e-14  # ... and one this small is zero with rounding errors
@@ -71,7 +72,7 @@ def verify(problem: EquilibriumProblem, type_: str, near: Sample, frame: Frame) 
     y = near.z / frame.scale
     local = problem.scaled(frame.scale).rated(y)
     if type_ == "LP":
-        return _accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0))
+        return _fold(problem, local, y, frame)
     if type_ == "BP":
         return _branch_point(problem, local, y, frame, 1, tangent)
     if type_ == "PD":
@@ -98,6 +99,18 @@ def _balanced_frame(problem: EquilibriumProblem, sample: Sample, frame: Frame) -
     units = _balancing_units(*jacobians)
     tangent = sample.tangent / units
     return Frame(frame.scale * units, frame.reference), tangent / np.linalg.norm(tangent)
+
+
+def _fold(problem: EquilibriumProblem, local: ScaledSystem, y: Array, frame: Frame) -> Outcome:
+    """A fold, unless its error does not tell it from a branch point: there its defining system has a solution too."""
+    solved = defining.fold(local, y)
+    if solved is not None and solved.error > UNSURE:
+        crossing = defining.branch_point(local, solved.y, 1)
+        if crossing is not None and crossing.residual <= RESIDUAL_LIMIT:
+            apart = abs(float(crossing.y[-1] - solved.y[-1]))
+            if apart <= solved.error + crossing.error and crossing.error < solved.error:
+                return NOTHING
+    return _accept(problem, "LP", frame, solved, _real_critical(problem, 0.0))
 
 
 def _opposite_zeros(
@@ -311,7 +324,7 @@ def verify_compound(problem: EquilibriumProblem, a: Sample, b: Sample, frame: Fr
     elif corank >= 1:
         found.append(_branch_point(problem, local, y, frame, corank, tangent))
     elif a.tests[0] * b.tests[0] < 0.0:
-        found.append(_accept(problem, "LP", frame, defining.fold(local, y), _real_critical(problem, 0.0)))
+        found.append(_fold(problem, local, y, frame))
     if a.tests[3] * b.tests[3] < 0.0:
         flip = defining.eigenvalue_at(local, y, -2.0)
         found.append(_accept(problem, "PD", frame, flip, _real_critical(problem, -1.0)))

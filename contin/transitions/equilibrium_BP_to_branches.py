@@ -5,7 +5,10 @@ Curvature and metric of the new branch.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.branch import Parent, SpecialPoint
@@ -31,7 +34,7 @@ def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
     if parameter == problem.parameters[0]:
         turning = rotated_branches(problem, point)
         if turning is not None:
-            return turning
+            return [replace(seed, measured=_measured(point)) for seed in turning]
     parent = Parent(point.branch, point.label)
     own = point.tangent / point.scale
     own = own / np.linalg.norm(own)
@@ -54,11 +57,19 @@ def branches(problem: EquilibriumProblem, point: SpecialPoint, parameter: str) -
             scale, d, k = renewed_metric(local, point.z, d, k)
         symmetries = reversing_symmetries(problem, point.z, d * scale, scale)
         arms = (1,) if symmetries else tuple(sorted(beside)) or (-1, 1)
-        seeds.append(Seed(problem, point.z, d, k, scale, arms, parent, symmetries, beside=beside))
+        seeds.append(
+            Seed(problem, point.z, d, k, scale, arms, parent, symmetries, beside=beside, measured=_measured(point))
+        )
     if not seeds:
         verb = "crosses" if outsets is None else "meets this one"
         raise InputError(f"{point.branch}.{point.label}: no second real branch {verb} here")
     return seeds
+
+
+def _measured(point: SpecialPoint) -> tuple[int, NDArray[np.complex128]] | None:
+    """The count of unstable eigenvalues there, without critical ones, and all of them; a solve there may fail."""
+    count = point.values.get("unstable")
+    return None if count is None else (int(count), point.eigenvalues)
 
 
 def crossing_branches(local: ScaledSystem, y: Array, own: Array, corank: int) -> list[Outset]:

@@ -33,7 +33,7 @@ def label(type_: str, **vectors: object) -> Verified:
     ],
 )
 def test_every_change_needs_a_label(unstable, labels, expected):
-    assert unexplained(np.array(unstable), labels) == expected
+    assert unexplained(np.array(unstable), [(*item, 1.0) for item in labels]) == expected
 
 
 def test_a_corner_explains_the_jump_there_and_no_other_change():
@@ -106,5 +106,45 @@ def test_the_critical_values_of_a_birth_are_not_counted():
     ],
 )
 def test_labels_explain_sums_of_what_each_changes_and_no_other_number(unstable, types, expected):
-    labels = [(row, label(type_)) for row, type_ in enumerate(types, start=1)]
+    labels = [(row, label(type_), 1.0) for row, type_ in enumerate(types, start=1)]
     assert unexplained(np.array(unstable), labels) == expected
+
+
+@pytest.mark.parametrize(
+    ("slope", "expected"), [(0.0, [[], [2]]), (1e-3, [[], []]), (0.5, [[2], []])]  # turns there, may, is crossed
+)
+def test_a_pitchfork_changes_only_the_branch_that_is_crossed(slope, expected):
+    pitchfork = replace(label("BP"), normal_form={"kind": "pitchfork"})
+    found = [unexplained(np.array([0, 0, changed]), [(1, pitchfork, slope)]) for changed in (0, 1)]
+    assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("equations", "start"),
+    [
+        ({"x": "p*x - x^3"}, {"x": 1.0}),
+        ({"x": "p*x - x^3", "y": "x^2 - y"}, {"x": 1.0, "y": 1.0}),
+        ({"x": "p*x - x^3", "y": "2*y - x^2"}, {"x": 1.0, "y": 0.5}),
+        ({"x": "p*(2 - p)*x - x^3"}, {"x": 1.0}),  # closed, through two pitchforks
+    ],
+)
+def test_a_fork_that_is_followed_through_its_pitchfork_needs_no_note(equations, start):
+    model = Model("fork", states=dict.fromkeys(equations, 0.0), parameters={"p": 1.0}, equations=equations)
+    fork = contin.continuation(contin.equilibrium(model, start), "p", (-1.0, 3.0))
+    assert {point.normal_form["kind"] for point in fork.points if point.type == "BP"} == {"pitchfork"}
+    assert fork.notes == ()
+    assert fork.unexplained == 0
+
+
+def test_a_closed_branch_that_starts_at_a_branch_point_needs_no_note():
+    """x^2 = p (2 - p): a circle between two pitchforks, with a further unstable direction."""
+    model = Model(
+        "ring", states={"x": 0.0, "y": 0.0}, parameters={"p": -0.5}, equations={"x": "p*(2 - p)*x - x^3", "y": "y"}
+    )  # fmt: skip
+    rest = contin.continuation(contin.equilibrium(model, {"x": 0.0, "y": 0.0}), "p", (-1.0, 3.0))
+    assert [(p.label, p.normal_form["kind"]) for p in rest.points] == [("BP1", "pitchfork"), ("BP2", "pitchfork")]
+    for label in ("BP1", "BP2"):
+        ring = contin.continuation(rest[label].switch(), "p", (-1.0, 3.0))
+        assert [end.reason for end in ring.ends] == ["closed", "closed"]
+        assert ring.notes == ()
+        assert set(ring.columns["unstable"].tolist()) == {1}

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
+from contin.kernels.algebraic import MET
 from contin.linalg.spectrum import count_and_tests, spectrum
 from contin.machine import elementary
 
@@ -25,6 +26,7 @@ class DenseLinearisation:
     factors: tuple[Array, Vector]
     sign: float
     log_determinant: float
+    met: bool = True  # what is left of every equation is small beside its linear terms
 
     def solve(self, right: Array) -> Array:
         """M x = right."""
@@ -33,8 +35,10 @@ class DenseLinearisation:
         return np.asarray(lu_solve(self.factors, right, check_finite=False))
 
 
-def dense_linearisation(f: Array, jacobian: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
-    """F and J (unscaled) with the border row `tangent`, factored; None where they are not finite."""
+def dense_linearisation(
+    f: Array, jacobian: Array, tangent: Array, scale: Array, z: Array | None = None
+) -> DenseLinearisation | None:
+    """F and J (unscaled) at z with the border row `tangent`, factored; None where they are not finite."""
     from scipy.linalg import LinAlgWarning, lu_factor
 
     d = scale[:-1]
@@ -48,7 +52,8 @@ def dense_linearisation(f: Array, jacobian: Array, tangent: Array, scale: Array)
     exchanges = int(np.sum(pivots != np.arange(len(pivots))))
     sign = float(np.prod(np.sign(diagonal))) * (-1.0) ** exchanges
     logarithm = float(np.sum(elementary.log(np.abs(diagonal)))) if sign != 0.0 else -np.inf
-    return DenseLinearisation(f / d, (lu, pivots), sign, logarithm)
+    met = z is None or bool(np.all(np.abs(f) <= MET * (np.abs(jacobian) @ np.abs(z))))
+    return DenseLinearisation(f / d, (lu, pivots), sign, logarithm, met)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,7 @@ class DenseMarch:
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> DenseLinearisation | None:
         f, jacobian = self.problem.linearise(z)
-        return dense_linearisation(f, jacobian, tangent, scale)
+        return dense_linearisation(f, jacobian, tangent, scale, z)
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         values, rates = spectrum(self.problem.linear_part(z))

@@ -1,0 +1,22 @@
+"""A parameter that becomes far smaller than its range and matters all the same: stability is that of the rows."""
+
+import numpy as np
+
+import contin
+from contin.model.model import Model
+
+
+def test_eigenvalues_are_those_of_the_row_where_the_parameter_is_far_below_its_scale():
+    """p (exp(5 x) - 1) = x: p -> 0 as x grows; the eigenvalue 1 - 5 p exp(5 x) tends to 1 - 5 x."""
+    model = Model("tail", states={"x": 0.5}, parameters={"p": 0.05}, equations={"x": "x - p*(exp(5*x) - 1)"})
+    start = contin.equilibrium(model, {"x": 0.5})
+    branch = contin.continuation(start, "p", (-0.1, 0.8), settings={"steps": 60})
+    assert [point.type for point in branch.points] == ["BP"]  # with x = 0 at p = 1/5
+    x, p = branch.columns["x"], branch.columns["p"]
+    assert p.min() < 1e-12
+    away = np.abs(x) > 1e-3
+    exact = x[away] / np.expm1(5.0 * x[away])
+    assert np.abs(p[away] / exact - 1.0).max() < 1e-7
+    values = 1.0 - 5.0 * exact * np.exp(5.0 * x[away])
+    assert np.abs(branch.eigenvalues[away, 0].real / values - 1.0).max() < 1e-3
+    assert branch.notes == ()
