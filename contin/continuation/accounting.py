@@ -28,7 +28,8 @@ def moved(point: Verified) -> int:
     """How many eigenvalues (multipliers) may change sides at a labelled point."""
     if point.normal_form.get("kind") == "nonsmooth":
         return ANY
-    return _critical(point.type) * int(point.vectors.get("kernel", 1)) + 2 * len(point.also)
+    kernel = max(int(point.vectors.get("kernel", 1)), int(point.normal_form.get("kernel", 1)))
+    return _critical(point.type) * kernel + 2 * len(point.also)
 
 
 def certainly(point: Verified, slope: float) -> int | None:

@@ -73,6 +73,9 @@ def _normal_form(problem: EquilibriumProblem, point: Verified, metric: Array) ->
     location = max(STATE_ERROR, point.error / float(metric[-1]))  # of the states, relative: as well as the parameter
     if point.type == "LP":
         return fold(jet, state_error=location * scale / units)
+    if point.type == "BP" and "turning" in point.vectors:
+        coefficients = {"kind": "degenerate", "kernel": int(point.vectors["turning"])}
+        return NormalForm("BP", coefficients, "branch point at which the parameter turns on all branches")
     if point.type == "BP":
         return branch_point(jet, state_error=location * scale / units, parameter_error=point.error)
     if point.type == "HB":

@@ -253,9 +253,24 @@ def _branch_point(
             "the Jacobian is singular along the branch (a continuous symmetry or a conserved quantity): no branch point"
         )
     accepted = _accept(problem, "BP", frame, solved, critical)
-    if isinstance(accepted, Verified):
-        return _with(accepted, vectors={"kernel": corank})
+    if isinstance(accepted, Verified) and solved is not None:
+        vectors = {"kernel": corank}
+        if corank == 1 and _turns_on_all(local, solved.y, tangent):
+            vectors["turning"] = 2
+        return _with(accepted, vectors=vectors)
     return accepted
+
+
+def _turns_on_all(local: ScaledSystem, y: Array, tangent: Array) -> bool:
+    """True where F_u alone has a kernel of dimension two: as the parameter's slope is not in its range, the parameter
+    turns on all branches there (a fold of a complex equation, written in real and imaginary parts).
+    """
+    jacobians = [local.linearise(at)[1] for at in (y, y + BESIDE * tangent)]
+    if local.n < 2 or not np.isfinite(jacobians).all():
+        return False
+    units = _balancing_units(*jacobians)[:-1]
+    here, beside = (np.linalg.svd(j[:, :-1] * units / units[:, None], compute_uv=False) for j in jacobians)
+    return bool(here[-2] < SINGULAR * max(float(here[0]), float(beside[0])))
 
 
 def _real_critical(problem: EquilibriumProblem, flow_value: float) -> Critical:

@@ -148,3 +148,17 @@ def test_a_closed_branch_that_starts_at_a_branch_point_needs_no_note():
         assert [end.reason for end in ring.ends] == ["closed", "closed"]
         assert ring.notes == ()
         assert set(ring.columns["unstable"].tolist()) == {1}
+
+
+def test_a_fold_of_a_complex_equation_is_a_branch_point_with_a_kernel_of_two():
+    """z' = p - z^2 in real and imaginary parts: both branches turn at p = 0, and two eigenvalues change sides."""
+    model = Model(
+        "complex", states={"x": 1.0, "y": 0.0}, parameters={"p": 1.0},
+        equations={"x": "p - x^2 + y^2", "y": "-2*x*y"},
+    )  # fmt: skip
+    line = contin.continuation(contin.equilibrium(model), "p", (-1.0, 2.0))
+    assert [(p.type, p.normal_form["kind"], p.normal_form["kernel"]) for p in line.points] == [("BP", "degenerate", 2)]
+    assert sorted(line.columns["unstable"][[0, -1]].tolist()) == [0, 2]
+    assert line.unexplained == 0
+    other = contin.continuation(line["BP1"].switch(), "p", (-1.0, 2.0))
+    assert sorted(other.columns["y"][[0, -1]].tolist()) == pytest.approx([-1.0, 1.0])
