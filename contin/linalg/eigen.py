@@ -131,7 +131,7 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
 def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128]) -> Spectrum:
     """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
 
-    vectors : (n, k) eigenvectors there. About 2 k applications of the operator and of the approximate inverse.
+    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j). About 2 k applications of the operator and of the approximate inverse.
     """
     wanted = vectors.shape[1]
     basis = _orthonormal(np.hstack([vectors.real, vectors.imag]), np.empty((len(vectors), 0)))
@@ -145,11 +145,14 @@ def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: ND
         if settled:  # the last correction was small, and convergence is quadratic
             break
         corrections: list[Array] = []
-        worst = 0.0
+        worst, waiting = 0.0, []
         for k in np.flatnonzero(values.imag >= 0.0):
             residual = images @ ritz[:, k] - values[k] * right[:, k]
             parts = [residual.real] + ([residual.imag] if values[k].imag > 0.0 else [])
-            steps = [precondition(np.ascontiguousarray(r)) for r in parts]
+            waiting.append((k, parts))
+        steps_of = iter(precondition(np.column_stack([r for _, parts in waiting for r in parts])).T)
+        for k, parts in waiting:
+            steps = [next(steps_of) for _ in parts]
             size = max(norm(s) for s in steps) / norm(right[:, k])
             worst = max(worst, size)
             if size > DAVIDSON_ACCURACY:

@@ -35,12 +35,17 @@ def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: A
         return None
     t = t / norm(t)
     even, odd = [], []
+    bend = np.zeros(len(z))
     for s in (NEAR, FAR):
-        up, down = (_moved(residual, here, z, t, scale, side * s) for side in (1.0, -1.0))
-        if up is None or down is None:
-            return None
-        even.append(abs(up + down) / 2.0)
-        odd.append(abs(up - down) / 2.0)
+        sides = []
+        for side in (1.0, -1.0):
+            y = _moved(residual, here, z, t, scale, side * s, bend)
+            if y is None:
+                return None
+            bend = (y - side * s * t) / (s * s)  # the next one starts on this parabola
+            sides.append(float(y[-1]))
+        even.append(abs(sides[0] + sides[1]) / 2.0)
+        odd.append(abs(sides[0] - sides[1]) / 2.0)
     if max(even[0], odd[0]) < NOISE:
         return None
     if odd[0] > even[0] and odd[1] > even[1]:
@@ -51,10 +56,11 @@ def no_fold(residual: Callable[[Array], Array], here: Linearisation | None, z: A
 
 
 def _moved(
-    residual: Callable[[Array], Array], here: Linearisation, z: Array, t: Array, scale: Array, s: float
-) -> float | None:
-    """How far the parameter (scaled) is from its value at z where the curve has gone s along t; by chords."""
-    y = s * t
+    residual: Callable[[Array], Array], here: Linearisation, z: Array, t: Array, scale: Array, s: float,
+    bend: Array,
+) -> Array | None:  # fmt: skip
+    """The way (scaled) from z to where the curve has gone s along t, from a guess s t + s^2 bend; by chords."""
+    y = s * t + s * s * bend
     before = np.inf
     for _ in range(BUDGET):
         f = residual(z + scale * y)
@@ -67,6 +73,6 @@ def _moved(
             return None
         y = y + step
         if size < 1e-13 or (size >= 0.9 * before and size < 1e-9):
-            return float(y[-1])
+            return y
         before = size
-    return float(y[-1]) if before < 1e-9 else None
+    return y if before < 1e-9 else None

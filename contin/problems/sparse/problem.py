@@ -173,9 +173,9 @@ class LargeProblem(InOneParameterProblem):
             return every(linear.matrix.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
-        lagging = isinstance(linear, KrylovLinear) and linear.precise is not None and not linear.exact
-        if lagging and work.vectors is not None:
-            found = followed(linear, linear.precondition, work.vectors)
+        old = linear.precise if isinstance(linear, KrylovLinear) and not linear.exact else None
+        if old is not None and work.vectors is not None:
+            found = followed(linear, old.solve, work.vectors)
             work.vectors = found.vectors
             return found
         if linear.matrix is not None:
