@@ -131,7 +131,8 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
 def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128]) -> Spectrum:
     """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
 
-    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j). About 2 k applications of the operator and of the approximate inverse.
+    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j). About 2 k applications of the operator and
+    of the approximate inverse.
     """
     wanted = vectors.shape[1]
     basis = _orthonormal(np.hstack([vectors.real, vectors.imag]), np.empty((len(vectors), 0)))
