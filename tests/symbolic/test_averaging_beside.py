@@ -97,6 +97,18 @@ def test_detuning_and_a_period_that_holds_eps():
     assert near[0] == pytest.approx(found[0], abs=0.01)
 
 
+def test_a_sweep_away_from_the_resonance_ends_in_words():
+    """A difference of frequencies of more than 5 eps is no detuning of order eps."""
+    equations = {"x": "y", "y": "-x + eps*(-0.2*y + cos(Omega*t))"}
+    model = system(equations, {"oscillators": [pair()]}, {"Omega": 1.0}, "2*pi/Omega")
+    start = contin.equilibrium(contin.average(model, form="cartesian"), {"u1": 0.0, "v1": -5.0})
+    branch = contin.continuation(start, "Omega", (0.8, 1.5))
+    low, high = branch.columns["Omega"][[0, -1]]
+    assert 1 / math.sqrt(1 + 0.05 * 2.05) < low < 1.0  # all rows lie where 5 eps (2 + 5 eps) Omega^2 > |Omega^2 - 1|
+    assert 1.0 < high < 1 / math.sqrt(1 - 0.05 * 2.05)
+    assert "averaging holds near the resonance" in branch.ends[1].text
+
+
 RESONANCES = {
     "one to two": ({"x": "y", "y": "-x + eps*(x*z - 0.1*y)", "z": "w", "w": "-4*z + eps*(x^2 + x*y)"}, (1, 2)),
     "one to three": ({"x": "y", "y": "-x + eps*x^2*z", "z": "w", "w": "-9*z + eps*(x^3 - z/(1 + 0.1*x^2))"}, (1, 3)),

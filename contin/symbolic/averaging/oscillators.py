@@ -32,7 +32,7 @@ from contin.model.expression import (
     symbol,
 )
 from contin.model.model import Model
-from contin.model.parts import TIME, Averaging, Event, Oscillator
+from contin.model.parts import TIME, Averaging, Event, Limit, Oscillator
 from contin.symbolic.averaging.friction import Rubbing, response_limit, rubbing
 from contin.symbolic.averaging.kicks import kick_of
 from contin.symbolic.averaging.phasors import Phase, with_phasors
@@ -66,6 +66,7 @@ class _Reader:
     def read(self) -> WeakOscillators:
         model, item = self.model, self.item
         self.eps = symbol(item.small)
+        self.near: list[Limit] = []
         self.values = model.default_parameters()
         self.exact, self.base = self.base_frequency()
         phasors, phases = self.phases()
@@ -96,7 +97,7 @@ class _Reader:
             phasors,
             tuple(self.slow_state(name, extra, turns, follower) for name, extra, turns in slow),
             follower.states,
-            follower.limits,
+            (*follower.limits, *self.near),
             tuple(self.kick(event, follower) for event in model.events),
             responses,
         )
@@ -157,6 +158,8 @@ class _Reader:
             if not is_equal(square, wanted):
                 self.check_resonance(i, square, wanted)
                 shift = div(sub(wanted, square), self.eps)
+                if self.model.forcing is not None:
+                    self.near.append(self.near_resonance(square, wanted))
             if self.exact is not self.base:
                 slope = derivative(power(mul(number(pair.harmonic), self.exact), number(2)), self.item.small)
                 shift = add(shift, simplest(substitute([slope], {self.eps: ZERO})[0], self.values))
@@ -164,6 +167,16 @@ class _Reader:
                 detuned.append(i)
             shifts.append(shift)
         return shifts, detuned
+
+    def near_resonance(self, square: Expression, wanted: Expression) -> Limit:
+        """Where the detuning, which a parameter may sweep, is of order eps."""
+        part = mul(number(NEAR), call("abs", self.eps))
+        margin = sub(mul(part, add(number(2), part), wanted), call("abs", sub(wanted, square)))
+        return Limit(
+            margin,
+            f"an oscillator's frequency and the forcing's differ by more than {NEAR:g} {self.item.small}, relatively: "
+            "averaging holds near the resonance",
+        )
 
     def check_resonance(self, i: int, square: Expression, wanted: Expression) -> None:
         own, near = (math.sqrt(evaluate(s, {**self.values, self.item.small: 0.0})) for s in (square, wanted))
