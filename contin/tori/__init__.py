@@ -1,0 +1,1 @@
+"""Invariant tori of flows: invariant circles of their return maps, by Fourier collocation."""
