@@ -33,12 +33,10 @@ def read_results(path: Path) -> Fields:
         return sqlite.load(path)
     if ending == ".json":
         return json_format.read(path)
+    expected = "expected a result file that ends in .contin or .json (of a scan: .scan)"
     if ending in (".csv", ".nc"):
-        raise InputError(
-            f"{path}: a table for other programs (pandas.read_csv, xarray.open_datatree); contin reads .contin, .json "
-            "and .scan files: keep one of these beside it"
-        )
-    raise InputError(f"{path}: expected a result file that ends in .contin, .json or .scan")
+        raise InputError(f"{path}: a table for other programs (pandas.read_csv, xarray.open_datatree); {expected}")
+    raise InputError(f"{path}: {expected}")
 
 
 def save_branches(
