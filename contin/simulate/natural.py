@@ -175,11 +175,13 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
     known = scale > ROUNDING * scale.max(initial=0.0)  # below that, the coupling decides whether it is rounding
     result = np.where(known, scale, 1.0)
     found = known.copy()
-    if not known.any():
+    unknown = np.flatnonzero(~known)
+    if not known.any() or not unknown.size:
         return result, ~found
     coupling = without_rounding(coupling)
     for _ in range(SWEEPS):
-        for i in np.flatnonzero(~known):
+        before = result.copy(), found.copy()
+        for i in unknown:
             others = (np.arange(n) != i) & found
             incoming = float(coupling[i, others] @ result[others])
             outgoing = float(coupling[others, i] @ (1.0 / result[others]))
@@ -192,6 +194,8 @@ def filled(scale: Array, coupling: Array, second: Array | None = None) -> tuple[
             else:
                 continue
             found[i] = True
+        if np.array_equal(result, before[0]) and np.array_equal(found, before[1]):  # as all further sweeps would
+            break
     # small in its units, and no rounding; of a state to which nothing couples nobody knows: 2e-17 is mostly a zero
     own = ~known & found & (scale > ROUNDING * result)
     return np.where(own, scale, result), ~(found | own)

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contin.abi import Array
-from contin.simulate.natural import natural_metric
+from contin.model.kept import kept_with
+from contin.simulate.natural import REMEMBERED, natural_metric
 
 if TYPE_CHECKING:
     from contin.problems.shooting.layout import Nodes
     from contin.problems.shooting.problem import ShootingProblem
+    from contin.systems.protocol import System
 
 ABSOLUTE: Final = 1e-2  # absolute tolerances beside relative ones, in these sizes
 
@@ -30,5 +32,16 @@ def absolute_tolerances(problem: ShootingProblem, nodes: Nodes, p: Array, relati
         going = np.nan_to_num(np.abs(system.value(u, own)), posinf=0.0) * nodes.period / (2.0 * np.pi)
         sizes = np.maximum(sizes, going)
     if not np.all(sizes > 0.0):
-        sizes = np.where(sizes > 0.0, sizes, natural_metric(system, nodes.u[0], p[: system.m]).states)
+        sizes = np.where(sizes > 0.0, sizes, _natural_sizes(system, nodes.u[0], p[: system.m]))
     return np.asarray(ABSOLUTE * relative * sizes)
+
+
+def _natural_sizes(system: System, u: Array, p: Array) -> Array:
+    """Natural sizes of the states (n,) at (u, p); asked for many times of one orbit, so they are remembered."""
+    known: dict[tuple[bytes, bytes], Array] = kept_with(system, "natural sizes on orbits", dict)
+    place = u.tobytes(), p.tobytes()
+    if place not in known:
+        if len(known) >= REMEMBERED:
+            known.clear()
+        known[place] = natural_metric(system, u, p).states
+    return known[place]
