@@ -66,7 +66,7 @@ def test_central_orbits_end_at_the_non_central_ones_of_auto(central):
 
 
 def test_the_curve_of_saddle_loops_comes_to_the_same_point(predators, central):
-    loops = contin.continuation(family_at(predators, 7.0)["HOM1"].locus(PLANE), PLANE, BOX)
+    loops = contin.continuation(family_at(predators, 6.7)["HOM1"].locus(PLANE), PLANE, BOX | {"K": (4.9, 6.8)})
     assert [p.type for p in loops.points] == ["NCH"]
     assert "saddle_node" not in loops.columns
     point, other = loops["NCH1"], central["NCH2"]
