@@ -126,7 +126,7 @@ def test_tori_meet_period_doublings(method):
     """s' = (p/2 + q - s^2) s in the turning plane, v' = (p + 0.3 i - |v|^2) v: PD at q = -p/2, NS at p = 0."""
     x, y = amplitude("e", "f", "p - (e^2 + f^2)", "0.3")
     equations = {**twisted(f"p/2 + q - {SQUARE}", "-1"), "e": x, "f": y}
-    box = {"p": (-0.3, 0.4), "q": (-0.35, 0.3)}
+    box = {"p": (-0.15, 0.2), "q": (-0.17, 0.15)}
     tori = curve(equations, ("p", "q"), box, "NS", method)
     np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
     assert_only(tori, {"PDNS": (0.0,)}, "q")
@@ -139,7 +139,7 @@ def test_tori_meet_period_doublings(method):
 def test_two_curves_of_tori_cross(method):
     """v' = (p + 0.3 i - |v|^2) v and w' = (p/2 + q + 0.2 i - |w|^2) w: NS at p = 0 and at q = -p/2."""
     v, w = amplitude("c", "d", "p - (c^2 + d^2)", "0.3"), amplitude("e", "f", "p/2 + q - (e^2 + f^2)", "0.2")
-    box = {"p": (-0.3, 0.4), "q": (-0.35, 0.3)}
+    box = {"p": (-0.15, 0.2), "q": (-0.17, 0.15)}
     tori = curve({"c": v[0], "d": v[1], "e": w[0], "f": w[1]}, ("p", "q"), box, "NS", method)
     np.testing.assert_allclose(tori.columns["p"], 0, atol=1e-9)
     assert_only(tori, {"NSNS": (0.0,)}, "q")
@@ -153,16 +153,17 @@ def test_two_curves_of_tori_cross(method):
 def test_two_period_doublings_meet_at_r2_as_in_the_bogdanov_takens_form(method):
     """s' = z, z' = p s + q z - s^3: multipliers -exp(2 pi l), l^2 - q l - p = 0; PD at p = 0, both at q = 0."""
     equations = twisted("0", "q", along_by_z="1", across_by_s=f"p - {SQUARE}")
-    flips = curve(equations, ("p", "q"), {"p": (-0.2, 0.3), "q": (-0.35, 0.3)}, "PD", method)
+    box = {"p": (-0.15, 0.15), "q": (-0.15, 0.12)}
+    flips = curve(equations, ("p", "q"), box, "PD", method)
     np.testing.assert_allclose(flips.columns["p"], 0, atol=1e-8)
     assert_only(flips, {"R2": (0.0,)}, "q")
-    tori = through(flips["R21"], "NS", {"p": (-0.2, 0.3), "q": (-0.35, 0.3)})  # l = +-sqrt(p), imaginary for p < 0
+    tori = through(flips["R21"], "NS", box)  # l = +-sqrt(p), imaginary for p < 0
     np.testing.assert_allclose(tori.columns["q"], 0, atol=1e-8)
     p, neutral = tori.columns["p"], tori.columns["neutral"]
     np.testing.assert_allclose(tori.columns["cos.theta"][p < 0], -np.cos(2 * pi * np.sqrt(-p[p < 0])), atol=1e-7)
     assert np.all(neutral[p > 1e-6])
     assert not np.any(neutral[p < -1e-6])
-    back = through(tori["R21"], "PD", {"p": (-0.2, 0.3), "q": (-0.35, 0.3)})
+    back = through(tori["R21"], "PD", box)
     np.testing.assert_allclose(back.columns["p"], 0, atol=1e-8)
 
 
