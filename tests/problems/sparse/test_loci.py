@@ -87,16 +87,17 @@ def as_large(plane):
     """The plane's field in skewed coordinates, as a function with a sparse Jacobian; and its branch in p."""
     n = len(plane.field)
     matrix = np.eye(n) + 0.3 * np.random.default_rng(6).normal(size=(n, n))
+    inverse = np.linalg.inv(matrix)
     names = [f"w{k}" for k in range(n)]
     field = sympy.Matrix([sympy.sympify(text.replace("^", "**")) for text in plane.field])
     value = sympy.lambdify([*names, "p", "q"], list(field))
     slope = sympy.lambdify([*names, "p", "q"], field.jacobian(sympy.symbols(names)))
 
     def residual(x, c):
-        return np.linalg.solve(matrix, np.array(value(*(matrix @ x), c["p"], c["q"])))
+        return inverse @ np.array(value(*(matrix @ x), c["p"], c["q"]))
 
     def jacobian(x, c):
-        return sp.csc_matrix(np.linalg.solve(matrix, slope(*(matrix @ x), c["p"], c["q"]) @ matrix))
+        return sp.csc_matrix(inverse @ slope(*(matrix @ x), c["p"], c["q"]) @ matrix)
 
     start = np.linalg.solve(matrix, np.array(plane.start))
     problem = contin.FunctionProblem(residual, start, dict(plane.at), jacobian=jacobian)
