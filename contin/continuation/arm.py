@@ -122,12 +122,17 @@ class Arm:
                     yield Piece.single(renewal.last, self.scale)
                 if renewal.point is not None:
                     yield Piece.labelled(renewal.point, origin, self.scale)
-            elif chunk.stop is Stop.RESCALE:
-                origin, before = self._measure_in(outgrown(problem, origin.z, self.scale), origin, before)
-            elif not is_planar(problem):
-                longer = travelled(chunk.z[0], chunk.z[-1], self.scale, problem.angle_periods)
-                if longer is not None:
-                    origin, before = self._measure_in(longer, origin, before)
+            else:
+                origin, before = self._remeasured(chunk, origin, before)
+
+    def _remeasured(self, chunk: Chunk, origin: Sample, before: Sample | None) -> tuple[Sample, Sample | None]:
+        """The last samples in another metric, where states have outgrown theirs."""
+        if chunk.stop is Stop.RESCALE:
+            return self._measure_in(outgrown(self.problem, origin.z, self.scale), origin, before)
+        if is_planar(self.problem):
+            return origin, before
+        longer = travelled(chunk.z[0], chunk.z[-1], self.scale, self.problem.angle_periods)
+        return (origin, before) if longer is None else self._measure_in(longer, origin, before)
 
     def _past_touching(self, piece: Piece) -> tuple[Piece, Sample] | None:
         """Where another branch touches this one: the rows up to there, and where it goes on for certain."""

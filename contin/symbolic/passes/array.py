@@ -47,13 +47,7 @@ def array(
     """
     _check(model, count, shape, ends)
     added = {n: read(v, model.parameter_names, f"array: parameters: {n}") for n, v in (parameters or {}).items()}
-    names = [*model.state_names, *(n + OTHER for n in model.state_names)]
-    known = [*names, *model.parameter_names, *added, *([TIME] if model.forcing is not None else [])]
-    for state in join:
-        if state not in model.state_names:
-            advice = closest(state, model.state_names) or f"there are {', '.join(model.state_names)}"
-            raise InputError(f"array: join: {state} is not a state: {advice}")
-    formulas = {n: read(v, known, f"array: join: {n}") for n, v in join.items()}
+    formulas = _joining(model, join, added)
     taken = {*model.parameter_names, *added}
     for name in (f"{n}{i + 1}" for n in model.state_names for i in range(count)):
         if name in taken:
@@ -85,6 +79,17 @@ def array(
     )
     candidates = [*_permutations(model, count, shape), *(_everywhere(s, copies) for s in model.symmetries)]
     return result.replace(symmetries=tuple(s for s in candidates if holds(result, s)))
+
+
+def _joining(model: Model, join: Record, added: Iterable[str]) -> dict[str, Expression]:
+    """What each state's equation gets for every neighbour."""
+    names = [*model.state_names, *(n + OTHER for n in model.state_names)]
+    known = [*names, *model.parameter_names, *added, *([TIME] if model.forcing is not None else [])]
+    for state in join:
+        if state not in model.state_names:
+            advice = closest(state, model.state_names) or f"there are {', '.join(model.state_names)}"
+            raise InputError(f"array: join: {state} is not a state: {advice}")
+    return {n: read(v, known, f"array: join: {n}") for n, v in join.items()}
 
 
 def _check(model: Model, count: int, shape: str, ends: str) -> None:
