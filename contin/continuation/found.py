@@ -33,6 +33,7 @@ class Note:
     text: str
     suspect: bool = False
     hides: bool = False  # events may lie there that were not told from each other
+    at: Array | None = None  # where tests are rounding errors: next to a labelled point they are, and that says nothing
     jump: float | None = None  # arclength at which unstable values change for want of smoothness: no riddle
 
 

@@ -46,6 +46,10 @@ DEPTH = 60  # halvings of one step
 LOST_IN_ROUNDING = "test functions are lost in their rounding errors: events may not be told apart"
 
 
+def _lost(stretch: Stretch, sample: Sample) -> Note:
+    return Note(where(stretch, sample, LOST_IN_ROUNDING), hides=True, at=sample.z)
+
+
 def isolate(
     stretch: Stretch, a: Sample, b: Sample, depth: int = 0, beside: tuple[Verified, ...] = ()
 ) -> Iterator[Found | Note]:
@@ -60,7 +64,7 @@ def isolate(
     if types is not None and len(types) == 1 and width > COINCIDENT:
         low, high, verified = _locate(stretch, types[0], a, b)
         if isinstance(verified, Found) and any(_is_one(stretch, verified.point, known) for known in beside):
-            yield Note(where(stretch, verified.sample, LOST_IN_ROUNDING), hides=True)
+            yield _lost(stretch, verified.sample)
         elif isinstance(verified, Found):
             companions = list(_with_companions(stretch, a, b, verified))
             if len(companions) == 1 and _is_plain(stretch, companions[0], types[0]):
@@ -135,7 +139,7 @@ def _with_rest(
     crossing = a.tests * b.tests < 0.0
     sides = sides_of(stretch, point, (a, b), crossing)
     if any(look.rounding for look in sides) or (not sides and _is_rounding(stretch, a, b)):
-        yield Note(where(stretch, point, LOST_IN_ROUNDING), hides=True)
+        yield _lost(stretch, point)
         return
     reach = max((look.distance for look in sides if look.lost), default=0.0)
     if reach > 0.0:
@@ -209,7 +213,7 @@ def _rest(
         else:
             unclear = a
     if unclear is not None:
-        yield Note(where(stretch, unclear, LOST_IN_ROUNDING), hides=True)
+        yield _lost(stretch, unclear)
 
 
 def _is_one(stretch: Stretch, a: Verified, b: Verified) -> bool:

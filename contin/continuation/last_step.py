@@ -20,11 +20,13 @@ from contin.continuation.march import is_dip
 from contin.continuation.piece import Piece, Row
 from contin.continuation.position import position
 from contin.continuation.problem import Chunk, Frame, Problem, Sample, Stop, Verified
-from contin.continuation.sameness import same_point
+from contin.continuation.sameness import offset, same_point
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Wanted, hits
 from contin.continuation.walls import at_wall, walls_passed
+from contin.linalg.vectors import norm
 
+NEXT_TO: Final = 1e-6  # scaled: how near to a labelled point its test is nothing but rounding
 SHORTEST_RETRY: Final = 1e-7  # steps longer than this are repeated where a change between their ends does not verify
 APART: Final = 0.1  # scaled: two branches with one tangent are far enough apart so far from where they touch
 NEIGHBOURS: Final = 5  # rows beside an event's step that are looked at
@@ -157,9 +159,11 @@ class _LastStep:
 
     def _events(self, earlier: Sample | None) -> Iterator[Found | Note]:
         stretch, stop = self.stretch, self.chunk.stop
+        known = [*self.course.known]
         if stop is not Stop.LIMIT:
             events = list(isolate(stretch, stretch.base, self.last))
             yield from events
+            known += [event.point for event in events if isinstance(event, Found)]
             first = next((e for e in events if isinstance(e, Found)), None)
             if first is not None and earlier is not None:
                 yield from next_to_event(stretch, stretch.base, earlier, first.point, first.length)
@@ -168,11 +172,18 @@ class _LastStep:
         if stop in (Stop.DIP, Stop.EVENT) and earlier is not None:  # an event may hide a dip of another test
             low = set(dips(stretch, earlier, stretch.base, self.marched))
             for test in sorted(low | ({self.chunk.dipped} if stop is Stop.DIP else set())):
-                yield from resolve_dip(stretch, earlier, stretch.base, self.last, test)
+                for item in resolve_dip(stretch, earlier, stretch.base, self.last, test):
+                    place = item.at if isinstance(item, Note) else None
+                    if place is None or not self._is_next_to(known, place):  # a test that only touches zero at an event
+                        yield item
 
     def _is_labelled(self, point: Verified) -> bool:
         here = any(same_point(self.problem, point, f.point, self.scale) for f in self.found)
         return here or self.course.is_known(point, self.scale)
+
+    def _is_next_to(self, points: Sequence[Verified], z: Array) -> bool:
+        alike = (p for p in points if p.z.shape == z.shape)
+        return any(norm(offset(self.problem, p.z, z, self.scale)) <= NEXT_TO for p in alike)
 
     def finish(self) -> None:
         """End the arm at a labelled point where one asks for it; what was found up to there is labelled from now on."""
