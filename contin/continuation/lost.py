@@ -218,6 +218,9 @@ class _Record:
         for name, (place, low, high) in zip(reversed(problem.parameters[: len(walls)]), walls, strict=True):
             values = piece.z[:, place]
             distances = np.minimum(np.abs(values - low), np.abs(values - high))
+            if not distances.min() < NEAR * (high - low):
+                self.nearing.pop(name, None)
+                continue
             for row, distance in enumerate(distances.tolist()):
                 last, rows = self.nearing.get(name, (np.inf, parameters[:0]))
                 nearer = 0.0 < distance < last and distance < NEAR * (high - low)

@@ -97,6 +97,19 @@ def diagonal_sign(matrix):
     return sign
 
 
+@kernel("f1, f2, f1, i, f1 -> b")
+def is_met(f, jacobian, z, active, scale):
+    """True where what is left of every equation (f, scaled) is within `MET` of the moduli of its linear terms at z."""
+    n = f.size
+    for i in range(n):
+        terms = abs(jacobian[i, n + active] * z[n])
+        for j in range(n):
+            terms += abs(jacobian[i, j] * z[j])
+        if not abs(f[i]) * scale[i] <= MET * terms:
+            return False
+    return True
+
+
 @kernel("i, b, f1, f1, f, f1, f1, f1, i, f1, f, f, f1, f2, f2, f2, i1, f1, f1 -> i")
 def correct(
     address, is_map, z0, tangent, h, y, z, p, active, scale, tolerance, trust, f, jacobian, matrix, block, pivots,
@@ -126,16 +139,11 @@ def correct(
         for i in range(n):
             step[i] = -f[i]
         step[n] = h - along
-        met = True
-        for i in range(n):
-            terms = 0.0
-            for j in range(n + 1):
-                terms += abs(matrix[i, j] * z[j] / scale[j])
-            met = met and abs(f[i]) <= MET * terms
         sign = lu_factor(matrix, pivots)
         if sign == 0:
             return 0
         lu_solve(matrix, pivots, step)
+        met = is_met(f, jacobian, z, active, scale)
         size = 0.0
         for j in range(n + 1):
             size += step[j] * step[j]
