@@ -56,7 +56,7 @@ class HomoclinicSeries:
         xi = np.linspace(-LONGEST, LONGEST, 4001)
         powers = elementary.pow(eps, np.arange(order - 1.0))
         t = np.asarray(elementary.tanh(xi))
-        speed = eps * (t[:, None] ** np.arange(self.clock.shape[1])) @ (powers @ self.clock[: order - 1])
+        speed = eps * np.vander(t, self.clock.shape[1], increasing=True) @ (powers @ self.clock[: order - 1])
         step = xi[1] - xi[0]
         clock = np.concatenate([[0.0], np.cumsum(0.5 * step * (1.0 / speed[1:] + 1.0 / speed[:-1]))])
         clock -= clock[len(xi) // 2]
@@ -66,7 +66,7 @@ class HomoclinicSeries:
     def _orbit(self, eps: float, t: Real, order: int) -> Real:
         powers = elementary.pow(eps, np.arange(order + 1.0))
         by_t = np.einsum("k,kjn->jn", powers, self.orbits[: order + 1])
-        return np.asarray((t[:, None] ** np.arange(len(by_t))) @ by_t)
+        return np.asarray(np.vander(t, len(by_t), increasing=True) @ by_t)
 
 
 def homoclinic_series(jet: Jet, unfolding: BogdanovTakensUnfolding) -> HomoclinicSeries:

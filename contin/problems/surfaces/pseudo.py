@@ -59,7 +59,7 @@ def pseudo_equilibrium(system: System, u: Array, p: Array, solve: Solve) -> Pseu
         slid = compile_system(sliding_model(jump.model, jump.surface, rate), regular=True)
         try:
             found = solve(slid, at)
-        except (NoSolutionError, NotFiniteError):
+        except (NoSolutionError, NotFiniteError):  # no rest in sliding on this surface: the next one
             continue
         weight = float(np.asarray(slid.observables(found[None], p[None]))[0, -1])
         if 0.0 < weight < 1.0 and _normal_rate(jump, found, p) is not None and is_on(jump, found, p):

@@ -99,8 +99,8 @@ def spectral_tests(values: NDArray[np.complex128], leave: int, arrive: int) -> A
     sides = values[order[:arrive][::-1]], values[order[arrive:]]  # both from the slowest on
     for k, (own, other) in enumerate((sides, sides[::-1])):
         if len(own) > 1:
-            square = (own[0] - own[1]) ** 2 / (abs(own[0]) + abs(own[1])) ** 2
-            tests[k] = float(square.real)
+            ratio = (own[0] - own[1]) / (abs(own[0]) + abs(own[1]))
+            tests[k] = float((ratio * ratio).real)
         size = max(abs(own[0]), abs(other[0])) if len(own) and len(other) else 1.0
         if len(own) > 1 and len(other) and own[0].imag != 0.0:
             tests[2 + k] = float((2.0 * own[0].real + other[0].real) / size)

@@ -137,7 +137,7 @@ def until_lost(system: CompiledSystem, u: Array, p: Array, times: Array) -> Arra
     def path(count: int) -> Array | None:
         try:
             return np.asarray(integrate(system, u, p, float(times[count - 1]), times=times[:count], budget=100_000).u)
-        except NotFiniteError:
+        except NotFiniteError:  # lost by then: a shorter time is tried
             return None
 
     lost = len(times)
