@@ -23,6 +23,7 @@ NEWTON_BUDGET = 30
 SETTLED = 1e-13  # a correction below this is rounding
 STALLED = 1e-7  # a correction that no longer falls must at least be below this
 PERTURBATION = 1e-12  # of the solution, to sample the rounding errors of the defining system
+ALIKE = 4.0  # rounding errors of terms, in units of them
 ROUNDED = 1e-9  # ... and where all terms are rounded anew, while the curvature is below rounding errors
 SAMPLES = 6
 LINEAR = 0.4  # ratio of corrections from which Newton converges linearly
@@ -70,11 +71,13 @@ class Solved:
 class System:
     """Equations G(x) = 0.
 
-    at : G(x) (k,), and its Jacobian.  values : G alone, (m, k), at m places (m, unknowns).
+    at : G(x) (k,), and its Jacobian.  values : G alone, (m, k), at m places (m, unknowns).  terms : sizes of the terms
+    that G(x) is made of, (k,): an entry of the Jacobian may be a sum of terms that cancel, and err alike at all places.
     """
 
     at: Callable[[Array], tuple[Array, Array]]
     values: Callable[[Array], Array]
+    terms: Callable[[Array], Array] | None = None
 
 
 def newton(system: System, x: Array, position: int) -> Solved | None:
@@ -149,16 +152,25 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     noise = max(noise, float(near.max()), float(curved.max()))
     rounded = float(np.abs(row) @ odd)  # of 1 + small, say, the steps of 1e-12 see nothing at all
     error = 2.0 * max(float(np.abs(estimates).max()), rounded) + lacking
+    alike = np.zeros(len(g)) if system.terms is None else ALIKE * epsilon * system.terms(x)
+    error += float(np.abs(row) @ alike)
     rounded_x = epsilon * float(np.abs(x).max()) * sizes  # what the unknowns' own rounding makes of it
-    limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x]), np.abs(g))
-    for direction in right[flat]:
-        along = abs(float(direction[position]))
-        if along > 0.0:
-            error += along * _reach(system, x, position, g, direction, limits)
+    limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x, alike]), np.abs(g))
+    error += _along(system, x, position, g, right[flat], limits)
+    whole = (right.T[position] / np.maximum(singular, 1e-300)) @ left.T
+    linear = float(np.abs(whole) @ alike)  # as the terms' errors reach the answer; none of the system's own see them
+    if linear > error and flat.any():
+        error = max(error, min(linear, _along(system, x, position, g, right[flat], np.maximum(limits, alike.max()))))
     size = float(np.abs(matrix).max()) or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.abs(g).max()) / size
     sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.abs(x).max()))
     return Solved(x[: position + 1], x[position + 1 :], residual, error, noise / size, sensitivity)
+
+
+def _along(system: System, x: Array, position: int, g: Array, directions: Array, limits: Array) -> float:
+    """The part of x[position] in how far G stays within its rounding errors along directions, together."""
+    parts = [(abs(float(d[position])), d) for d in directions]
+    return float(sum(part * _reach(system, x, position, g, d, limits) for part, d in parts if part > 0.0))
 
 
 def _reach(system: System, x: Array, position: int, g: Array, direction: Array, limits: Array) -> float:
@@ -246,7 +258,13 @@ def branch_point(local: Local, y: Array, corank: int = 1) -> Solved | None:
         g = _bordered_values(jacobians, b, c)
         return np.concatenate([f, g.swapaxes(1, 2).reshape(len(x), -1)], axis=1)
 
-    return newton(System(at, values), y, n)
+    def terms(x: Array) -> Array:
+        jacobian = local.linearise(x)[1]
+        v, w, _ = _bordered(jacobian, b, c)
+        size = np.abs(jacobian)
+        return np.concatenate([size @ np.abs(x), (np.abs(w).T @ size @ np.abs(v)).T.ravel()])
+
+    return newton(System(at, values, terms), y, n)
 
 
 def critical_pair(
@@ -330,7 +348,13 @@ def _real_critical(local: Local, b: Array, c: Array, shift: Array) -> System:
         f, jacobians = local.linearised(x)
         return np.concatenate([f, _bordered_values(jacobians[:, :, :n] - shift, b, c)[:, :, 0]], axis=1)
 
-    return System(at, values)
+    def terms(x: Array) -> Array:
+        jacobian = local.linearise(x)[1]
+        v, w, _ = _bordered(jacobian[:, :n] - shift, b, c)
+        size = np.abs(jacobian)
+        return np.append(size @ np.abs(x), np.abs(w[:, 0]) @ size[:, :n] @ np.abs(v[:, 0]))
+
+    return System(at, values, terms)
 
 
 def _bordered_values(matrices: Vector, b: Vector, c: Vector) -> Vector:
