@@ -158,9 +158,9 @@ def _estimated(system: System, x: Array, position: int, lacking: float) -> Solve
     limits = np.maximum(CLEAR * np.maximum.reduce([near, odd, rounded_x, alike]), np.abs(g))
     error += _along(system, x, position, g, right[flat], limits)
     whole = (right.T[position] / np.maximum(singular, 1e-300)) @ left.T
-    linear = float(np.abs(whole) @ alike)  # as the terms' errors reach the answer; none of the system's own see them
-    if linear > error and flat.any():
-        error = max(error, min(linear, _along(system, x, position, g, right[flat], np.maximum(limits, alike.max()))))
+    felt = float(np.abs(whole) @ alike)  # how the terms' errors reach the answer; no other estimate shows them
+    if felt > error and flat.any():
+        error = max(error, min(felt, _along(system, x, position, g, right[flat], np.maximum(limits, alike.max()))))
     size = float(np.abs(matrix).max()) or 1.0  # in units of time, of which residuals must not depend
     residual = float(np.abs(g).max()) / size
     sensitivity = float(np.abs(row) @ sizes) * max(1.0, float(np.abs(x).max()))

@@ -101,3 +101,19 @@ def test_events_that_rounding_hides_are_one_label_or_none_and_the_branch_goes_on
     assert len(branch.z) < 100
     assert {end.reason for end in branch.ends} == {"bound"}
     assert abs(branch.z[0] - branch.z[-1])[:-1].max() > 0.1 or kind
+
+
+def test_errors_of_crossings_hold_in_skewed_coordinates():
+    """Entries of the Jacobian are sums of terms up to the condition, which cancel and err alike wherever one looks."""
+    found = 0
+    for seed, spacing, count, size, condition in (
+        (5035, 8e-3, 3, 2, 9e4), (1, 3e-2, 2, 4, 5e4), (2, 2e-3, 3, 4, 7e3), (3, 1e-2, 2, 3, 1e4), (4, 5e-2, 1, 3, 5e4),
+        (5, 4e-2, 3, 2, 2e3), (6, 0.1, 3, 2, 1.0),
+    ):  # fmt: skip
+        planted = crossings(np.random.default_rng(seed), spacing, count, size, condition)
+        places = [expected.at for expected in planted.expected]
+        for point in planted.follow().points:
+            found += 1
+            assert min(abs(point.values["p"] - place) for place in places) <= point.error
+            assert condition > 1.0 or point.error < 1e-12  # where nothing is skewed it stays small
+    assert found >= 7
