@@ -1,5 +1,6 @@
 """The README keeps what it promises: two commands, and examples that are right."""
 
+import os
 import re
 import subprocess
 import sys
@@ -46,8 +47,11 @@ def test_every_example_passes_check(path):
     assert plan.runs or plan.diagram
 
 
-def test_the_python_example_runs():
+def test_the_python_example_runs(tmp_path):
     code = "".join(blocks("python")) + "\nprint(len(fork.points), 'points')"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
+    there = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, env=there, check=False
+    )  # the example writes a picture
     assert done.returncode == 0, done.stderr
     assert int(done.stdout.splitlines()[-1].split()[0]) > 0
