@@ -319,7 +319,14 @@ def _critical_pair(
         g = _bordered_values(jacobians[:, :, :n] - shifts[:, None, None] * identity, b, c).swapaxes(1, 2)
         return np.concatenate([f, np.stack([g.real, g.imag], axis=2).reshape(len(x), -1)], axis=1)
 
-    return System(at, values)
+    def terms(x: Array) -> Array:
+        jacobian, value = local.linearise(x[: n + 1])[1], shift(unit * x[-1])
+        v, w, _ = _bordered(jacobian[:, :n] - value * identity, b, c)
+        sizes = np.abs(w).T @ (np.abs(jacobian[:, :n]) + abs(value) * np.abs(identity)) @ np.abs(v)
+        both = [part for column in sizes.T for part in (column, column)]  # real and imaginary parts
+        return np.concatenate([np.abs(jacobian) @ np.abs(x[: n + 1]), *both])
+
+    return System(at, values, terms)
 
 
 def eigenvalue_at(local: Local, y: Array, value: float) -> Solved | None:
