@@ -214,11 +214,12 @@ class _Record:
         """A locus that comes ever nearer to the bound of a parameter, but not onto it, while the others hardly move."""
         problem = self.arm.problem
         walls = problem.walls if is_planar(problem) else ()
-        parameters = piece.z[:, -len(problem.parameters) :]
+        parameters = piece.z[:, [place for place, _, _ in walls]]
+        widths = np.array([high - low if np.isfinite(high - low) else 1.0 for _, low, high in walls])
         for name, (place, low, high) in zip(reversed(problem.parameters[: len(walls)]), walls, strict=True):
             values = piece.z[:, place]
             distances = np.minimum(np.abs(values - low), np.abs(values - high))
-            if not distances.min() < NEAR * (high - low):
+            if not (np.isfinite(high - low) and distances.min() < NEAR * (high - low)):
                 self.nearing.pop(name, None)
                 continue
             for row, distance in enumerate(distances.tolist()):
@@ -226,7 +227,7 @@ class _Record:
                 nearer = 0.0 < distance < last and distance < NEAR * (high - low)
                 rows = np.vstack([rows, parameters[row]])[-NEARING:] if nearer else parameters[:0]
                 self.nearing[name] = distance, rows
-                if len(rows) == NEARING and np.all(np.ptp(rows, axis=0) <= STAYING * self._widths):
+                if len(rows) == NEARING and np.all(np.ptp(rows, axis=0) <= STAYING * widths):
                     bound = low if abs(values[row] - low) < abs(values[row] - high) else high
                     return self._stop(row, piece, "bound", f"the curve approaches {name} = {bound:g} ever more closely")
         return None

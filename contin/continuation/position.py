@@ -7,8 +7,6 @@ from contin.continuation.problem import Problem, is_planar
 
 
 def position(problem: Problem, z: Array) -> str:
-    """`p = 1.25`, or `p = 1.25, q = 3` on a curve in several parameters; the last unknown is the first parameter."""
-    names = problem.parameters
-    if not is_planar(problem):
-        names = names[:1]
-    return ", ".join(f"{name} = {z[-1 - k]:.10g}" for k, name in enumerate(names))
+    """`p = 1.25`, or `p = 1.25, q = 3` on a curve in several parameters, whose walls say where in z each stands."""
+    places = [index for index, _, _ in reversed(problem.walls)] if is_planar(problem) else [-1]
+    return ", ".join(f"{name} = {z[place]:.10g}" for name, place in zip(problem.parameters, places, strict=False))
