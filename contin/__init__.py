@@ -28,6 +28,7 @@ _EXPORTS = {
     "from_casadi": "contin.problems.functions.automatic",
     "from_jax": "contin.problems.functions.automatic",
     "load": "contin.model.registry",
+    "lyapunov": "contin.exponents.lyapunov",
     "manifold": "contin.api",
     "periodic_orbit": "contin.api",
     "connecting_orbit": "contin.api",

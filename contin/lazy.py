@@ -15,6 +15,7 @@ MODULES: Final = {
     "printing": "contin.model.printing",  # an expression is printed by what is made of expressions
     "yaml": "contin.model.yaml_loader",  # a model that is unpickled is read again, by what makes models
     "pde": "contin.pde.read",  # a file of kind: pde becomes a large sparse system, which is made with numbers
+    "exponents": "contin.exponents.lyapunov",  # few simulations ask for them
     "simulation plan": "contin.runs.simulation_plan",  # the plan of a run has parts that are planned as runs are
     "iterates": "contin.simulate.iterate",  # a map is simulated by other means, with the same result
     "stored points": "contin.store.points",  # files are read more often than followed from: machine code, problems
@@ -34,6 +35,7 @@ MODULES: Final = {
     "picture of branches": "contin.plot.figure",  # a branch draws itself with what is made of branches
     "drawn trajectories": "contin.plot.trajectory",
     "drawn sweeps": "contin.plot.sweep",
+    "drawn exponents": "contin.plot.exponents",
     "drawn scans": "contin.plot.scan",
     "boundary": "contin.bvp.start",  # a run of a boundary-value problem starts from a guess of functions
     "responses": "contin.problems.responses",  # ... of a forced flow from what a trajectory settles on

@@ -12,6 +12,7 @@ from contin.abi import Array
 from contin.api.survey_side import Side
 from contin.api.surveys import Row, Survey
 from contin.errors import InputError
+from contin.exponents.spectrum import LyapunovSpectrum
 from contin.notebook import html
 from contin.plot.trajectory import drawn
 from contin.records import Record
@@ -104,6 +105,26 @@ def sweep_of(stored: Record, parameter: str, model: str) -> Sweep:
     return Sweep(
         model, parameter, names, _column(columns[parameter]), _column(columns["direction"]).astype(int),
         tuple(columns["outcome"]), np.array(statistics).transpose(2, 0, 1),
+    )  # fmt: skip
+
+
+def lyapunov_of(stored: Record, notes: Sequence[str] = ()) -> LyapunovSpectrum:
+    """The exponents of a table; their `model` is a name."""
+    columns, parameter = stored["columns"], stored["lyapunov"]
+    if parameter and parameter not in columns:
+        raise InputError(f"not the results of contin lyapunov, or damaged: columns has no {parameter!r}")
+    count = sum(name.startswith("exponent.") for name in columns)
+    missing = [f"{what}.{k + 1}" for k in range(count) for what in ("exponent", "error")]
+    missing = [name for name in missing if name not in columns]
+    if missing:
+        raise InputError(f"not the results of contin lyapunov, or damaged: columns has no {missing[0]!r}")
+    rows, errors = (
+        np.column_stack([_column(columns[f"{what}.{k + 1}"]) for k in range(count)]) for what in ("exponent", "error")
+    )
+    values = _column(columns[parameter]) if parameter else np.array([])
+    return LyapunovSpectrum(
+        stored["model"], parameter, values, rows, errors, _column(columns["time"]), tuple(columns["outcome"]),
+        stored["complete"], (*stored["notes"], *notes),
     )  # fmt: skip
 
 

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 from contin import lazy
 from contin.api.read_branches import branch_of
 from contin.api.read_regions import phase_of
-from contin.api.read_runs import StoredSimulation, simulation_of, survey_of, sweep_of
+from contin.api.read_runs import StoredSimulation, lyapunov_of, simulation_of, survey_of, sweep_of
 from contin.api.surveys import Survey
 from contin.continuation.branch import Branch
 from contin.diagram.diagram import Diagram
 from contin.diagram.phase.diagram import PhaseDiagram
 from contin.errors import InputError
+from contin.exponents.spectrum import LyapunovSpectrum
 from contin.notebook import html
 from contin.plot.figure import draw
 from contin.plot.look import Look
@@ -127,7 +128,7 @@ class ScanResults(Results):
         return drawn + html.table(("class", "runs"), self.counts.items()) + html.notes(self.notes)
 
 
-Read = Results | Diagram | PhaseDiagram | StoredSimulation | Sweep | Survey
+Read = Results | Diagram | PhaseDiagram | StoredSimulation | Sweep | LyapunovSpectrum | Survey
 
 
 def read(file: str | Path) -> Any:
@@ -174,6 +175,8 @@ def _of_command(document: Fields, kind: str) -> Read:
         return simulation_of(document, notes)
     if kind == "sweep":
         return sweep_of(document, document["sweep"], document["model"])
+    if kind == "lyapunov":
+        return lyapunov_of(document)
     return survey_of(document) if kind == "survey" else ScanResults((), notes, document)
 
 

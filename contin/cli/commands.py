@@ -15,6 +15,7 @@ WORK: Final = {
     "simulate_model": "contin.cli.simulate",
     "plane_of_model": "contin.cli.plane",
     "survey_model": "contin.cli.survey",
+    "exponents_of_model": "contin.cli.lyapunov",
     "sweep_model": "contin.cli.sweep",
     "scan_file": "contin.cli.scan",
     "check_file": "contin.cli.check",

@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from contin.cli.outputs import Output
 from contin.cli.simulate import write_figure, write_table
 from contin.plot.look import Look
@@ -62,12 +64,24 @@ def draw_sweep(plan: Plan, document: Record, path: Path) -> None:
     write_figure(drawing, path)
 
 
+def exponents_in_words(found: Record) -> str:
+    """Lyapunov exponents with their errors, or why there are none."""
+    if found["outcome"] != "done":
+        return f"Lyapunov exponents: {found['outcome']}"
+    pairs = zip(found["exponents"], found["errors"], strict=True)
+    words = ", ".join(f"{value:.6g} +- {error:.1g}" for value, error in pairs)
+    dimension = "" if np.isnan(found["dimension"]) else f"; Kaplan-Yorke dimension {found['dimension']:.5g}"
+    return f"Lyapunov exponents {words}{dimension}"
+
+
 def lines(document: Record) -> list[str]:
     """What became of every simulation and of the sweep, in words."""
     text = []
     for found in document.get("simulations", []):
         why = "" if found["outcome"] == "done" else f": {found['outcome']}, {found['why']}"
         text.append(f"simulation {found['name']} of {found['model']} to t = {found['end_time']:.6g}{why}")
+        if "lyapunov" in found:
+            text.append(f"  {exponents_in_words(found['lyapunov'])}")
     if "sweep" in document:
         found = document["sweep"]
         parameter, outcomes = found["parameter"], found["columns"]["outcome"]

@@ -9,6 +9,7 @@ from contin.notebook import html
 if TYPE_CHECKING:
     from contin.api.surveys import Survey
     from contin.continuation.orbit import Orbit
+    from contin.exponents.spectrum import LyapunovSpectrum
     from contin.simulate.run import Simulation
     from contin.simulate.scan.carry_out import Scan
     from contin.simulate.sweep import Sweep
@@ -25,6 +26,12 @@ def sweep_page(sweep: Sweep) -> str:
     unsettled = [outcome for outcome in sweep.outcomes if outcome != "settled"]
     words = f"{len(sweep.outcomes)} runs, {len(unsettled)} of them did not settle" if unsettled else ""
     return html.image(sweep.plot(), f"sweep of {sweep.parameter}") + html.paragraph(words)
+
+
+def exponents_page(found: LyapunovSpectrum) -> str:
+    """The exponents over the parameter, or in words."""
+    drawn = html.image(found.plot(), f"Lyapunov exponents over {found.parameter}") if found.parameter else ""
+    return drawn + html.paragraph(str(found)) + html.notes(found.notes)
 
 
 def scan_page(scan: Scan) -> str:

@@ -230,6 +230,7 @@ class SimulateEntry(Section):
     transient: Annotated[float, PlainValidator(not_negative), WithJsonSchema({"type": "number", "minimum": 0})] = 0.0
     samples: Annotated[Count, Field(ge=2, le=LARGEST_TABLE)] | None = None
     method: Literal["DOP853", "Radau", "LSODA", "BDF"] | None = None
+    exponents: Count | None = None  # Lyapunov exponents of the trajectory, the largest ones
     rtol: Positive | None = None
     box: Positive | None = None
     section: WrittenSection | None = None

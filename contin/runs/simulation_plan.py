@@ -36,6 +36,7 @@ class SimulationPlan:
     parameters: Record
     time: float
     transient: float
+    exponents: int | None = None
     options: Record = field(default_factory=dict)
     outputs: Mapping[str, FilePath] = field(default_factory=dict)  # plot, csv
     look: Record = field(default_factory=dict)  # of the picture, as `contin.plot.look.Look.of` takes it
@@ -140,7 +141,8 @@ def _simulation(
             section_of(model, item.chosen()["section"])
         except ContinError as error:
             problems.add((*path, "section"), str(error).removeprefix("section: "))
-    return SimulationPlan(name, model, start, parameters, item.time, item.transient, item.chosen(), look=look)
+    times = item.time, item.transient
+    return SimulationPlan(name, model, start, parameters, *times, item.exponents, item.chosen(), look=look)
 
 
 def _sweep(item: SweepEntry, model: Model, shared: Record, problems: Problems) -> SweepPlan | None:

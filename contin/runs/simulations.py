@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from contin import lazy
 from contin.records import Fields
 from contin.runs.simulated import Simulated
 from contin.runs.skipping import skipping
@@ -72,7 +73,19 @@ def _simulated(plan: SimulationPlan) -> Fields:
         "why": found.why,
         "end_time": found.end_time,
         "columns": found.columns,
-    }
+    } | ({} if plan.exponents is None else {"lyapunov": _exponents(plan)})
+
+
+def _exponents(plan: SimulationPlan) -> Fields:
+    """Lyapunov exponents of the trajectory, in means over its time after the transient."""
+    found = lazy.module("exponents").lyapunov(
+        plan.model, plan.start, plan.parameters, time=plan.time, transient=plan.transient, count=plan.exponents,
+        **{key: value for key, value in plan.options.items() if key == "rtol"},
+    )  # fmt: skip
+    return {
+        "exponents": found.exponents, "errors": found.errors, "dimension": found.dimension,
+        "time": float(found.times[0]), "outcome": found.outcomes[0],
+    }  # fmt: skip
 
 
 def _swept(plan: SweepPlan, watch: Callable[[int, int], None] | None) -> Fields:

@@ -142,6 +142,14 @@ SIMULATION: Final[Fields] = {
         "end_time": _NUMBER,
         "columns": _TABLE,
         "section": _TABLE,  # the crossings of a Poincare section
+        "lyapunov": {
+            "type": "object",
+            "required": ["exponents", "errors", "dimension", "time", "outcome"],
+            "properties": {
+                "exponents": {"type": "array", "items": _NUMBER}, "errors": {"type": "array", "items": _NUMBER},
+                "dimension": _NUMBER, "time": _NUMBER, "outcome": {"type": "string"},
+            },
+        },
     },
 }
 SWEEP: Final[Fields] = {

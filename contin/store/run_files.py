@@ -1,4 +1,4 @@
-"""JSON of single commands (`contin simulate`, `sweep`, `survey`, `scan`): which a document is of, and its shape."""
+"""JSON of single commands (`contin simulate`, `sweep`, `lyapunov`, `survey`, `scan`): what it is of, and its shape."""
 
 from __future__ import annotations
 
@@ -38,6 +38,18 @@ SHAPES: Final[dict[str, Fields]] = {
             },
         },
     },
+    "lyapunov": {
+        "type": "object",
+        "required": ["model", "lyapunov", "complete", "notes", "columns"],
+        "properties": {
+            "model": {"type": "string"}, "lyapunov": {"type": "string"}, "complete": {"type": "boolean"},
+            "notes": _TEXTS,
+            "columns": {
+                "type": "object", "required": ["exponent.1", "error.1", "time", "outcome"],
+                "properties": {"outcome": _TEXTS}, "additionalProperties": _NUMBERS,
+            },
+        },
+    },
     "survey": {
         "type": "object",
         "required": ["model", "factor", "survey", "attractors", "notes", "seconds"],
@@ -72,12 +84,12 @@ _TABLES: Final = {"simulation": ("columns", "section", "events"), "sweep": ("col
 
 
 def kind_of(document: Record) -> str | None:
-    """simulation, sweep, survey, scan, plane or planes; None for results with branches, and for anything else."""
+    """simulation, sweep, lyapunov, survey, scan, plane or planes; None for results with branches, and for others."""
     if "branches" in document:
         return None
     if document.get("kind") in ("plane", "planes"):
         return str(document["kind"])
-    for kind in ("survey", "sweep", "scan"):
+    for kind in ("survey", "sweep", "lyapunov", "scan"):
         if kind in document:
             return kind
     return "simulation" if {"end_time", "outcome", "columns"} <= set(document) else None

@@ -314,12 +314,6 @@ def survivors_table() -> MarkdownTable:
     return MarkdownTable("beta = 0.8 | averaged mu | mu in the equations of motion | difference", rows)
 
 
-def regions() -> list[str]:
-    """The regions of the plane that hold more than a thousandth of it, in words."""
-    data = json.loads(Path("pair-phase.json").read_text(encoding="utf-8"))["phase"]["regions"]
-    return [f"{r['name']}: {r['words']}, {100 * r['area']:.1f} % of the box" for r in data if r["area"] > 1e-3]
-
-
 def draw_regions():
     """The picture that the run of `pair-regions` made."""
     from contin.plot.phase import draw

@@ -88,6 +88,7 @@ VERBS = {
     "simulate, until": lambda m: contin.simulate(m, time=10.0, until="x > 10"),
     "simulate, stiff": lambda m: contin.simulate(m, time=10.0, method="BDF", samples=20),
     "sweep": lambda m: contin.sweep(m, "A", (0.6, 0.8), steps=1),
+    "lyapunov": lambda m: contin.lyapunov(m, time=40.0, count=1),
     "scan": lambda m: contin.scan(m, {"A": [0.3, 0.6]}),
     "diagram": lambda m: contin.diagram(m, "A", (0.1, 0.6) if m.kind == "map" else (0.5, 1.5), settings={"steps": 10}),
     "phase": lambda m: contin.phase(

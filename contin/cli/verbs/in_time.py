@@ -95,6 +95,41 @@ def sweep(
     )  # fmt: skip
 
 
+@app.command(context_settings={"ignore_unknown_options": True})  # LO may be negative
+@pictured
+def lyapunov(
+    model: ModelName,
+    parameter: Annotated[str | None, typer.Argument(help="Parameter to step; left out: one trajectory.")] = None,
+    low: Annotated[float | None, typer.Argument(metavar="LO")] = None,
+    high: Annotated[float | None, typer.Argument(metavar="HI")] = None,
+    points: Annotated[int, typer.Option("--points", help="Values of the parameter.")] = 61,
+    count: Annotated[
+        int | None, typer.Option("--count", help="Exponents, from the largest (default: all of up to 10 states).")
+    ] = None,
+    start: StartName = None,
+    states: States = None,
+    sets: Sets = None,
+    time: Annotated[
+        float | None, typer.Option("--time", "-t", help="That means are taken over (a map: iterates).")
+    ] = None,
+    transient: Annotated[float | None, typer.Option("--transient", help="Time before it (default: a fifth).")] = None,
+    rtol: Annotated[float, typer.Option("--rtol", help="Relative tolerance.")] = 1e-9,
+    csv: Csv = None,
+    plot: Picture = None,
+    json: Json = None,
+    quiet: Quiet = False,
+    look: Look = None,
+) -> None:
+    """Lyapunov exponents of a trajectory, with errors; along a parameter, each from the last state."""
+    options = {"time": time, "transient": transient, "count": count, "rtol": rtol}
+    out = {"csv": csv, "plot": plot, "json": json, "look": look or {}}
+    raise typer.Exit(
+        work("exponents_of_model")(
+            model, (parameter, low, high, points), start, states or [], sets or [], options, out, quiet
+        )
+    )
+
+
 @app.command()
 def scan(
     file: Annotated[Path, typer.Argument(help="Scan file (YAML).")],

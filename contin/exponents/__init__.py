@@ -1,0 +1,1 @@
+"""Lyapunov exponents: mean growth rates of small disturbances along a trajectory."""
