@@ -70,8 +70,9 @@ def exponents_in_words(found: Record) -> str:
         return f"Lyapunov exponents: {found['outcome']}"
     pairs = zip(found["exponents"], found["errors"], strict=True)
     words = ", ".join(f"{value:.6g} +- {error:.1g}" for value, error in pairs)
-    dimension = "" if np.isnan(found["dimension"]) else f"; Kaplan-Yorke dimension {found['dimension']:.5g}"
-    return f"Lyapunov exponents {words}{dimension}"
+    dimension = found["dimension"]  # null in a document where more exponents decide it
+    told = "" if dimension is None or np.isnan(dimension) else f"; Kaplan-Yorke dimension {dimension:.5g}"
+    return f"Lyapunov exponents {words}{told}"
 
 
 def lines(document: Record) -> list[str]:

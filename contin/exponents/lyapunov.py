@@ -32,7 +32,10 @@ NATURAL_TIMES: Final = 20_000.0  # what is taken where no time is given; of a ma
 TRANSIENT: Final = 0.2  # of the time, where none is given: it comes before
 ALL_UP_TO: Final = 10  # states, up to which all exponents are taken
 SPREAD: Final = 6.0  # e-folds between the most and the least stretched direction after which they are made orthogonal
+PARTS: Final = 128  # at least, whose logarithms are known
+SHORT: Final = 100.0  # natural times (iterates), over which no error can be told
 RTOL: Final = 1e-9
+LEAST: Final = 1e-3  # natural sizes: what a smaller state is pushed by is a part of this
 TRUSTED: Final = 100.0  # times rtol, relative: what integration may add to the error
 BUDGET: Final = 50_000_000  # steps
 
@@ -52,13 +55,15 @@ class _Course:
 def lyapunov(
     model: Any, start: str | Record | None = None, parameters: Record | None = None, *, time: float | None = None,
     transient: float | None = None, count: int | None = None, parameter: str | None = None,
-    values: Sequence[float] | None = None, rtol: float = RTOL, watch: Callable[[int, int], None] | None = None,
+    values: Sequence[float] | None = None, rtol: float = RTOL, disturb: float = 1e-6,
+    watch: Callable[[int, int], None] | None = None,
 ) -> LyapunovSpectrum:  # fmt: skip
     """Lyapunov exponents of the trajectory from a start, with errors, and its Kaplan-Yorke dimension.
 
     time : what the means are taken over (a map: iterates), by default 20,000 times the fastest time scale at the start;
     transient : what comes before, by default a fifth of it.  count : how many exponents, from the largest (default: all
-    of up to 10 states, else 10).  parameter, values : one row for each value, each from where the last one ended.
+    of up to 10 states, else 10).  parameter, values : one row for each value, each from where the last one ended,
+    pushed off by `disturb` of the states: a motion that keeps a symmetry would keep it where it is unstable, too.
     rtol : of the integration (DOP853, with disturbances that jump at switching surfaces and `events`).
 
     A flow that does not come to rest has an exponent 0 along itself; a forced flow's time is not disturbed. The error
@@ -81,17 +86,19 @@ def lyapunov(
     if parameter is not None and parameter not in model.parameter_names:
         advice = closest(parameter, model.parameter_names) or f"the model has {', '.join(model.parameter_names)}"
         raise InputError(f"no parameter {parameter!r}: {advice}")
-    steps: list[Record] = [{}] if parameter is None else [{parameter: float(v)} for v in values or ()]
+    steps: list[Record] = [{}]
+    if parameter is not None and values is not None:
+        steps = [{parameter: float(v)} for v in values]
     if not steps:
         raise InputError("values: at least one is needed")
 
     found, u = [], None
     for k, step in enumerate(steps):
-        course = _course(model, start, {**(parameters or {}), **step}, u, rtol)
+        course = _course(model, start, {**(parameters or {}), **step}, u, rtol, disturb)
         k_found = min(course.moving, count or max(1, min(course.moving, ALL_UP_TO)))
         growth, end, why, touched = _followed(course, time, transient, k_found)
         u = end if not why else None
-        found.append((*_rates(growth, why, k_found, rtol), growth.total, why or "done", touched))
+        found.append((*_rates(growth, why, k_found, rtol, course.natural), growth.total, why or "done", touched))
         if watch is not None:
             watch(k + 1, len(steps))
     rates, errors, times, outcomes, touches = zip(*found, strict=True)
@@ -122,7 +129,9 @@ def _need_disturbances(model: Model) -> None:
         raise InputError(f"model {model.name!r} has no states, so nothing can be disturbed")
 
 
-def _course(model: Any, start: str | Record | None, parameters: Record, u: Array | None, rtol: float) -> _Course:
+def _course(
+    model: Any, start: str | Record | None, parameters: Record, u: Array | None, rtol: float, disturb: float
+) -> _Course:
     jumping = isinstance(model, Model) and bool(model.events)
     bare = model.replace(events=()) if jumping else model
     begun, p = bare.start_point(start, dict(parameters))
@@ -130,6 +139,9 @@ def _course(model: Any, start: str | Record | None, parameters: Record, u: Array
     n = int(system.n)
     begun = consistent_start(system, begun, p) if u is None else u[:n]
     metric = natural_metric(system, begun, p)
+    if u is not None:
+        signs = np.where(np.arange(n) % 2 == 0, 1.0, -1.0) * (1.0 + 0.1 * np.arange(n))
+        begun = begun + disturb * signs * np.maximum(np.abs(begun), LEAST * metric.states)
     if model.kind == "map":
         return _Course(MapCarrier(system, p), begun, metric.states, 1.0, n, True)
     if not jumping:
@@ -137,7 +149,7 @@ def _course(model: Any, start: str | Record | None, parameters: Record, u: Array
         return _Course(carrier, begun, metric.states, metric.time, n, False)
     flow = HybridFlow(model)
     scale = np.append(metric.states, np.ones(flow.n - n))
-    full = np.append(begun, np.zeros(flow.n - n)) if u is None else u
+    full = np.append(begun, np.zeros(flow.n - n) if u is None else u[n:])
     return _Course(JumpCarrier(flow, p, rtol, SMALLER * rtol * scale), full, scale, metric.time, n, False)
 
 
@@ -158,7 +170,7 @@ def _followed(
     for end in (before, before + whole):
         logs, lengths = [], []
         while t < end * (1.0 - 1e-12) and not why:
-            length = 1.0 if course.is_map else min(SPREAD / rate, end - t)
+            length = 1.0 if course.is_map else min(SPREAD / rate, whole / PARTS, end - t)
             if end - t - length < 0.01 * length:
                 length = end - t
             carried = course.carrier.carry(u, scale * np.vstack([frame, still]), t, length)
@@ -182,9 +194,10 @@ def _spreading(logs: Array, length: float, last: float) -> float:
     return max(now, 0.9 * last)
 
 
-def _rates(growth: Growth, why: str, count: int, rtol: float) -> tuple[Array, Array]:
+def _rates(growth: Growth, why: str, count: int, rtol: float, natural: float) -> tuple[Array, Array]:
     if why or not len(growth.times):
         return np.full(count, np.nan), np.full(count, np.nan)
     rates, errors = growth.rates()
+    errors = np.where(np.isfinite(rates) & (growth.total < SHORT * natural), np.inf, errors)
     fastest = float(np.abs(rates[np.isfinite(rates)]).max(initial=0.0))
     return rates, np.where(np.isfinite(rates), errors + TRUSTED * rtol * fastest, errors)

@@ -212,6 +212,48 @@ def draw_three():
     return drawing
 
 
+CHAOS = ("beats", "torus", "chaos", "motion")  # simulations of `three-chaos`
+
+
+def simulated(name: str) -> dict:
+    """A simulation of `three-chaos`."""
+    document = json.loads(Path("three-chaos.json").read_text(encoding="utf-8"))
+    return next(one for one in document["simulations"] if one["name"] == name)
+
+
+def draw_chaos():
+    """Amplitudes of metronomes 2 and 3 against each other: a cycle, a torus, chaos, and chaos before averaging."""
+    drawing, axes = panels(1, 4, 11.4, 3.2)
+    for ax, name in zip(axes[0], CHAOS, strict=True):
+        found = simulated(name)
+        columns = {key: np.array(values) for key, values in found["columns"].items()}
+        x, y = ("x", "y") if name == "motion" else ("u", "v")
+        r2, r3 = (np.hypot(columns[f"{x}{i}"], columns[f"{y}{i}"]) for i in (2, 3))
+        ax.plot(r2, r3, ",", color=BLUE)
+        ax.set(xlabel="$r_2$", ylabel="$r_3$", title=f"{name}, mu = {found['parameters']['mu']:g}")
+        ax.title.set_fontsize(9)
+    return drawing
+
+
+def chaos_table() -> MarkdownTable:
+    """Lyapunov exponents a unit of slow time."""
+    rows = []
+    for name in CHAOS:
+        found, unit = simulated(name), 0.01 if name == "motion" else 1.0
+        pairs = zip(found["lyapunov"]["exponents"], found["lyapunov"]["errors"], strict=True)
+        words = ", ".join(f"{value / unit:.4f} +- {error / unit:.4f}" for value, error in list(pairs)[:3])
+        rows.append((name, f"{found['parameters']['mu']:g}", words))
+    return MarkdownTable("simulation | mu | three largest Lyapunov exponents", rows)
+
+
+def check_chaos() -> None:
+    """The rotation and the flow give two exponents 0; a torus a third; chaos a positive one instead."""
+    for name, signs in (("beats", "00--"), ("torus", "000-"), ("chaos", "+00-"), ("motion", "+00")):
+        found = simulated(name)["lyapunov"]
+        pairs = zip(found["exponents"], found["errors"], strict=True)
+        assert "".join("+" if x > e else "-" if x < -e else "0" for x, e in pairs) == signs, (name, found)
+
+
 def family(name: str) -> str:
     """Which metronomes move alike on a branch of four metronomes, as "3 + 1"."""
     columns = results("four-states.json")[name]["columns"]
@@ -368,6 +410,7 @@ def check() -> None:
     small, large = (points(diagram[f"{k} beats"], "HOM", "mu")[0] for k in ("small", "large"))
     assert abs(small - large) < 1e-5  # both families end in one homoclinic butterfly
     check_regions(diagram)
+    check_chaos()
     pendulum = results("pair-pendulum.json")["mu_c"]["columns"]
     expected = mu_c(0.8) - 0.75 * np.array(pendulum["sigma"]) * r_star(0.8) ** 2
     np.testing.assert_allclose(pendulum["mu"], expected, atol=1e-6)

@@ -147,7 +147,7 @@ def test_along_a_parameter_each_begins_where_the_last_one_ended():
     model = contin.Model(
         "logistic", kind="map", states={"x": 0.1}, parameters={"a": 3}, equations={"x": "a*x*(1 - x)"}
     )
-    found = contin.lyapunov(model, parameter="a", values=[2.5, 3.2, 3.9], time=2000)
+    found = contin.lyapunov(model, parameter="a", values=np.array([2.5, 3.2, 3.9]), time=2000)
     assert found.exponents.shape == (3, 1)
     expected = [np.log(0.5), 0.5 * np.log(abs(4 + 2 * 3.2 - 3.2**2))]  # multipliers 2 - a, 4 + 2 a - a^2
     np.testing.assert_allclose(found.exponents[:2, 0], expected, atol=1e-6)
