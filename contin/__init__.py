@@ -40,6 +40,7 @@ _EXPORTS = {
     "simulate": "contin.simulate.run",
     "survey": "contin.api",
     "sweep": "contin.simulate.sweep",
+    "torus": "contin.api",
     "walk": "contin.api",
 }
 

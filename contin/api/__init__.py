@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from contin.api.solutions import solution
     from contin.api.starts import equilibrium
     from contin.api.surveys import survey
+    from contin.api.tori import torus
 
 _HOMES = {
     "boundary_problem": "boundary",
@@ -37,6 +38,7 @@ _HOMES = {
     "prepare": "machine_code",
     "solution": "solutions",
     "survey": "surveys",
+    "torus": "tori",
     "walk": "branches",
 }
 
@@ -58,6 +60,7 @@ __all__ = [
     "prepare",
     "solution",
     "survey",
+    "torus",
     "walk",
 ]
 

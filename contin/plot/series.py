@@ -218,7 +218,9 @@ def _meaning(name: str) -> str:
 
 
 def _strands(curves: Sequence[Curve]) -> str:
-    return ", orbits: max and min" if any(curve.kind == "orbit" and curve.strands == 2 for curve in curves) else ""
+    two = {curve.kind for curve in curves if curve.strands == 2}
+    named = [words for kind, words in (("orbit", "orbits"), ("torus", "tori")) if kind in two]
+    return f", {' and '.join(named)}: max and min" if named else ""
 
 
 def _flat(sources: Sequence[Source]) -> bool:

@@ -13,6 +13,7 @@ KINDS: Final = {
     "orbit": "periodic orbits",
     "bvp": "boundary-value solutions",
     "locus": "locus",
+    "torus": "invariant tori",
 }
 
 # Okabe and Ito (2008): told apart in every common form of colour blindness. Their yellow is too pale for a thin line.

@@ -111,6 +111,8 @@ class ContinEngine:
         point: Any = branch[label]
         if run.as_ == "manifold":
             return _verbs().manifold(point, name=run.name, **run.manifold)
+        if run.as_ == "torus":
+            return _verbs().torus(point, run.parameters, run.range, name=run.name, settings=run.settings)
         if run.as_ == "connection":
             return _verbs().connection(point, run.start, run.to, **run.connecting)
         if len(run.parameters) > 1:
@@ -124,7 +126,7 @@ class ContinEngine:
         return _verbs().connection(model, first, last, parameters, samples=_table(run.samples), **run.connecting)
 
     def continuation(self, start: object, run: RunPlan) -> Iterable[Branch]:
-        if isinstance(start, Branch):  # a manifold, at fixed parameters
+        if isinstance(start, Branch):  # a manifold, at fixed parameters, or a family of tori
             yield self._kept(start)
             return
         parameter = run.parameters[0] if len(run.parameters) == 1 else run.parameters

@@ -93,6 +93,7 @@ OF_CONNECTIONS: Final = {
     "truncation": "how near to its saddles a connecting orbit is cut",
     "reversor": "the reflection under which a connecting orbit is symmetric",
 }
+Kind = Literal["equilibrium", "orbit", "locus", "connection", "manifold", "torus"]
 
 
 class ContinuationEntry(Section):
@@ -102,7 +103,7 @@ class ContinuationEntry(Section):
     start: Start | None = None
     from_: Reference | None = Field(default=None, alias="from")
     samples: File | None = None  # a CSV file with one period of an orbit, or with a connecting orbit
-    as_: Literal["equilibrium", "orbit", "locus", "connection", "manifold"] | None = Field(default=None, alias="as")
+    as_: Kind | None = Field(default=None, alias="as")
     to: Start | None = None  # of a connection: the saddle that the orbit from `start` leads to
     truncation: Annotated[Positive, Field(ge=1e-8, le=0.1)] | None = None  # distance of its ends from them, relative
     reversor: dict[str, Formula] | None = None  # ... images of states under a reflection that reverses time
@@ -124,6 +125,7 @@ class ContinuationEntry(Section):
     @model_validator(mode="after")
     def _one_origin(self) -> ContinuationEntry:
         self._check_manifold()
+        self._check_torus()
         origins = [name for name, place in ORIGINS.items() if getattr(self, place) is not None]
         connects = self.as_ == "connection"
         if connects and "start" in origins:
@@ -147,6 +149,18 @@ class ContinuationEntry(Section):
             many = {2: "two", 3: "three"}.get(len(self.parameter), str(len(self.parameter)))
             raise wrong(f"{many} parameters need a point to start from; write `from: NAME.LABEL`")
         return self
+
+    def _check_torus(self) -> None:
+        """A torus starts at a label NS, and is followed in one parameter."""
+        if self.as_ != "torus":
+            return
+        if self.from_ is None or len(self.parameter) != 1:
+            raise wrong("is a torus: give `from: NAME.NS1`, the point at which it is born, and one `parameter`")
+        others = {"values": self.values, "free": self.free, "conditions": self.conditions, "extrema": self.extrema}
+        others |= {"columns": self.columns}
+        given = [key for key, value in others.items() if value]
+        if given:
+            raise wrong(f"is a torus, which has none of `{given[0]}`: leave it out")
 
     def _check_manifold(self) -> None:
         """A manifold has keys of its own, and everything else varies a parameter."""

@@ -6,7 +6,7 @@ from typing import Final
 
 from contin.records import Fields
 
-KINDS: Final = ["equilibrium", "fixed-point", "orbit", "bvp", "locus", "algebraic", "connection", "manifold"]
+KINDS: Final = ["equilibrium", "fixed-point", "orbit", "bvp", "locus", "algebraic", "connection", "manifold", "torus"]
 _NUMBER: Final = {"type": ["number", "null"]}  # null stands for NaN and infinity
 _PAIRS: Final = {"type": "array", "items": {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}}
 _POINT_REFERENCE: Final = {

@@ -13,14 +13,29 @@ def nodes(count: int) -> Array:
     return np.arange(count) / count
 
 
+def _waves(count: int, places: Array) -> tuple[Array, Array]:
+    """cos(2 pi k s) and sin(2 pi k s) at the places s, (K, (M - 1)/2)."""
+    phases = 2.0 * np.pi * np.asarray(places)[:, None] * np.arange(1, count // 2 + 1)
+    return elementary.cos(phases), elementary.sin(phases)
+
+
 def shift(count: int, turn: float) -> tuple[Array, Array]:
     """Matrices (M, M) from values at the nodes to values at s_j + turn, and to their derivatives by turn."""
+    (cos, sin), (even, odd) = _waves(count, nodes(count) + turn), _waves(count, nodes(count))
     orders = np.arange(1, count // 2 + 1)
-    apart = 2.0 * np.pi * (nodes(count)[:, None] + turn - nodes(count)[None, :])
-    phases = apart[:, :, None] * orders
-    values = (1.0 + 2.0 * elementary.cos(phases).sum(axis=2)) / count
-    slopes = -4.0 * np.pi * (orders * elementary.sin(phases)).sum(axis=2) / count
-    return values, slopes
+    slopes = 4.0 * np.pi * ((cos * orders) @ odd.T - (sin * orders) @ even.T) / count
+    return (1.0 + 2.0 * (cos @ even.T + sin @ odd.T)) / count, slopes
+
+
+def at(count: int, places: Array) -> Array:
+    """Matrix (K, M) from values at the nodes to values at the places."""
+    (cos, sin), (even, odd) = _waves(count, places), _waves(count, nodes(count))
+    return np.asarray((1.0 + 2.0 * (cos @ even.T + sin @ odd.T)) / count)
+
+
+def resampled(values: Array, count: int) -> Array:
+    """The same curve at another number of nodes."""
+    return np.asarray(at(len(values), nodes(count)) @ values)
 
 
 def fitted(points: Array, turn: float, count: int) -> Array:

@@ -1,0 +1,92 @@
+"""Is the rotation number locked? Then periodic solutions of q returns lie on the torus: they are solved for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.errors import NoSolutionError
+from contin.tori.equations import Circle, Metric
+from contin.tori.strobe import Strobe
+
+LARGEST: Final = 30  # denominator that is looked for
+NEAR: Final = 0.02  # the rotation number times q to a whole number
+STEPS: Final = 12
+SETTLED: Final = 1e-9  # of a correction, in units of the sizes
+ON_IT: Final = 0.3  # of the circle's size: how far from it a solution may be
+
+
+@dataclass(frozen=True)
+class Locked:
+    """p/q, the parameter's value, and what was found there."""
+
+    p: int
+    q: int
+    value: float
+    words: str
+
+
+def locked_at(strobe: Strobe, metric: Metric, circle: Circle, values: Sequence[float]) -> Locked | None:
+    """A periodic solution on (what was) the circle at one of the values, of q returns with p/q near rho; None: none."""
+    for q in range(1, LARGEST + 1):
+        p = round(circle.rho * q)
+        if abs(circle.rho * q - p) > NEAR or Fraction(p, q).denominator != q or p == 0:
+            continue
+        for value in values:
+            try:
+                words = _closed(strobe, metric, circle, q, value)
+            except NoSolutionError:
+                continue  # at this value there is none, or not within Newton's reach
+            if words:
+                return Locked(p, q, value, words)
+    return None
+
+
+def _closed(strobe: Strobe, metric: Metric, circle: Circle, q: int, value: float) -> str:
+    """The periodic solution in words, or ''."""
+    starts = circle.values
+    gaps = [np.linalg.norm(_returned(strobe, u, q, circle.time, value)[0] / metric.sizes) for u in starts]
+    size = float(np.abs(circle.deviation / metric.sizes).max())
+    u, moduli = _newton(strobe, metric, starts[int(np.argmin(gaps))], q, circle.time, value)
+    nearest = float(np.abs(strobe.difference(circle.values, u[None]) / metric.sizes).max(axis=1).min())
+    if nearest > ON_IT * size:
+        return ""
+    words = "a stable" if np.sum(moduli > 1.0 + 1e-6) == 0 else "an unstable"
+    return f"{words} periodic solution of {q} returns"
+
+
+def _returned(strobe: Strobe, u: Array, q: int, time: float, value: float) -> tuple[Array, Array, Array]:
+    """phi^q(u) - u, its derivatives by u and by T."""
+    x, product, by_time = u, np.eye(strobe.n), np.zeros(strobe.n)
+    for _ in range(q):
+        x, matrix, speed, _ = strobe.derivatives(x, time, value)
+        product, by_time = matrix @ product, matrix @ by_time + speed
+    return strobe.difference(x, u), product, by_time
+
+
+def _newton(strobe: Strobe, metric: Metric, u: Array, q: int, time: float, value: float) -> tuple[Array, Array]:
+    """A point of the periodic solution next to u, and the moduli of its multipliers.
+
+    Corrections are the shortest ones; of an autonomous flow T is free.
+    """
+    time = time if strobe.free_time else strobe.time(value)
+    for _ in range(STEPS):
+        gap, product, by_time = _returned(strobe, u, q, time, value)
+        matrix = (product - np.eye(strobe.n)) * metric.sizes[None, :] / metric.sizes[:, None]
+        if strobe.free_time:
+            matrix = np.column_stack([matrix, by_time * time / metric.sizes])
+        step = np.linalg.lstsq(matrix, -gap / metric.sizes, rcond=1e-10)[0]
+        if not np.all(np.isfinite(step)) or np.linalg.norm(step) > 1.0:
+            break
+        u = u + step[: strobe.n] * metric.sizes
+        time = time * (1.0 + float(step[-1])) if strobe.free_time else time
+        if np.linalg.norm(step) < SETTLED:
+            left = np.abs(_returned(strobe, u, q, time, value)[0] / metric.sizes).max()
+            if left < 100.0 * SETTLED:
+                return u, np.abs(np.linalg.eigvals(product))
+    raise NoSolutionError("no periodic solution is found")

@@ -1,0 +1,45 @@
+"""Lyapunov exponents of a torus across itself, from the derivatives of phi along an orbit of the rotation s -> s + rho.
+
+A(s) = N(s + rho)' Dphi(u(s)) N(s), with orthonormal N(s) across the circle (and across the flow, where T is free), is
+multiplied along the orbit, orthonormalised as it goes; the logarithms' weighted means (Das, Saiki, Sander and Yorke,
+2017) converge fast where the motion is quasiperiodic.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.machine import elementary
+from contin.tori import fourier
+from contin.tori.equations import Circle, Metric
+from contin.tori.strobe import Strobe
+
+LENGTH: Final = 1000  # of the orbit, in returns
+
+
+def exponents(strobe: Strobe, metric: Metric, circle: Circle, jacobians: Array) -> Array:
+    """(n - 1,), (n - 2,) where T is free: a return multiplies disturbances by exp of them; the greatest first."""
+    n, count = strobe.n, circle.count
+    across = n - 1 - strobe.free_time
+    if across < 1:
+        return np.empty(0)
+    places = np.asarray((circle.rho * np.arange(LENGTH + 1)) % 1.0, dtype=float)
+    between = fourier.at(count, places)
+    scaled = jacobians * metric.sizes[None, None, :] / metric.sizes[None, :, None]
+    matrices = np.tensordot(between[:-1], scaled, axes=1)
+    slopes = fourier.shift(count, 0.0)[1] @ circle.values
+    along = [between @ (slopes / metric.sizes)]
+    if strobe.free_time:
+        along.append(np.array([strobe.speed(u, circle.value) for u in between @ circle.values]) / metric.sizes)
+    bases = np.linalg.qr(np.stack(along, axis=2), mode="complete")[0][:, :, len(along) :]
+    cocycle = np.transpose(bases[1:], (0, 2, 1)) @ matrices @ bases[:-1]
+    logs, frame = np.empty((LENGTH, across)), np.eye(across)
+    for k, matrix in enumerate(cocycle):
+        frame, triangle = np.linalg.qr(matrix @ frame)
+        logs[k] = elementary.log(np.maximum(np.abs(np.diag(triangle)), np.finfo(float).tiny))
+    t = (np.arange(LENGTH) + 0.5) / LENGTH
+    weight = elementary.exp(-1.0 / (t * (1.0 - t)))
+    return np.sort(weight @ logs / weight.sum())[::-1]
