@@ -104,6 +104,11 @@ class CompiledSystem:
         return f"<CompiledSystem of {getattr(self.model, 'name', 'a model')!r}: n = {self.n}, m = {self.m}>"
 
     @property
+    def computable(self) -> Model:
+        """The model with the equations that are compiled: what is derived from them has no removable singularity."""
+        return self.model.replace(equations=self._equations)
+
+    @property
     def forcing_period(self) -> Expression:
         """Formula for the period of a forced flow."""
         forcing = self.model.forcing

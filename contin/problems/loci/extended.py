@@ -29,16 +29,16 @@ _systems: WeakKeyDictionary[Any, dict[tuple[str, ...], Any]] = WeakKeyDictionary
 def extended_system(system: CompiledSystem, type_: str, first: str, second: str) -> CompiledSystem:
     """The compiled defining system of a type's curve, made once per model and second parameter."""
     passes: dict[str, Callable[[], Any]] = {
-        "LP": lambda: loci.fold_system(system.model, second),
-        "PD": lambda: loci.flip_system(system.model, second),
-        "HB": lambda: loci.hopf_system(system.model, second),
-        "NS": lambda: loci.hopf_system(system.model, second),
-        "BP": lambda: loci.branch_point_system(system.model, first, second),
+        "LP": lambda: loci.fold_system(system.computable, second),
+        "PD": lambda: loci.flip_system(system.computable, second),
+        "HB": lambda: loci.hopf_system(system.computable, second),
+        "NS": lambda: loci.hopf_system(system.computable, second),
+        "BP": lambda: loci.branch_point_system(system.computable, first, second),
     }
     known: dict[tuple[str, ...], CompiledSystem] = _systems.setdefault(system, {})
     key = (type_, first, second) if type_ == "BP" else (type_, second)
     if key not in known:
-        known[key] = compile_system(passes[type_]())
+        known[key] = compile_system(passes[type_](), regular=True)
     return known[key]
 
 
