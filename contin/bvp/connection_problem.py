@@ -71,7 +71,7 @@ class ConnectionToCycle(BoundaryProblem):
         found = self.model.parameter_range(parameter, {**self.model.default_parameters({}), **self.constants()})
         return None if found is None else (float(found[0]), float(found[1]))
 
-    def profile_of_orbit(self, z: Array) -> Profile:
+    def orbit_at(self, z: Array) -> Profile:
         """The connecting orbit alone, with its time."""
         whole, n = self.profile(z), len(self.model.state_names)
         return replace(whole, u=whole.u[:, :n].copy(), period=self.time(z))

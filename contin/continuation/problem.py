@@ -389,6 +389,10 @@ class Problem(ABC):
 
     # -- words and columns --------------------------------------------------------------------------------------------
 
+    def orbit_at(self, z: Array) -> object | None:
+        """The orbit that a point of a curve in two parameters stands for (its `profile`); None of what has none."""
+        return None
+
     @abstractmethod
     def columns(self, z: Array) -> dict[str, Array]:
         """Named columns of rows of unknowns: varying parameter(s), states, observables."""

@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-from contin.bvp.connection_problem import ConnectionToCycle
 from contin.continuation.defects import noted
 from contin.continuation.fields import fields_along, has_fields
-from contin.problems.hybrid.locus import HybridLocus
-from contin.problems.orbits.homoclinic.problem import ConnectionProblem
-from contin.problems.orbits.two_parameters import OfPeriodicOrbits
 from contin.records import Record
 
 if TYPE_CHECKING:
     from contin.continuation.branch import Branch, SpecialPoint
     from contin.problems.orbits.layout import Profile
-
-WITH_ORBITS: Final = (OfPeriodicOrbits, ConnectionProblem, ConnectionToCycle, HybridLocus)
 
 
 class OrbitSamples:
@@ -38,20 +32,15 @@ class OrbitSamples:
 
 
 def _sampled(branch: Branch, point: SpecialPoint) -> Record | None:
-    if branch.kind != "orbit" and has_fields(branch.problem):
+    problem: Any = branch.problem
+    if branch.kind != "orbit" and has_fields(problem):
         return {"fields": point.fields}
-    if branch.kind != "orbit" and not isinstance(branch.problem, WITH_ORBITS):
+    profile: Profile | None = problem.profile(point.z) if branch.kind == "orbit" else problem.orbit_at(point.z)
+    if profile is None:
         return None
-    profile = _profile(branch.problem, point)
-    if has_fields(branch.problem):
-        fields = fields_along(branch.problem, profile.u, point.values)
+    if has_fields(problem):
+        fields = fields_along(problem, profile.u, point.values)
         return {"orbit": {"t": profile.times * profile.period, **fields}}
-    names = branch.problem.system.state_names[: profile.u.shape[1]]  # of a connection to a cycle, the model
+    names = problem.system.state_names[: profile.u.shape[1]]  # of a connection to a cycle, the model
     states = dict(zip(names, profile.u.T, strict=True))
     return {"orbit": {"t": profile.times * profile.period, **states}}
-
-
-def _profile(problem: Any, point: SpecialPoint) -> Profile:
-    """The orbit of a point; of a connection to a cycle the connecting one."""
-    found: Profile = (problem.profile_of_orbit if isinstance(problem, ConnectionToCycle) else problem.profile)(point.z)
-    return found

@@ -82,6 +82,9 @@ class HybridLocus(TwoParameterProblem):
         family, orbit = self.at(z)
         return family.profile(orbit)
 
+    def orbit_at(self, z: Array) -> HybridProfile:
+        return self.profile(z)
+
     def multipliers(self, z: Array) -> NDArray[np.complex128]:
         family, orbit = self.at(z)
         return family.multipliers(orbit)

@@ -129,6 +129,9 @@ class OfPeriodicOrbits(OrbitCurveProblem):
         found: Profile = self.curve.profile(z)
         return found
 
+    def orbit_at(self, z: Array) -> Profile:
+        return self.profile(z)
+
     def finite(self, z: Array, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Without the multipliers of algebraic equations."""
         return finite_multipliers(self.system, values, self.profile(z).period)

@@ -70,6 +70,9 @@ class ConnectionProblem(MarchedInPython):
         """The whole orbit of a point."""
         return self.curve.orbit_of(z)
 
+    def orbit_at(self, z: Array) -> Profile:
+        return self.profile(z)
+
     def at_held(self, z: Array, scale: Array) -> Array | None:
         """Solved with the second parameter as it is; where that is no unknown, the first one."""
         slot = -1 if self.isolated else -2
