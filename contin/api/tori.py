@@ -150,9 +150,11 @@ def _branch(
     columns["unstable"] = columns["unstable"].astype(np.int64)
     columns["stable"] = columns["unstable"] == 0
     z = np.column_stack([columns[f"{state}.max"] for state in names] + [columns[parameter]])
-    data = {} if end.at is None else {"at": {parameter: end.at}}
+    data: dict[str, object] = {} if end.at is None else {"at": {parameter: end.at}}
     if end.locked is not None:
         data["rotation"] = {"p": end.locked.p, "q": end.locked.q}
+        if end.locked.error is not None:
+            data["error"] = end.locked.error
     moduli = elementary.exp(np.array([spectra[-1] * np.nan if k == 0 else one for k, one in enumerate(spectra)]))
     problem = EquilibriumProblem(strobe.system, strobe.base, strobe.active)
     ends = (End("start", f"born at {point.branch}.{point.label}"), End(end.reason, end.text, data))

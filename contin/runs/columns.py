@@ -15,7 +15,7 @@ from contin.model.source import Path, Problems
 OF_BRANCHES: Final = frozenset(
     {
         "period", "stable", "unstable", "kappa", "neutral", "cos.theta", "unfolding", "turns", "saddle_node", "angle",
-        "amplitude", "norm", "frequency", *NAMES,
+        "amplitude", "norm", "frequency", "rotation", "size", "nodes", "tail", "error", *NAMES,
     }
 )  # beside parameters, states and observables: what problems record of themselves
 STANDARD: Final = ("amplitude", "norm", "frequency")  # of orbits

@@ -20,6 +20,7 @@ from contin.tori import fourier
 from contin.tori.strobe import Strobe
 
 STEPS: Final = 10  # of Newton's method
+NOISE: Final = 100.0  # tolerances, within which corrections that stay as large are the rounding of trajectories
 DIVERGED: Final = 10.0  # a correction so many times longer than the one before
 
 
@@ -91,8 +92,8 @@ def solve(strobe: Strobe, metric: Metric, guess: Circle, tangent: Array, toleran
         length = float(np.linalg.norm(metric.vector(moved) - metric.vector(circle)))
         if not length < DIVERGED * last:
             raise NoSolutionError(f"Newton's method diverges (correction {length:.2g})")
-        circle, last = moved, length
-        if length < tolerance:
+        circle, before, last = moved, last, length
+        if length < tolerance or (length < NOISE * tolerance and length > 0.5 * before):  # the latter: near a resonance
             along = np.append(follow[: circle.values.size], follow[-1])
             return Solved(circle, jacobians, along / (np.linalg.norm(along) or 1.0))
     raise NoSolutionError(f"Newton's method did not converge (last correction {last:.2g})")

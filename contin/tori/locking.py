@@ -15,6 +15,8 @@ from contin.tori.equations import Circle, Metric
 from contin.tori.strobe import Strobe
 
 LARGEST: Final = 30  # denominator that is looked for
+FEW: Final = 6  # returns of a periodic solution beside which the motion may slow down
+STILL: Final = 0.01
 NEAR: Final = 0.02  # the rotation number times q to a whole number
 STEPS: Final = 12
 SETTLED: Final = 1e-9  # of a correction, in units of the sizes
@@ -23,19 +25,45 @@ ON_IT: Final = 0.3  # of the circle's size: how far from it a solution may be
 
 @dataclass(frozen=True)
 class Locked:
-    """p/q, the parameter's value, and what was found there."""
+    """p/q, the parameter's value (and its error, where it is a limit), and what was found there."""
 
     p: int
     q: int
     value: float
     words: str
+    error: float | None = None
+
+
+def slowing(strobe: Strobe, metric: Metric, seen: Sequence[Circle]) -> Locked | None:
+    """The periodic solution next to which the motion on the last circles slows down while the parameter stays; or None.
+
+    q rho - p halves while the parameter moves by less than a part `STILL` of its way. Unlike at the border of locking,
+    the periodic solution is there already beside the last circle.
+    """
+    last = seen[-1]
+    for q in range(1, FEW + 1):
+        p = round(last.rho * q)
+        rest = abs(last.rho * q - p)
+        faster = [one for one in seen if abs(one.rho * q - p) > 2.0 * rest and round(one.rho * q) == p]
+        if rest > NEAR or Fraction(p, q).denominator != q or not faster:
+            continue
+        moved = abs(faster[-1].value - last.value)
+        if moved > STILL * max(abs(one.value - last.value) for one in seen):
+            continue
+        try:
+            words = _closed(strobe, metric, last, q, last.value)
+        except NoSolutionError:
+            continue  # none beside the circle: it is not this
+        if words:
+            return Locked(p, q, last.value, words, 2.0 * moved)
+    return None
 
 
 def locked_at(strobe: Strobe, metric: Metric, circle: Circle, values: Sequence[float]) -> Locked | None:
     """A periodic solution on (what was) the circle at one of the values, of q returns with p/q near rho; None: none."""
     for q in range(1, LARGEST + 1):
         p = round(circle.rho * q)
-        if abs(circle.rho * q - p) > NEAR or Fraction(p, q).denominator != q or p == 0:
+        if abs(circle.rho * q - p) > NEAR or Fraction(p, q).denominator != q:
             continue
         for value in values:
             try:
@@ -57,7 +85,7 @@ def _closed(strobe: Strobe, metric: Metric, circle: Circle, q: int, value: float
     if nearest > ON_IT * size:
         return ""
     words = "a stable" if np.sum(moduli > 1.0 + 1e-6) == 0 else "an unstable"
-    return f"{words} periodic solution of {q} returns"
+    return f"{words} periodic solution of {q} return{'s' * (q > 1)}"
 
 
 def _returned(strobe: Strobe, u: Array, q: int, time: float, value: float) -> tuple[Array, Array, Array]:

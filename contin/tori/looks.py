@@ -1,7 +1,7 @@
 """What a circle says of its torus: extremes and norms of the states on it, and how well it solves its equations.
 
-Between the nodes the equations are not asked for, so that phi(u(s)) - u(s + rho) there, in units of the circle's size,
-estimates the circle's relative error.
+Between the nodes the equations are not asked for: phi(u(s)) - u(s + rho) there, in units of the circle's size, says how
+well they are solved. A circle that turns slowly answers it with an error that is larger by 1/|exp(2 pi i rho) - 1|.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.errors import NoSolutionError
+from contin.machine import elementary
 from contin.tori import fourier
 from contin.tori.equations import Circle, Metric
 from contin.tori.strobe import Strobe
@@ -32,8 +33,8 @@ class Look:
     error: float
 
 
-def error_between(strobe: Strobe, metric: Metric, circle: Circle) -> float:
-    """Largest error of phi(u(s)) = u(s + rho) midway between the nodes, relative to the circle's size."""
+def residual_between(strobe: Strobe, metric: Metric, circle: Circle) -> float:
+    """Largest residual of phi(u(s)) = u(s + rho) midway between the nodes, relative to the circle's size."""
     places = fourier.nodes(circle.count) + 0.5 / circle.count
     points = fourier.at(circle.count, places) @ circle.values
     aims = fourier.at(circle.count, places + circle.rho) @ circle.values
@@ -44,11 +45,16 @@ def error_between(strobe: Strobe, metric: Metric, circle: Circle) -> float:
     return float(np.abs(strobe.difference(images, aims) / metric.sizes).max()) / size
 
 
+def error_of(circle: Circle, residual: float) -> float:
+    """Relative error of a circle whose equations hold up to the residual."""
+    return residual * max(1.0, 0.5 / max(abs(float(elementary.sin(np.pi * circle.rho))), np.finfo(float).tiny))
+
+
 def look(strobe: Strobe, metric: Metric, circle: Circle) -> Look:
     """Over a net of points of the torus: trajectories from many points of the circle, through one return."""
     count = max(circle.count, FEWEST)
     starts = circle.resampled(count).values if count > circle.count else circle.values
-    error = error_between(strobe, metric, circle)
+    error = error_of(circle, residual_between(strobe, metric, circle))
     if strobe.is_map:
         net = circle.resampled(CLOSER * count).values[:, None, :]
         return Look(-_peaks(-net), _peaks(net), np.sqrt(np.mean(net * net, axis=(0, 1))), error)
@@ -87,8 +93,7 @@ def _top(patch: Array) -> float:
     gradient = 0.5 * np.array([patch[2, 1] - patch[0, 1], patch[1, 2] - patch[1, 0]])
     mixed = 0.25 * (patch[2, 2] - patch[2, 0] - patch[0, 2] + patch[0, 0])
     first, second = patch[2, 1] - 2.0 * middle + patch[0, 1], patch[1, 2] - 2.0 * middle + patch[1, 0]
-    determinant = first * second - mixed * mixed
-    if not (first < 0.0 and determinant > 0.0):
-        return float(middle)
-    inverse = np.array([[second, -mixed], [-mixed, first]]) / determinant
-    return float(middle - 0.5 * gradient @ inverse @ gradient)
+    bends, axes = np.linalg.eigh(np.array([[first, mixed], [mixed, second]]))
+    slopes = axes.T @ gradient
+    inside = (bends < 0.0) & (np.abs(slopes) < np.abs(bends))  # the top lies within a step of the net
+    return float(middle - 0.5 * np.sum(slopes[inside] * slopes[inside] / bends[inside]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -13,16 +13,19 @@ from contin.errors import NoSolutionError
 from contin.machine import elementary
 from contin.tori import fourier
 from contin.tori.equations import Circle, Metric, Solved, solve
-from contin.tori.locking import Locked, locked_at
-from contin.tori.looks import error_between
+from contin.tori.locking import Locked, locked_at, slowing
+from contin.tori.looks import error_of, residual_between
 from contin.tori.strobe import Strobe
 
-FINE: Final = 1e-6  # relative error of a circle, beyond which it gets more nodes
+FINE: Final = 1e-6  # relative residual of a circle between its nodes, beyond which it gets more of them
+POOR: Final = 1e-4  # ... and relative error
 BROKEN: Final = 1e-3  # ... which a circle with the most nodes may have, and what else is no circle any more
 GAIN: Final = 3.0  # more nodes are no use that do not make the error so many times smaller
 GROWTH: Final = 1.4  # of the number of nodes at a time
 MOST_NODES: Final = 201
 MOST_UNKNOWNS: Final = 1200
+CREEPING: Final = 0.02  # of the longest step so far: a step so short tries leaps first, over a resonance
+LEAPS: Final = (30.0, 10.0, 3.0)
 TRIES: Final = (0.6, 1.5, 0.3, 2.3, 0.15, 0.06, 0.02)  # steps beside one that fails: resonances are narrow gaps
 BEYOND: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # steps from the last circle where periodic solutions are looked for
 QUICKER: Final = 1.4  # of the step, after one that went well
@@ -77,14 +80,13 @@ def follow(strobe: Strobe, metric: Metric, first: Circle, tangent: Array, plan: 
     """Rows from `first` (a circle without size, to which `tangent` gives one), and at last why there is no other."""
     circle, step, name = first, plan.step, strobe.system.parameter_names[strobe.active]
     seen: list[Circle] = []
+    taken: list[float] = []
     for _ in range(plan.steps):
         found = None
         troubles: list[str] = []
-        for part in (1.0, *TRIES):
-            if part * step < plan.least:
-                break
+        for length in _lengths(step, max(taken, default=step), plan):
             try:
-                found = _next(strobe, metric, circle, tangent, part * step, plan, bool(seen))
+                found = _next(strobe, metric, circle, tangent, length, plan, bool(seen))
                 break
             except NoSolutionError as error:
                 troubles.append(str(error))
@@ -101,13 +103,20 @@ def follow(strobe: Strobe, metric: Metric, first: Circle, tangent: Array, plan: 
             return
         if found.error > BROKEN:
             yield found
-            yield _broken(strobe, metric, [circle, found.circle], found, name)
+            yield _broken(strobe, metric, seen, found, name)
             return
         yield found
         seen.append(found.circle)
         circle, tangent = found.circle, found.solved.tangent
-        step = min(plan.largest, step * (part if part < 1.0 else QUICKER))
+        taken.append(length)
+        step = min(plan.largest, length * QUICKER if length >= step else length)
     yield Stop("steps", f"all {plan.steps} steps used up")
+
+
+def _lengths(step: float, longest: float, plan: Plan) -> list[float]:
+    """Steps to be tried in turn: some are longer, to get over a resonance."""
+    parts = [*(LEAPS if step < CREEPING * longest else ()), 1.0, *TRIES]
+    return [part * step for part in parts if plan.least <= part * step <= plan.largest]
 
 
 def _next(
@@ -125,18 +134,19 @@ def _next(
 
 
 def _refined(strobe: Strobe, metric: Metric, solved: Solved, plan: Plan) -> Row:
-    error = error_between(strobe, metric, solved.circle)
-    while plan.nodes is None and error > FINE:
+    """With as many nodes as are of use."""
+    residual = residual_between(strobe, metric, solved.circle)
+    while plan.nodes is None and (residual > FINE or error_of(solved.circle, residual) > POOR):
         count = int(GROWTH * solved.circle.count) | 1
         if count > most_nodes(strobe):
             break
         finer = solved.circle.resampled(count)
         along = _resampled(solved.tangent, metric, solved.circle, count)
         solved = solve(strobe, metric, finer, along, plan.tolerance, fixed=False)
-        last, error = error, error_between(strobe, metric, solved.circle)
-        if error > last / GAIN and error < BROKEN:
+        last, residual = residual, residual_between(strobe, metric, solved.circle)
+        if residual > last / GAIN and error_of(solved.circle, residual) < BROKEN:
             break
-    return Row(solved, error)
+    return Row(solved, error_of(solved.circle, residual))
 
 
 def _ahead(circle: Circle, tangent: Array, step: float, metric: Metric) -> Circle:
@@ -182,33 +192,41 @@ def _edge(
     try:
         tangent = np.append(np.zeros(guess.values.size), 1.0)
         solved = solve(strobe, metric, guess, tangent, plan.tolerance, fixed=True)
-        yield Row(solved, error_between(strobe, metric, solved.circle))
+        yield Row(solved, error_of(solved.circle, residual_between(strobe, metric, solved.circle)))
     except NoSolutionError as error:  # a resonance lies on the bound: the rows end before it
         yield Stop("bound", f"{name} passes {edge:.8g}, where no torus is solved for: {error}", edge)
         return
     yield Stop("bound", f"{name} reached {edge:.8g}", edge)
 
 
-def _broken(strobe: Strobe, metric: Metric, last: list[Circle], row: Row, name: str) -> Stop:
-    """Of a circle with too large an error: it may be that the motion on it has locked."""
+def _broken(strobe: Strobe, metric: Metric, seen: list[Circle], row: Row, name: str) -> Stop:
+    """Of a circle with too large an error: it may be that the motion on it has locked, or slows down."""
     tail, circle = row.tail, row.circle
-    apart = circle.value - last[0].value
-    locked = _locked(strobe, metric, circle, [circle.value + part * apart for part in BEYOND], name)
-    return locked or Stop(
+    apart = circle.value - (seen[-1].value if seen else circle.value)
+    found = _explained(strobe, metric, [*seen, circle], apart, name)
+    return found or Stop(
         "breaks",
         f"the torus is not resolved any more at {name} = {circle.value:.8g}: with {circle.count} nodes the highest "
-        f"third of its Fourier modes holds {tail:.2g} of it, and between the nodes its error is {row.error:.2g}",
+        f"third of its Fourier modes holds {tail:.2g} of it, and its error is {row.error:.2g}",
         circle.value,
     )
 
 
-def _locked(strobe: Strobe, metric: Metric, circle: Circle, values: Sequence[float], name: str) -> Stop | None:
-    locked = locked_at(strobe, metric, circle, values)
+def _explained(strobe: Strobe, metric: Metric, seen: list[Circle], apart: float, name: str) -> Stop | None:
+    """What periodic solutions on the last circle, or beyond it, tell."""
+    slow = slowing(strobe, metric, seen)
+    if slow is not None:
+        returns = abs(1.0 / (seen[-1].rho * slow.q - slow.p))
+        words = (
+            f"the motion on the torus slows down without bound at {name} = {slow.value:.8g} (a turn takes "
+            f"{returns:.4g} returns): the torus becomes homoclinic to {slow.words}"
+        )
+        return Stop("homoclinic", words, slow.value, slow)
+    locked = locked_at(strobe, metric, seen[-1], [seen[-1].value + part * apart for part in BEYOND])
     if locked is None:
         return None
-    words = (
-        f"the rotation number locks to {locked.p}/{locked.q}: at {name} = {locked.value:.8g} {locked.words} lies on it"
-    )
+    at = f"{name} = {locked.value:.8g}"
+    words = f"the rotation number locks to {locked.p}/{locked.q}: at {at} {locked.words} lies on the torus"
     return Stop("locked", words, locked.value, locked)
 
 
@@ -222,5 +240,5 @@ def _lost(
         return Stop("corrector", f"no torus is found beside the point: {trouble}")
     last = seen[-1]
     apart = step * float(tangent[-1]) * metric.width
-    locked = _locked(strobe, metric, last, [last.value + part * apart for part in BEYOND], name)
-    return locked or Stop("corrector", f"at {name} = {last.value:.8g}: no torus a step further: {trouble}", last.value)
+    found = _explained(strobe, metric, seen, apart, name)
+    return found or Stop("corrector", f"at {name} = {last.value:.8g}: no torus a step further: {trouble}", last.value)

@@ -93,14 +93,12 @@ def test_a_forced_response_with_a_ring_around_it():
             "y": "0.6*u + a*v - v*(u^2 + v^2) + w*cos(w*t)/2",
         },
     )  # fmt: skip
-    responses = contin.continuation(contin.periodic_orbit(model, {"x": 0.5, "y": 0}), "a", (-0.2, 0.4))
-    branch = contin.torus(responses["NS1"], "a", (-0.2, 0.4))
+    responses = contin.continuation(contin.periodic_orbit(model, {"x": 0.5, "y": 0}), "a", (-0.2, 0.2))
+    branch = contin.torus(responses["NS1"], "a", (-0.2, 0.2))
     a = np.maximum(branch.columns["a"], 0.0)
     assert np.allclose(branch.columns["rotation"], 0.3, atol=1e-8)  # 0.6/w
     assert np.allclose(branch.columns["x.max"], 0.5 + np.sqrt(a), atol=1e-4)
     assert np.allclose(branch.eigenvalues[1:, 0], np.exp(-2 * a[1:] * np.pi), atol=1e-6)
-    period = contin.torus(responses["NS1"], "w", (1.0, 3.0), settings={"steps": 3})  # a = 0: no family in w
-    assert period.ends[1].reason in ("corrector", "steps", "ns")
 
 
 def test_the_product_of_two_oscillators():
@@ -111,16 +109,40 @@ def test_the_product_of_two_oscillators():
             "u": "u*(a - u^2 - v^2) - w*(1 + a)*v", "v": "v*(a - u^2 - v^2) + w*(1 + a)*u",
         },
     )  # fmt: skip
-    orbits = contin.continuation(contin.periodic_orbit(model, {"x": 1, "y": 0, "u": 0, "v": 0}), "a", (-0.2, 0.5))
-    branch = contin.torus(orbits["NS1"], "a", (-0.2, 0.5))
+    orbits = contin.continuation(contin.periodic_orbit(model, {"x": 1, "y": 0, "u": 0, "v": 0}), "a", (-0.2, 0.2))
+    branch = contin.torus(orbits["NS1"], "a", (-0.2, 0.2))
     a = np.maximum(branch.columns["a"], 0.0)
-    assert a[-1] == 0.5
+    assert a[-1] == 0.2
     assert np.allclose(branch.columns["period"], 2 * np.pi, atol=1e-7)
     assert np.allclose(branch.columns["rotation"], 0.3 * (1 + a), atol=1e-7)
     assert np.allclose(branch.columns["u.max"], np.sqrt(a), atol=1e-4)
     assert np.allclose(branch.columns["x.max"], 1, atol=1e-6)
     moduli = np.sort(branch.eigenvalues[1:].real, axis=1)
     assert np.allclose(moduli[:, 1], np.exp(-4 * np.pi * a[1:]), atol=1e-5)
+
+
+@pytest.mark.long
+def test_a_planar_flow_seen_from_time_to_time_has_circles_of_its_orbits_up_to_the_homoclinic_one():
+    """With T the time between two looks the rotation number is T over the orbit's period."""
+    parts = {"states": {"x": 0, "y": 0}, "parameters": {"a": -0.1, "T": 0.3}}
+    equations = {"x": "y", "y": "-x + x^2 + y*(a - x/2)"}
+    free = contin.Model("free", equations=equations, **parts)
+    seen = contin.Model("seen", equations=equations, forcing={"period": "T"}, **parts)
+    line = contin.continuation(contin.equilibrium(free, {"x": 0, "y": 0}), "a", (-0.1, 0.3))
+    orbits = contin.continuation(line["HB1"].switch(), "a", (-0.1, 0.3))
+    assert orbits.ends[1].reason == "homoclinic"
+    rests = contin.continuation(contin.periodic_orbit(seen, {"x": 0, "y": 0}), "a", (-0.1, 0.3))
+    branch = contin.torus(rests["NS1"], "a", (-0.1, 0.3))
+    end = branch.ends[1]
+    assert end.reason == "homoclinic"
+    assert end.data["at"]["a"] == pytest.approx(orbits.ends[1].data["at"]["a"], abs=1e-5)
+    rows = range(2, len(branch) // 2, 3)
+    places = [float(branch.columns["a"][row]) for row in rows]
+    line = contin.continuation(line["HB1"].switch(), "a", (-0.1, 0.3), values={"a": places})
+    for row, place in zip(rows, places, strict=True):
+        orbit = next(point for point in line.points if point.values["a"] == pytest.approx(place, rel=1e-12))
+        assert branch.columns["rotation"][row] == pytest.approx(0.3 / orbit.values["period"], rel=1e-6)
+        assert branch.columns["x.max"][row] == pytest.approx(orbit.values["x.max"], rel=1e-3)  # of mesh points
 
 
 def test_what_has_no_torus_is_said():
