@@ -7,7 +7,9 @@ takes longer than the whole copy. Shapes are checked here, because the machine c
 from __future__ import annotations
 
 import ctypes
+import itertools
 import threading
+from collections import deque
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, Final
@@ -95,11 +97,7 @@ class Calls:
         states, others = (np.ascontiguousarray(a, dtype=float) for a in (u, p))
         count = len(states)
         values, matrices = np.empty((count, self.n)), np.empty((count, self.n, self.n + self.p_size))
-        steps = [8 * self.n, 8 * self.p_size, values.strides[0], matrices.strides[0]]
-        places = [a.ctypes.data for a in (states, others, values, matrices)]
-        for _ in range(count):
-            call(*places)
-            places = [place + step for place, step in zip(places, steps, strict=True)]
+        _each(call, count, [(a.ctypes.data, a.strides[0]) for a in (states, others, values, matrices)])
         return values, matrices
 
     def form(self, call: Call, u: ArrayLike, p: ArrayLike, directions: Sequence[Array]) -> Array:
@@ -118,9 +116,7 @@ class Calls:
         out = np.empty((len(held[0]), self.n))
         if call is None or not out.size:
             return out
-        starts, steps = [a.ctypes.data for a in (*held, out)], [a.strides[0] for a in (*held, out)]
-        for k in range(len(out)):
-            call(*[start + k * step for start, step in zip(starts, steps, strict=True)])
+        _each(call, len(out), [(a.ctypes.data, a.strides[0]) for a in (*held, out)])
         return out
 
     def gradient(self, call: Call, u: ArrayLike, p: ArrayLike, direction: Array) -> Array:
@@ -142,11 +138,9 @@ class Calls:
         out = np.empty((len(held[0]), self.n, self.n + self.p_size))
         if call is None or not out.size:
             return out
-        u_at, p_at, v_at = (a.ctypes.data for a in held)
-        u_step, p_step, v_step = (a.strides[0] for a in held)
-        w_at, out_at, step = self._buffers.output(self.n)[1], out.ctypes.data, out.strides[0]
-        for k in range(len(out)):
-            call(u_at + k * u_step, p_at + k * p_step, v_at + k * v_step, w_at, out_at + k * step)
+        places = [(a.ctypes.data, a.strides[0]) for a in (*held, out)]
+        places.insert(3, (self._buffers.output(self.n)[1], 0))  # w, the same at all points
+        _each(call, len(out), places)
         return out
 
     def vectors(self, call: Call, address: Address, size: int, u: ArrayLike, p: ArrayLike) -> Array:
@@ -179,6 +173,11 @@ class Calls:
         u_buffer[:] = states
         p_buffer[:] = others
         return loaded
+
+
+def _each(call: Call, points: int, places: Sequence[tuple[Address, int]]) -> None:
+    """Call at so many points: for each argument, its address at the first and the bytes from one point to the next."""
+    deque(map(call, *[itertools.islice(itertools.count(at, step), points) for at, step in places]), maxlen=0)
 
 
 @lru_cache(maxsize=1)

@@ -7,6 +7,7 @@ matrix, which is singular where rho is a multiplier.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ from contin.kernels.collocation import LANES, evaluate, forcing_period, new_poin
 from contin.kernels.collocation_basis import basis
 from contin.problems.orbits.bordered import Bordered, crossing
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.pattern import blocks, matrix_places
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -110,7 +112,7 @@ class OrbitLinear:
         local = self._local(fu, -h * period, True)
         column_t = -h[:, None, None] * by_period
         column_p = -(h * period)[:, None, None] * fp
-        return self._assemble(local, column_t, column_p, periodic=True, phase=True)
+        return self._assemble(local, [column_t, column_p], True)
 
     @property
     def by_parameter(self) -> Array:
@@ -141,54 +143,23 @@ class OrbitLinear:
             blocks += np.einsum("cj,kq->ckjq", scheme.slopes, np.eye(self.profile.n))
         return np.asarray(blocks)
 
-    @cached_property
-    def _pattern(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        profile = self.profile
-        n, m, count = profile.n, profile.m, profile.intervals
-        i, r, c = np.meshgrid(np.arange(count), np.arange(m * n), np.arange((m + 1) * n), indexing="ij")
-        return (i * m * n + r).ravel(), (i * m * n + c).ravel()
-
-    def _assemble(
-        self, local: Vector, column_t: Any, column_p: Any, *, periodic: bool, phase: bool, rho: complex = 1.0
-    ) -> csc_matrix:
-        """Scaled sparse matrix; without columns T and p a square (nu, nu) one for the variational equation."""
+    def _assemble(self, local: Vector, columns: Sequence[Array], phase: bool, rho: complex = 1.0) -> csc_matrix:
+        """Scaled sparse matrix; without columns of T and p a square (nu, nu) one for the variational equation."""
         from scipy import sparse
 
-        profile, nu = self.profile, self.nu
+        profile, autonomous = self.profile, self.problem.autonomous
         n = profile.n
-        rows, columns = self._pattern
-        row_list, column_list, values = [rows], [columns], [local.ravel()]
-        collocation = nu - n
-        width = nu
-        if column_t is not None:
-            width = nu + 2
-            everywhere = np.arange(collocation)
-            row_list += [everywhere, everywhere]
-            column_list += [np.full(collocation, nu), np.full(collocation, nu + 1)]
-            values += [column_t.ravel(), column_p.ravel()]
-        height = nu + (1 if phase else 0)
-        if periodic:
-            k = np.arange(n)
-            row_list += [collocation + k, collocation + k]
-            column_list += [nu - n + k, k]
-            values += [np.ones(n), np.full(n, -rho)]
+        places = matrix_places(n, profile.m, profile.intervals, bool(columns), phase, autonomous)
+        values = [local.ravel(), *(c.ravel() for c in columns), np.ones(n), np.full(n, -rho)]
+        row_units = np.tile(1.0 / self.sizes, places.shape[0] // n + 1)[: places.shape[0]]
         if phase:
-            if self.problem.autonomous:
-                row_list.append(np.full(nu, nu))
-                column_list.append(np.arange(nu))
-                values.append(self._phase_row)
-            else:
-                _, derivative = self._forcing
-                row_list.append(np.array([nu, nu]))
-                column_list.append(np.array([nu, nu + 1]))
-                values.append(np.array([1.0, -derivative]))
-        matrix = sparse.coo_matrix(
-            (np.concatenate(values), (np.concatenate(row_list), np.concatenate(column_list))), shape=(height, width)
-        )
-        row_units = np.tile(1.0 / self.sizes, height // n + 1)[:height]
-        if phase:
+            values.append(self._phase_row if autonomous else np.array([1.0, -self._forcing[1]]))
             row_units[-1] = 1.0 / self._phase_size
-        return (sparse.diags(row_units) @ matrix.tocsr() @ sparse.diags(self.units[:width])).tocsc()
+        scaled = row_units[places.row] * np.concatenate(values) * self.units[places.column]
+        inside = (scaled[places.order], places.indices.copy(), places.starts.copy())
+        matrix = sparse.csc_matrix(inside, shape=places.shape)
+        matrix.eliminate_zeros()
+        return matrix
 
     @property
     def _forcing(self) -> tuple[float, float]:
@@ -229,7 +200,7 @@ class OrbitLinear:
         from scipy import sparse
 
         nu, collocation = self.nu, self.nu - self.profile.n
-        rows, columns = self._pattern
+        rows, columns = blocks(self.profile.n, self.profile.m, self.profile.intervals)
         everywhere = np.arange(collocation)
         values = [local.ravel(), np.asarray(column_t).ravel(), np.asarray(column_p).ravel()]
         row_index = np.concatenate([rows, everywhere, everywhere])
@@ -259,11 +230,14 @@ class OrbitLinear:
 
     def variational(self, rho: complex) -> csc_matrix:
         """Scaled (nu, nu) matrix of v' = T f_u v, v(1) = rho v(0)."""
-        profile = self.profile
-        local = self._local(self.state_derivatives, -profile.h * profile.period, True)
+        local = self._variational
         if isinstance(rho, complex):
             local = local.astype(complex)
-        return self._assemble(local, None, None, periodic=True, phase=False, rho=rho)
+        return self._assemble(local, [], False, rho)
+
+    @cached_property
+    def _variational(self) -> Array:
+        return np.asarray(self._local(self.state_derivatives, -self.profile.h * self.profile.period, True))
 
 
 def branch_tangents(problem: OrbitProblem, z: Array, scale: Array) -> list[Array]:

@@ -17,7 +17,7 @@ the same point on a mesh of half the lengths (discretisation, and how well the p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -30,7 +30,7 @@ from contin.machine import elementary
 from contin.normalforms.coefficient import Coefficient
 from contin.normalforms.result import sense
 from contin.problems.massless import massless
-from contin.problems.orbits.bordered import Bordered, factors
+from contin.problems.orbits.bordered import Bordered, Borders, factors
 from contin.problems.orbits.branch_form import branch_point
 from contin.problems.orbits.linear import OrbitLinear
 
@@ -87,6 +87,8 @@ class Variation:
 
     linear: OrbitLinear
     rho: complex
+    name: str = ""
+    known: dict[str, Borders] = field(default_factory=dict)  # of equations nearby, by name; this one adds its own
 
     @cached_property
     def matrix(self) -> csc_matrix:
@@ -94,7 +96,9 @@ class Variation:
 
     @cached_property
     def bordered(self) -> Bordered:
-        return Bordered.of(self.matrix, 1)
+        found = Bordered.of(self.matrix, 1, self.known.get(self.name))
+        self.known[self.name] = found.b, found.c
+        return found
 
     @cached_property
     def null(self) -> tuple[Vector, Vector]:
@@ -197,9 +201,14 @@ def _without_drift(periodic: Variation, forms: Forms, w: Vector, p: Vector) -> C
     return replace(_projected(periodic, v, [0.5 * forms.apply(v, v)], p), signed=False)
 
 
-def period_doubling(linear: OrbitLinear) -> Coefficient:
-    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>)."""
-    forms, periodic, antiperiodic = Forms(linear), Variation(linear, 1.0), Variation(linear, -1.0)
+def period_doubling(linear: OrbitLinear, known: dict[str, Borders] | None = None) -> Coefficient:
+    """c = <p, C(v, v, v) + 3 B(v, h2) - 6 a A v> / (6 <p, v>).
+
+    known : borders of the equations, by their names, from an orbit nearby; those of this one take their place.
+    """
+    known = {} if known is None else known
+    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
+    antiperiodic = Variation(linear, -1.0, "critical", known)
     v = forms.values(_normalised(linear, antiperiodic.null[0]))
     second = forms.apply(v, v)
     a, h2 = _second_order(forms, periodic, second, factor=0.5)
@@ -207,13 +216,15 @@ def period_doubling(linear: OrbitLinear) -> Coefficient:
     return _projected(antiperiodic, v, terms)
 
 
-def torus(linear: OrbitLinear, theta: float) -> Coefficient:
+def torus(linear: OrbitLinear, theta: float, known: dict[str, Borders] | None = None) -> Coefficient:
     """d = <p, C(v, v, v') + 2 B(h11, v) + B(h20, v') - 2 a A v> / (2 <p, v>) + i a theta / T (v' the conjugate).
 
     Functions stand for w = v exp(i theta tau / T), which solve the variational equation with w(T) = exp(i theta) w(0).
+    known : as of `period_doubling`.
     """
-    forms, periodic = Forms(linear), Variation(linear, 1.0)
-    turning = Variation(linear, complex(elementary.exp(1j * theta)))
+    known = {} if known is None else known
+    forms, periodic = Forms(linear), Variation(linear, 1.0, "periodic", known)
+    turning = Variation(linear, complex(elementary.exp(1j * theta)), "critical", known)
     v = forms.values(_normalised(linear, turning.null[0]))
     a, h11 = _second_order(forms, periodic, forms.apply(v, v.conj()).real, factor=1.0)
     twice = Variation(linear, complex(elementary.exp(2j * theta)))

@@ -46,7 +46,7 @@ class OrbitCurve(CurveOfPeriodicOrbits):
     orbits: OrbitProblem
     second: int
     _works: dict[str, Work] = field(default_factory=dict)
-    critical: Fields = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`
+    critical: Fields = field(default_factory=dict)  # see `contin.problems.orbits.loci.criticality`; borders
 
     @property
     def extra(self) -> int:
@@ -79,7 +79,8 @@ class OrbitCurve(CurveOfPeriodicOrbits):
         """c of PD or Re d of NS, and the size of the terms that it is made of."""
         orbit = self.orbit(z)
         linear = OrbitLinear(self.at(z), orbit, self.orbit(scale), orbit)
-        found = period_doubling(linear) if self.type == "PD" else torus(linear, self.theta(z))
+        known = self.critical.setdefault("borders", {})
+        found = period_doubling(linear, known) if self.type == "PD" else torus(linear, self.theta(z), known)
         return found.value.real, found.size
 
     # -- the kernel ---------------------------------------------------------------------------------------------------
