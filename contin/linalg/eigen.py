@@ -29,6 +29,8 @@ LARGEST_BASIS = 160
 DAVIDSON_STEPS = 3
 DAVIDSON_SETTLED = 0.1  # corrections below this make their eigenvectors accurate enough
 DAVIDSON_ACCURACY = 1e-2  # of eigenvectors; eigenvalues have its square
+FORESEEN = 0.1  # part of that below which a correction is not made that the last ones say to be as small
+TINY = float(np.finfo(float).tiny)
 MEMORY = 6e7  # numbers that a basis may have: at n = 1,000,000, 60 vectors
 
 
@@ -128,11 +130,14 @@ def leading(linear: Linear, n: int, start: Array, radius: float, known: float = 
         size = min(most, size + max(FEWEST, size // 3))
 
 
-def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128]) -> Spectrum:
+def followed(
+    linear: Linear, precondition: Callable[[Array], Array], vectors: NDArray[np.complex128], gain: float = np.inf
+) -> tuple[Spectrum, float]:
     """Rightmost eigenvalues from those of a nearby operator, by Davidson's method with an approximate inverse.
 
-    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j). About 2 k applications of the operator and
-    of the approximate inverse.
+    vectors : (n, k) eigenvectors there; `precondition` takes columns (n, j).  gain : how much larger corrections were
+    than their residuals at the point before; what it is here is returned too. About 2 k applications of the operator
+    and of the approximate inverse, of the latter none where `gain` says that nothing is left to correct.
     """
     wanted = vectors.shape[1]
     basis = _orthonormal(np.hstack([vectors.real, vectors.imag]), np.empty((len(vectors), 0)))
@@ -151,10 +156,16 @@ def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: ND
             residual = images @ ritz[:, k] - values[k] * right[:, k]
             parts = [residual.real] + ([residual.imag] if values[k].imag > 0.0 else [])
             waiting.append((k, parts))
+        sizes = [norm(right[:, k]) for k, _ in waiting]
+        left = max(norm(r) / size for (_, parts), size in zip(waiting, sizes, strict=True) for r in parts)
+        if gain * left < FORESEEN * DAVIDSON_ACCURACY:
+            break
         steps_of = iter(precondition(np.column_stack([r for _, parts in waiting for r in parts])).T)
-        for k, parts in waiting:
+        gain = 0.0
+        for (_, parts), length in zip(waiting, sizes, strict=True):
             steps = [next(steps_of) for _ in parts]
-            size = max(norm(s) for s in steps) / norm(right[:, k])
+            size = max(norm(s) for s in steps) / length
+            gain = max(gain, *(norm(s) / max(norm(r), TINY) for s, r in zip(steps, parts, strict=True)))
             worst = max(worst, size)
             if size > DAVIDSON_ACCURACY:
                 corrections += steps
@@ -167,7 +178,7 @@ def followed(linear: Linear, precondition: Callable[[Array], Array], vectors: ND
         images = np.hstack([images, np.column_stack([linear.apply(v) for v in fresh.T])])
         settled = worst < DAVIDSON_SETTLED
     near = np.argsort(np.abs(values))
-    return Spectrum(values[near].astype(complex), right[:, near].astype(complex), False)
+    return Spectrum(values[near].astype(complex), right[:, near].astype(complex), False), gain
 
 
 def _orthonormal(columns: Array, basis: Array) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -26,7 +27,9 @@ TINY_PIVOT = 1e-15  # a zero pivot becomes this part of the largest one, so that
 class Factor(Protocol):
     """P A = L U of a square matrix, real or complex."""
 
-    sign: float  # of det A (real matrices)
+    @property
+    def sign(self) -> float:
+        """Of det A (real matrices)."""
 
     def solve(self, right: Vector) -> Vector:
         """A^-1 right."""
@@ -187,9 +190,14 @@ class SuperFactor:
         except RuntimeError:  # exactly singular
             shifted = matrix + TINY_PIVOT * size * identity(matrix.shape[0], format="csc")
             self._lu = self._factors(shifted)
-        diagonal = self._lu.U.diagonal() if matrix.shape[0] else np.empty(0)
+        self._complex = np.iscomplexobj(matrix.data)
+
+    @cached_property
+    def sign(self) -> float:
+        """Of the determinant; made on request, because reading the pivots copies both factors."""
+        diagonal = self._lu.U.diagonal() if self._lu.shape[0] else np.empty(0)
         negative = int(np.count_nonzero(diagonal.real < 0.0))
-        self.sign = (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
+        return (-1.0) ** (negative + _exchanges(self._lu.perm_r) + _exchanges(self._lu.perm_c))
 
     @staticmethod
     def _factors(matrix: csc_matrix) -> SuperLU:
@@ -198,7 +206,7 @@ class SuperFactor:
         return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})
 
     def _apply(self, right: Vector, how: str) -> Vector:
-        if np.iscomplexobj(right) and not np.iscomplexobj(self._lu.U.data[:1]):
+        if np.iscomplexobj(right) and not self._complex:
             return self._apply(right.real.copy(), how) + 1j * self._apply(right.imag.copy(), how)
         return np.asarray(self._lu.solve(right, how))
 

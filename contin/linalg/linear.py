@@ -188,13 +188,13 @@ class KrylovBordered:
         upper = self.linear.apply(state) + self.columns @ rest
         return np.concatenate([upper, self.rows.T @ state + self.corner @ rest])
 
-    def solve(self, right: Vector, tolerance: float | None = None) -> Vector:
+    def solve(self, right: Vector, tolerance: float | None = None, guess: Vector | None = None) -> Vector:
         if self.complex_ and not np.iscomplexobj(right):
             right = right.astype(complex)
         if self.linear.exact and not self.complex_:
             return np.asarray(self.preconditioner.solve(right))
         wanted = tolerance or self.tolerance
-        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, wanted), wanted)
+        return self.linear._finish(gmres(self._apply, self.preconditioner.solve, right, wanted, guess), wanted)
 
 
 def _alike(old: Vector, new: Vector, n: int) -> bool:

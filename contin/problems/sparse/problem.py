@@ -21,7 +21,7 @@ from contin.continuation.settings import Settings
 from contin.linalg.copies import SMALL, every, with_copies
 from contin.linalg.eigen import Region, Spectrum, followed, leading
 from contin.linalg.linear import KrylovBordered, KrylovLinear, Linear, Solution
-from contin.linalg.vectors import norm
+from contin.linalg.vectors import dot, norm
 from contin.machine import elementary
 from contin.problems.functions.system import FunctionSystem
 from contin.problems.functions.turning import no_fold
@@ -34,6 +34,7 @@ POLISH_BUDGET = 12
 ROUGH = 1e-2  # relative residual of solves with an old matrix
 STRIDE = 2.0  # the range of the parameter has the length 1/STRIDE
 FOLLOWED = 3  # stable eigenvalues that are followed from point to point where factors are expensive
+ALONG = 0.5  # cosine between a border and the last tangent from which that is a guess of the next
 NEAR = 1e-3  # distance (scaled) from a point up to which its factors serve for eigenvalues
 
 
@@ -45,6 +46,8 @@ class LargeLinearisation:
     sign: float  # of det M, where factors give it
     scale: Array
     _solution: Solution
+    row: Array  # of the border, unscaled
+    work: Workspace
     rough: bool = False  # solves only as well as a correction with an old matrix needs
 
     @cached_property
@@ -65,8 +68,24 @@ class LargeLinearisation:
         both = np.append(d * right[:-1], right[-1])
         if self.rough and isinstance(self._solution, KrylovBordered):
             return np.asarray(self._solution.solve(both, ROUGH) / self.scale)
-        x = self._solution.solve(both)
+        if isinstance(self._solution, KrylovBordered) and not right[:-1].any():
+            x = self._tangent(self._solution, both)
+        else:
+            x = self._solution.solve(both)
         return np.asarray(x / self.scale)
+
+
+    def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
+        """A multiple of the tangent, from the last one that was computed."""
+        guess, along = self.work.tangent, 0.0
+        if guess is not None:
+            along = dot(self.row, guess)
+            far = abs(along) < ALONG * norm(self.row * self.scale) * norm(guess / self.scale)
+            guess = None if far else guess * (right[-1] / along)
+        x = solution.solve(right, guess=guess)
+        if np.all(np.isfinite(x)) and x.any():
+            self.work.tangent = x
+        return x
 
 
 @dataclass(eq=False)
@@ -77,7 +96,10 @@ class Workspace:
     linear: Linear | None = None
     start: Array | None = None
     vectors: NDArray[np.complex128] | None = None
+    gain: float = np.inf  # see `followed`
     region: Region = field(default_factory=Region)
+    tangent: Array | None = None  # the last one, unscaled
+    judged: tuple[Array, NDArray[np.complex128]] | None = None  # a point and its eigenvalues
     reach: float = 0.0  # largest modulus of an eigenvalue that was unstable or nearly so
 
 
@@ -99,7 +121,7 @@ class LargeProblem(InOneParameterProblem):
 
     @cached_property
     def maximum_chunk(self) -> int:
-        return int(np.clip(200_000 // self.n, 2, 20))
+        return int(np.clip(400_000 // self.n, 2, 20))
 
     def with_active(self, name: str, z: Array | None = None) -> Self:
         return replace(super().with_active(name, z), work=Workspace())
@@ -152,7 +174,7 @@ class LargeProblem(InOneParameterProblem):
         row = tangent / scale
         solution = linear.bordered(slope[:, None], row[:-1, None], row[-1:, None], coarse=True)
         sign = linear.sign * (1.0 if solution.pivot > 0.0 else -1.0)
-        return LargeLinearisation(f / scale[:-1], sign, scale, solution)
+        return LargeLinearisation(f / scale[:-1], sign, scale, solution, row, self.work)
 
     def again(self, here: python_march.Linearisation, z: Array) -> LargeLinearisation | None:
         """A linearisation of this problem with the residual at another point, for one more correction."""
@@ -175,7 +197,7 @@ class LargeProblem(InOneParameterProblem):
         radius = 0.0
         old = linear.precise if isinstance(linear, KrylovLinear) and not linear.exact else None
         if old is not None and work.vectors is not None:
-            found = followed(linear, old.solve, work.vectors)
+            found, work.gain = followed(linear, old.solve, work.vectors, work.gain)
             work.vectors = found.vectors
             return found
         if linear.matrix is not None:
@@ -193,7 +215,10 @@ class LargeProblem(InOneParameterProblem):
         return found
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
-        values = self.spectrum(z).values
+        judged = self.work.judged
+        if judged is None or not np.array_equal(judged[0], z):
+            judged = self.work.judged = z.copy(), self.spectrum(z).values
+        values = judged[1]
         tests, unstable = special.stability_tests(values)
         return tests, unstable, values
 
