@@ -266,6 +266,10 @@ class Problem(ABC):
         """Parameters that are solved for beside the varying ones, so that conditions hold."""
         return ()
 
+    def effort(self) -> Mapping[str, int]:
+        """What is counted beside evaluations, since the problem was made: factorisations of large systems, e.g."""
+        return {}
+
     # -- the curve ----------------------------------------------------------------------------------------------------
 
     @abstractmethod

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,7 @@ def trace(
     """
     started = computing_time()
     settings = settings or Settings()
+    before = seed.problem.effort()
     departure = depart(seed, bounds, settings)
     seed = departure.seed
     records: dict[int, _ArmRecord] = {}
@@ -101,9 +102,9 @@ def trace(
         if arm.end.reason == "stopped":
             break
     try:
-        return _assemble(departure, records, name, targets, [*notes], started)
+        return _assemble(departure, records, name, targets, [*notes], started, before)
     except KeyboardInterrupt:  # what is computed is not lost in its last moment; whoever watches the next run stops it
-        return _assemble(departure, records, name, targets, [*notes], started)
+        return _assemble(departure, records, name, targets, [*notes], started, before)
 
 
 def _out_of_time(seed: Seed, pieces: list[Piece]) -> End:
@@ -157,7 +158,7 @@ def _progress(
 
 def _assemble(
     departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
-    started: float,
+    started: float, before: Mapping[str, int],
 ) -> Branch:  # fmt: skip
     seed, problem = departure.seed, departure.seed.problem
     rows = Rows()
@@ -199,10 +200,7 @@ def _assemble(
     points = _label(name, rows.labelled, columns, raw_tangents, problem)
     if len(problem.finite(z[0], eigenvalues[0])) < eigenvalues.shape[1]:  # of as many equations in every row
         eigenvalues = np.array([problem.finite(*row) for row in zip(z, eigenvalues, strict=True)])
-    effort = {
-        "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
-        "steps": sum(r.accepted for r in records.values()),
-    }
+    effort = _effort(records, problem, before)
     return Branch(
         name=name, kind=problem.kind, parameters=tuple(problem.parameters), columns=columns, points=points,
         ends=_ends(seed, records), z=z, tangents=raw_tangents, eigenvalues=eigenvalues, start_row=start_row,
@@ -212,6 +210,14 @@ def _assemble(
         jumped=max(unlabelled - len(changes), 0),
         unexplained=len(changes) + sum(p.hiding for r in records.values() for p in r.pieces),
     )  # fmt: skip
+
+
+def _effort(records: dict[int, _ArmRecord], problem: Problem, before: Mapping[str, int]) -> dict[str, int]:
+    return {
+        "evaluations": sum(p.evaluations for r in records.values() for p in r.pieces),
+        "steps": sum(r.accepted for r in records.values()),
+        **{name: count - before.get(name, 0) for name, count in problem.effort().items()},
+    }
 
 
 def _add_start(rows: Rows, departure: Departure, targets: Sequence[Wanted]) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from contin.abi import Vector
+from contin.linalg.tally import Tally
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -40,8 +41,9 @@ class Factor(Protocol):
 
 @dataclass(eq=False)
 class Factoriser:
-    """Factors matrices of one pattern again and again."""
+    """Factors matrices of one pattern again and again, and counts it."""
 
+    tally: Tally = field(default_factory=Tally)
     _pattern: tuple[Vector, Vector] | None = None
     _order: Vector | None = None  # position -> row and column of the matrix
     _rows: Vector = field(default_factory=lambda: np.empty(0, int))
@@ -57,6 +59,12 @@ class Factoriser:
     def factor(self, matrix: csc_matrix) -> Factor:
         """LU factors of a scipy.sparse matrix in CSC form."""
         self._learn(matrix)
+        found = self._factor(matrix)
+        found.tally = self.tally
+        self.tally.factorisations += 1
+        return found
+
+    def _factor(self, matrix: csc_matrix) -> TridiagonalFactor | BandFactor | SuperFactor:
         if self._widths is not None and max(self._widths) == 1 and matrix.shape[0] > 2:
             return TridiagonalFactor(matrix.data, self._diagonals, matrix.shape[0], self._order)
         if self._widths is not None:
@@ -96,7 +104,28 @@ def _widths(rows: Vector, columns: Vector) -> tuple[int, int]:
     return (int(max(below.max(), 0)), int(max(-below.min(), 0))) if below.size else (0, 0)
 
 
-class _Reordered(ABC):
+class _Counted(ABC):
+    """Counts its solves."""
+
+    tally: Tally | None = None
+
+    @abstractmethod
+    def _apply(self, right: Vector, transposed: bool) -> Vector:
+        """Solve with the matrix or its transpose."""
+
+    def _counted(self, right: Vector, transposed: bool) -> Vector:
+        if self.tally is not None:
+            self.tally.applied(right)
+        return self._apply(right, transposed)
+
+    def solve(self, right: Vector) -> Vector:
+        return self._counted(right, False)
+
+    def solve_transposed(self, right: Vector) -> Vector:
+        return self._counted(right, True)
+
+
+class _Reordered(_Counted):
     """Solves with a matrix whose rows and columns were put in another order."""
 
     order: Vector | None
@@ -115,12 +144,6 @@ class _Reordered(ABC):
         result = np.empty_like(solution)
         result[self.order] = solution
         return result
-
-    def solve(self, right: Vector) -> Vector:
-        return self._apply(right, False)
-
-    def solve_transposed(self, right: Vector) -> Vector:
-        return self._apply(right, True)
 
 
 def _sign(diagonal: Vector, exchanges: int) -> float:
@@ -178,7 +201,7 @@ class BandFactor(_Reordered):
         return np.asarray(self._solver(self._band, *self.widths, right, self._pivots, trans=int(transposed))[0])
 
 
-class SuperFactor:
+class SuperFactor(_Counted):
     """SuperLU factors; symmetric patterns are eliminated in a minimum-degree order, with weak pivoting."""
 
     def __init__(self, matrix: csc_matrix) -> None:
@@ -205,16 +228,10 @@ class SuperFactor:
 
         return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.05, options={"SymmetricMode": True})
 
-    def _apply(self, right: Vector, how: str) -> Vector:
+    def _apply(self, right: Vector, transposed: bool) -> Vector:
         if np.iscomplexobj(right) and not self._complex:
-            return self._apply(right.real.copy(), how) + 1j * self._apply(right.imag.copy(), how)
-        return np.asarray(self._lu.solve(right, how))
-
-    def solve(self, right: Vector) -> Vector:
-        return self._apply(right, "N")
-
-    def solve_transposed(self, right: Vector) -> Vector:
-        return self._apply(right, "T")
+            return self._apply(right.real.copy(), transposed) + 1j * self._apply(right.imag.copy(), transposed)
+        return np.asarray(self._lu.solve(right, "T" if transposed else "N"))
 
 
 def _exchanges(permutation: Vector) -> int:

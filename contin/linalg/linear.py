@@ -13,6 +13,7 @@ from contin.linalg.balanced import Balanced
 from contin.linalg.bordered import Approximate, ApproximateBordered, bordered
 from contin.linalg.factor import Factor, Factoriser
 from contin.linalg.krylov import COARSE, TOLERANCE, gmres
+from contin.linalg.tally import Tally
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -96,7 +97,7 @@ class DirectLinear:
         value = shift if np.imag(shift) != 0.0 else float(np.real(shift))
         moved = (self.matrix - value * identity(self.matrix.shape[0], format="csc")).tocsc()
         moved.sort_indices()
-        return DirectLinear(moved, Factoriser())
+        return DirectLinear(moved, Factoriser(self.factoriser.tally))
 
 
 class KrylovLinear:
@@ -116,7 +117,9 @@ class KrylovLinear:
         exact: bool = False,
         matrix: csc_matrix = None,
         shift: complex = 0.0,
+        tally: Tally | None = None,
     ) -> None:
+        self.tally = tally
         self._apply, self._precondition, self._shift = apply, precondition, shift
         self.precise, self.exact, self.matrix = precise, exact, matrix
         # Borders and bordered factors by the number of borders, shared with later points.
@@ -155,7 +158,8 @@ class KrylovLinear:
 
     def shifted(self, shift: complex) -> Linear:
         if self.matrix is not None:
-            return DirectLinear(self.matrix, Factoriser()).shifted(shift)
+            tally = Tally() if self.tally is None else self.tally
+            return DirectLinear(self.matrix, Factoriser(tally)).shifted(shift)
         return KrylovLinear(self._apply, self._precondition, shift=self._shift + shift)
 
 

@@ -57,7 +57,9 @@ class JacobianSource:
             factor, exact = self.factoriser.factor(matrix), True
         else:
             factor = last.precise
-        fresh = KrylovLinear(lambda v: np.asarray(matrix @ v), factor.solve, factor, exact, matrix)
+        fresh = KrylovLinear(
+            lambda v: np.asarray(matrix @ v), factor.solve, factor, exact, matrix, tally=self.factoriser.tally
+        )
         if last is not None and not exact:
             fresh.borders = last.borders
         self._last = fresh
@@ -144,6 +146,7 @@ class JacobianSource:
         made = called("preconditioner", model.preconditioner, u, system._named(p))
 
         def apply(r: Array) -> Array:
+            self.factoriser.tally.applied(r)
             return vector("preconditioner", called("preconditioner", made, r), n).astype(float)
 
         return lambda r: np.asarray(system.attempt("preconditioning", lambda: apply(r), np.full(n, np.nan), u, p))

@@ -46,8 +46,8 @@ class LargeLinearisation:
     sign: float  # of det M, where factors give it
     scale: Array
     _solution: Solution
-    row: Array  # of the border, unscaled
-    work: Workspace
+    row: Array | None = None  # of the border, unscaled, ...
+    work: Workspace | None = None  # ... and where the last tangent is
     rough: bool = False  # solves only as well as a correction with an old matrix needs
 
     @cached_property
@@ -77,7 +77,9 @@ class LargeLinearisation:
 
     def _tangent(self, solution: KrylovBordered, right: Array) -> Array:
         """A multiple of the tangent, from the last one that was computed."""
-        guess, along = self.work.tangent, 0.0
+        if self.row is None or self.work is None:
+            return solution.solve(right)
+        guess = self.work.tangent
         if guess is not None:
             along = dot(self.row, guess)
             far = abs(along) < ALONG * norm(self.row * self.scale) * norm(guess / self.scale)
@@ -125,6 +127,9 @@ class LargeProblem(InOneParameterProblem):
 
     def with_active(self, name: str, z: Array | None = None) -> Self:
         return replace(super().with_active(name, z), work=Workspace())
+
+    def effort(self) -> dict[str, int]:
+        return self.source.factoriser.tally.counts()
 
     # evaluation -------------------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import contin
 from contin import api
 from contin.errors import InputError, NoSolutionError
 from contin.linalg.bordered import bordered
-from contin.linalg.eigen import CONVERGED, Region, leading
+from contin.linalg.eigen import CONVERGED, Region, followed, leading
 from contin.linalg.factor import BandFactor, Factoriser, SuperFactor, TridiagonalFactor
 from contin.linalg.krylov import gmres
 from contin.linalg.linear import DirectLinear, KrylovLinear
@@ -385,3 +385,64 @@ def test_krylov_and_direct_operators_agree():
     np.testing.assert_allclose(
         krylov.shifted(0.5j).solve(right.astype(complex)), direct.shifted(0.5j).solve(right.astype(complex)), atol=1e-8
     )
+
+
+def test_branches_of_large_systems_count_their_factorisations_and_solves():
+    first, second = (api.continuation(bratu(2000), "p", (0.0, 3.0), settings={"steps": k}) for k in (2, 4))
+    for line in (first, second):
+        assert 0 < line.effort["factorisations"] < line.effort["applications"]
+    assert first.effort["applications"] < second.effort["applications"]
+
+
+def plane_bratu(m):
+    """Laplace u + p exp(u) = 0 on the unit square, u = 0 on its boundary, m x m inner nodes."""
+    one = sp.diags([1.0, -2.0, 1.0], [-1, 0, 1], shape=(m, m)) * (m + 1.0) * (m + 1.0)
+    laplace = (sp.kron(one, sp.identity(m)) + sp.kron(sp.identity(m), one)).tocsc()
+    return contin.FunctionProblem(
+        lambda u, p: laplace @ u + p["p"] * np.exp(u), np.zeros(m * m), {"p": 0.0},
+        lambda u, p: (laplace + sp.diags(p["p"] * np.exp(u))).tocsc(),
+    )  # fmt: skip
+
+
+def test_old_factors_lead_to_the_same_branch_as_factors_of_every_point(monkeypatch):
+    settings = {"steps": 22}
+    direct = api.continuation(plane_bratu(20), "p", (0.0, 10.0), direction="up", settings=settings)
+    monkeypatch.setattr("contin.problems.sparse.jacobian.ALWAYS_FACTORED", 0)
+    monkeypatch.setattr("contin.linalg.factor.NARROW", 4)
+    lagged = api.continuation(plane_bratu(20), "p", (0.0, 10.0), direction="up", settings=settings)
+    assert lagged.effort["factorisations"] < 0.2 * direct.effort["factorisations"]
+    assert [point.type for point in lagged.points] == [point.type for point in direct.points] == ["LP"]
+    (a,), (b,) = lagged.points, direct.points
+    assert abs(a.values["p"] - b.values["p"]) <= a.error + b.error
+    for line in (lagged, direct):
+        turn = line.points[0].index
+        assert np.all(line.columns["unstable"][:turn] == 0)
+        assert np.all(line.columns["unstable"][turn + 1 :] == 1)
+
+
+def test_gmres_improves_a_guess_even_where_it_meets_the_tolerance():
+    matrix = sp.diags([np.linspace(1.0, 2.0, 50)], [0])
+    exact = GENERATOR.normal(size=50)
+    guess = exact * (1.0 + 1e-8 * GENERATOR.normal(size=50))
+    x, _, _ = gmres(lambda v: matrix @ v, lambda v: v, matrix @ exact, 1e-7, guess)
+    assert np.linalg.norm(x - exact) < 1e-2 * np.linalg.norm(guess - exact)
+
+
+def test_eigenvectors_that_hardly_moved_are_followed_without_a_solve():
+    shift = 1e-7
+    matrix = (plane_bratu(8).jacobian(np.zeros(64), {"p": 0.0}) + sp.diags(np.linspace(0.0, 5.0, 64))).tocsc()
+    _, vectors = np.linalg.eigh(matrix.toarray())
+    solves = []
+
+    def precondition(right):
+        solves.append(right)
+        return np.linalg.solve(matrix.toarray(), right)
+
+    linear = KrylovLinear(lambda v: matrix @ v + shift * np.cos(np.arange(64)) * v, precondition)
+    found, gain = followed(linear, precondition, vectors[:, -3:].astype(complex))
+    assert len(solves) == 1
+    again, _ = followed(linear, precondition, vectors[:, -3:].astype(complex), gain)
+    assert len(solves) == 1
+    exact = np.linalg.eigvalsh(matrix.toarray() + shift * np.diag(np.cos(np.arange(64))))[-3:]
+    for spectrum in (found, again):
+        np.testing.assert_allclose(np.sort(spectrum.values.real), exact, rtol=1e-11)
