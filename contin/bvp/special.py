@@ -13,9 +13,10 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.condensed import residual_at
+from contin.bvp.kernel import kernel_dimension, null_vector
 from contin.bvp.on_mesh import OnMesh
 from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verified, unverified
-from contin.errors import InputError, NotFiniteError
+from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.problems.orbits.layout import make_scale
 from contin.problems.sparse import forms
@@ -91,18 +92,6 @@ def _fold(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
     return at.z, residual, error, forms.fold(mesh, at.z, q), {}
 
 
-def null_vector(mesh: OnMesh, x: Array) -> Array:
-    """The right singular vector of F_u at x to its smallest singular value, by inverse iteration; unscaled."""
-    linear = mesh.linear(x)
-    if linear is None:
-        raise NotFiniteError("the equations are not finite near this point")
-    v = np.random.default_rng(8).normal(size=mesh.n)
-    for _ in range(3):
-        w = linear.factor.solve_transposed(v / norm(v))
-        v = linear.factor.solve(w / norm(w))
-    return v / norm(v)
-
-
 def reduction(mesh: OnMesh, x: Array, tangent: Array, scale: Array) -> tuple[Reduced, Array]:
     """The reduced equation at x, bordered by the null vector of F_u (returned too) and the direction across it."""
     q = null_vector(mesh, x)
@@ -139,8 +128,12 @@ def _branch_point(mesh: OnMesh, near: Sample, frame: Frame) -> Found | Rejected:
 def _decided(mesh: OnMesh, x: Array, form: Fields, error: float) -> Fields:
     """The normal form of a branch point, `degenerate` where the error of the place may change the sign that decides.
 
-    Without a stability to take over there is no other word for its criticality.
+    Without a stability to take over there is no other word for its criticality. Where the kernel has more than one
+    dimension there are no coefficients of one direction.
     """
+    kernel = kernel_dimension(mesh, x)
+    if kernel > 1:
+        return {"kind": "degenerate", "kernel": kernel}
     moved = x.copy()
     moved[-1] += max(error, ROUNDING)
     other = forms.branch_point(mesh, moved, null_vector(mesh, x))

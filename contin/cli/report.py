@@ -150,10 +150,12 @@ def number(value: float | None) -> str:
 
 
 def _coefficient(form: Record) -> str:
+    """The one that decides; with its error where that leaves no sign."""
     for key in (_OF_KIND.get(str(form.get("kind")), ""), *_COEFFICIENTS):
-        value = form.get(key)
+        value, error = form.get(key), form.get("errors", {}).get(key)
         if isinstance(value, int | float) and not isinstance(value, bool):
-            return f"{key} = {value:.4g}"
+            unsure = isinstance(error, int | float) and abs(value) <= error
+            return f"{key} = {value:.4g}" + (f" +- {error:.1g}" if unsure else "")
         if isinstance(value, list) and len(value) == 2 and None not in value:
             return f"{key} = {value[0]:.4g}{value[1]:+.4g}i"
     return ""

@@ -66,6 +66,14 @@ def test_a_demo_of_auto(name, tmp_path):
         assert found == pytest.approx(sorted(expected), rel=3e-7, abs=1e-7), place
 
 
+def test_the_fold_of_a_complex_equation_has_two_null_vectors_and_no_coefficients(tmp_path):
+    """F(u + iv) is analytic: its derivative vanishes on q and on i q at once."""
+    out = tmp_path / "out.json"
+    call("run", str(FOLDER / "ezp.yaml"), "--quiet", "--json", str(out))
+    (point,) = json.loads(out.read_text())["branches"][0]["points"]
+    assert point["normal_form"] == {"kind": "degenerate", "kernel": 2}
+
+
 def run(name, folder):
     out = folder / "out.json"
     call("run", str(FOLDER / f"{name}.yaml"), "--quiet", "--json", str(out))

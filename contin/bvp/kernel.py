@@ -1,0 +1,40 @@
+"""The kernel of F_u at a branch point of a boundary-value problem, by inverse iteration without singular values."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from contin.abi import Array
+from contin.bvp.on_mesh import OnMesh
+from contin.errors import NotFiniteError
+
+MOST_TOLD: Final = 4  # singular values that are looked at: kernels of up to three dimensions
+VANISHING: Final = 1e-6  # a singular value below this part of the first that does not vanish is zero
+
+
+def null_vector(mesh: OnMesh, x: Array) -> Array:
+    """The right singular vector of F_u at x to its smallest singular value, by inverse iteration; unscaled."""
+    return np.asarray(_smallest(mesh, x, 1)[1][:, 0])
+
+
+def _smallest(mesh: OnMesh, x: Array, count: int) -> tuple[Array, Array]:
+    """The smallest singular values of F_u, ascending, and their right singular vectors as columns, unscaled."""
+    linear = mesh.linear(x)
+    if linear is None:
+        raise NotFiniteError("the equations are not finite near this point")
+    v = np.linalg.qr(np.random.default_rng(8).normal(size=(mesh.n, count)))[0]
+    for _ in range(3):
+        w = np.linalg.qr(np.column_stack([linear.factor.solve_transposed(each) for each in v.T]))[0]
+        v, grown = np.linalg.qr(np.column_stack([linear.factor.solve(each) for each in w.T]))
+    return 1.0 / np.maximum(np.abs(np.diag(grown)), 1e-300), v
+
+
+def kernel_dimension(mesh: OnMesh, x: Array) -> int:
+    """How many singular values of F_u vanish at a branch point, of those that the reduced equation can tell apart.
+
+    Of a kernel of two dimensions one more vanishes, and the equation reduced to one direction has no coefficients.
+    """
+    values = np.sort(_smallest(mesh, x, MOST_TOLD)[0])
+    return max(1, int(np.count_nonzero(values[:-1] < VANISHING * values[-1])))
