@@ -17,7 +17,10 @@ from contin.tori import fourier
 from contin.tori.equations import Circle, Metric
 from contin.tori.strobe import Strobe
 
-LENGTH: Final = 1000  # of the orbit, in returns
+LENGTH: Final = 1000  # of the orbit at least, in returns
+TURNS: Final = 8.0  # of it round the circle, of a motion that nearly closes after up to `CLOSING` returns
+CLOSING: Final = 6
+LONGEST: Final = 20_000
 
 
 def exponents(strobe: Strobe, metric: Metric, circle: Circle, jacobians: Array) -> Array:
@@ -26,20 +29,28 @@ def exponents(strobe: Strobe, metric: Metric, circle: Circle, jacobians: Array) 
     across = n - 1 - strobe.free_time
     if across < 1:
         return np.empty(0)
-    places = np.asarray((circle.rho * np.arange(LENGTH + 1)) % 1.0, dtype=float)
+    length = _length(circle.rho)
+    places = np.asarray((circle.rho * np.arange(length + 1)) % 1.0, dtype=float)
     between = fourier.at(count, places)
     scaled = jacobians * metric.sizes[None, None, :] / metric.sizes[None, :, None]
     matrices = np.tensordot(between[:-1], scaled, axes=1)
     slopes = fourier.shift(count, 0.0)[1] @ circle.values
     along = [between @ (slopes / metric.sizes)]
     if strobe.free_time:
-        along.append(np.array([strobe.speed(u, circle.value) for u in between @ circle.values]) / metric.sizes)
+        speeds = np.array([strobe.speed(u, circle.value) for u in circle.values])
+        along.append(between @ (speeds / metric.sizes))
     bases = np.linalg.qr(np.stack(along, axis=2), mode="complete")[0][:, :, len(along) :]
     cocycle = np.transpose(bases[1:], (0, 2, 1)) @ matrices @ bases[:-1]
-    logs, frame = np.empty((LENGTH, across)), np.eye(across)
+    logs, frame = np.empty((length, across)), np.eye(across)
     for k, matrix in enumerate(cocycle):
         frame, triangle = np.linalg.qr(matrix @ frame)
         logs[k] = elementary.log(np.maximum(np.abs(np.diag(triangle)), np.finfo(float).tiny))
-    t = (np.arange(LENGTH) + 0.5) / LENGTH
+    t = (np.arange(length) + 0.5) / length
     weight = elementary.exp(-1.0 / (t * (1.0 - t)))
     return np.sort(weight @ logs / weight.sum())[::-1]
+
+
+def _length(rho: float) -> int:
+    """Returns after which every part of the circle has been visited."""
+    slowest = min(abs(q * rho - round(q * rho)) for q in range(1, CLOSING + 1))
+    return int(np.clip(TURNS / max(slowest, TURNS / LONGEST), LENGTH, LONGEST))

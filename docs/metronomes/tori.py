@@ -1,28 +1,60 @@
-"""Small beats of the equations of motion as invariant tori: the circle in which one cuts the plane x1 = 1, followed."""
+"""Small beats of the equations of motion as invariant tori, from the Neimark-Sacker point to their end."""
 
 import numpy as np
-from drawing import MarkdownTable
+from drawing import BLUE, GREEN, MU, RED, MarkdownTable, panels, points, results
 
-import contin
-from contin.api import compiled
-from contin.tori.circle import Plane, continued, first_circle
-
-PLANE = Plane(0, 1.0, 1)  # not on a surface where the escapement switches
-START, MU = np.array([1.85, 1.0, 1.7]), 4.195
+SIZES = {"average": 0.0, "eps = 0.005": 0.005, "eps = 0.01": 0.01}
 
 
-def family(to, step, count=41, eps=0.01):
-    """Circles from MU to another mu, at beta = 0.8; the last is where no further one is found."""
-    model = contin.load("metronomes/pair")
-    p = np.array(list(model.default_parameters({"mu": MU, "beta": 0.8, "eps": eps}).values()), dtype=float)
-    first = first_circle(compiled(model), PLANE, p, START, count=count, transient=12_000, points=2500)
-    index = list(model.parameter_names).index("mu")
-    return [first, *continued(first, index, to, step, smallest=2e-4)]
+def families():
+    """Of each eps: mu, time of a beat in slow time, the larger and the smaller swing's greatest amplitude."""
+    average, motion = results("pair-small-beats.json")["beats"], results("pair-tori.json")
+    columns = average["columns"]
+    found = {"average": tuple(np.array(columns[key]) for key in ("mu", "period", "r1.max", "r2.max"))}
+    for words, name, eps in (("eps = 0.005", "beats 0_005", 0.005), ("eps = 0.01", "beats", 0.01)):
+        c = {key: np.array(column) for key, column in motion[name]["columns"].items()}
+        found[words] = c["mu"], eps * c["period"] / c["rotation"], c["x1.max"], c["x2.max"]
+    return found
 
 
-def table(circles):
-    """mu, turns of a swing in a beat, size in x2, and the part of the curve that is not resolved."""
-    rows = [
-        (f"{c.p[0]:.4f}", f"{1 / abs(c.rho):.4f}", f"{np.ptp(c.values[:, 1]):.5f}", f"{c.tail:.1e}") for c in circles
-    ]
-    return MarkdownTable("mu | swings a beat | extent in x2 | not resolved", rows)
+def ends():
+    """Of each eps: mu at birth, at the end, and swings (returns) in a beat at birth."""
+    average, motion = results("pair-small-beats.json"), results("pair-tori.json")
+    found = {
+        "average": (points(average["unequal"], "HB", "mu")[0], average["beats"]["ends"][1]["at"]["mu"], np.nan),
+    }
+    for words, name in (("eps = 0.005", "beats 0_005"), ("eps = 0.01", "beats")):
+        branch = motion[name]
+        birth, rotation = branch["columns"]["mu"][0], branch["columns"]["rotation"][0]
+        found[words] = birth, branch["ends"][1]["at"]["mu"], 1 / rotation
+    return found
+
+
+def draw():
+    """Greatest amplitudes, and the time of a beat, over mu; average and motion."""
+    drawing, axes = panels(1, 2, 9.6, 3.3)
+    for (words, (mu, beat, large, small)), colour in zip(families().items(), (GREEN, RED, BLUE), strict=True):
+        axes[0, 0].plot(mu, large, color=colour, label=words)
+        axes[0, 0].plot(mu, small, color=colour, linestyle=(0, (4, 1.5)))
+        axes[0, 1].plot(mu, beat, color=colour, label=words)
+    axes[0, 0].set(xlabel=MU, ylabel="greatest amplitude in a beat")
+    axes[0, 1].set(xlabel=MU, ylabel="slow time of a beat", ylim=(0, 100))
+    axes[0, 1].legend(frameon=False, fontsize=8)
+    return drawing
+
+
+def table():
+    rows = []
+    for words, (birth, end, swings) in ends().items():
+        rows.append((words, f"{birth:.6f}", f"{end:.6f}", "" if np.isnan(swings) else f"{swings:.2f}"))
+    return MarkdownTable("| born at mu | homoclinic at mu | swings a beat, at birth", rows)
+
+
+def check():
+    """Birth and end lie below those of the average by O(eps), and differ from the linear extrapolation by O(eps^2)."""
+    found = ends()
+    for k in (0, 1):
+        zero, half, one = (found[words][k] for words in SIZES)
+        assert 1.7 < (one - zero) / (half - zero) < 2.0
+        assert abs(2 * half - one - zero) < 0.1 * abs(one - zero)
+    assert abs(found["eps = 0.01"][1] - 4.15629) < 1e-5
