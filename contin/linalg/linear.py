@@ -120,7 +120,7 @@ class KrylovLinear:
         tally: Tally | None = None,
     ) -> None:
         self.tally = tally
-        self._apply, self._precondition, self._shift = apply, precondition, shift
+        self._apply, self.approximate, self._shift = apply, precondition, shift
         self.precise, self.exact, self.matrix = precise, exact, matrix
         # Borders and bordered factors by the number of borders, shared with later points.
         self.borders: dict[int, tuple[Vector, object]] = {}
@@ -140,8 +140,8 @@ class KrylovLinear:
     def precondition(self, right: Vector) -> Vector:
         """About A^-1 right."""
         if np.iscomplexobj(right):
-            return self._precondition(right.real) + 1j * self._precondition(right.imag)
-        return self._precondition(right)
+            return self.approximate(right.real) + 1j * self.approximate(right.imag)
+        return self.approximate(right)
 
     def _finish(self, found: tuple[Vector, int, float], wanted: float = TOLERANCE) -> Vector:
         x, used, residual = found
@@ -160,7 +160,7 @@ class KrylovLinear:
         if self.matrix is not None:
             tally = Tally() if self.tally is None else self.tally
             return DirectLinear(self.matrix, Factoriser(tally)).shifted(shift)
-        return KrylovLinear(self._apply, self._precondition, shift=self._shift + shift)
+        return KrylovLinear(self._apply, self.approximate, shift=self._shift + shift)
 
 
 class KrylovBordered:

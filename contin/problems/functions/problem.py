@@ -16,6 +16,7 @@ from contin.errors import InputError, NotFiniteError
 from contin.machine import elementary
 from contin.model.expression import number
 from contin.model.parts import Expectation, Start
+from contin.problems.functions.elsewhere import Elsewhere
 from contin.problems.functions.guarded import called, numbers
 from contin.problems.functions.in_kernels import FunctionInKernels
 from contin.problems.functions.names import check_name, check_names
@@ -69,7 +70,10 @@ class FunctionProblem:
     symmetries : {name: map of u (n,) to (n,)} that take solutions to solutions.
     typical : sizes of states that are zero in u0, a number or (n,): for differences. Default 1.
     source, expect : as in a model file: where the problem comes from, and points that runs must find (numbers only).
-    preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r; matrix-free only.
+    preconditioner : (u, p) -> function of r (n,) that approximates (dF/du)^-1 r: GMRES takes it in place of factors. It
+        is made anew where it has become worse.
+    arrays : (from numpy, to numpy), such as (cupy.asarray, cupy.asnumpy): all functions get arrays of that module and
+        return them; `jacobian` then returns v -> dF/du v.
     written, explain : the model that this function was made of, all of whose derivatives are exact and of every order,
         and (u, p) -> why it is not finite there, p (m,); None for a user's function.
     """
@@ -103,6 +107,7 @@ class FunctionProblem:
         sparsity: object = None,
         preconditioner: Callable[[Array, Any], Callable[[Array], ArrayLike]] | None = None,
         typical: ArrayLike = 1.0,
+        arrays: tuple[Callable[..., Any], Callable[..., Any]] | None = None,
         name: str = "function",
         title: str | None = None,
         source: str | None = None,
@@ -134,6 +139,8 @@ class FunctionProblem:
         self.ranges = dict(ranges or {})
         self.symmetries = tuple(FunctionSymmetry(key, map_) for key, map_ in (symmetries or {}).items())
         self.sparsity, self.preconditioner = sparsity, preconditioner
+        if arrays is not None:
+            self._computes_elsewhere(Elsewhere.of(arrays))
         self.typical = np.broadcast_to(np.asarray(typical, dtype=float), (self.n,))
         self.name, self.title, self.source = name, title, source
         self.written, self.explain = written, explain
@@ -141,6 +148,15 @@ class FunctionProblem:
         self._periods = np.zeros(self.n)
         for key, value in (periods or {}).items():
             self._periods[self._state(key)] = value
+
+    def _computes_elsewhere(self, other: Elsewhere) -> None:
+        self.residual = other.function(self.residual)
+        self.jacobian = None if self.jacobian is None else other.product(self.jacobian, self.n)
+        given = self.parameter_jacobian, self.derivative
+        self.parameter_jacobian, self.derivative = (None if f is None else other.function(f) for f in given)
+        self.record = None if self.record is None else other.record(self.record)
+        self.preconditioner = None if self.preconditioner is None else other.preconditioner(self.preconditioner)
+        self.symmetries = tuple(FunctionSymmetry(one.name, other.image(one.map)) for one in self.symmetries)
 
     def __repr__(self) -> str:
         return f"<FunctionProblem {self.name!r}: n = {self.n}, {self.method}>"

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 ALWAYS_FACTORED = 20_000  # unknowns up to which SuperLU is quick enough to factor at every Newton step
 OUT_OF_DATE = 7  # GMRES iterations from which old factors are renewed
+WORSE = 1.5  # ratio of GMRES iterations to those of a new preconditioner from which the user's is made anew, ...
+MORE = 3  # ... and as many beside
 
 
 class JacobianSource:
@@ -32,6 +34,7 @@ class JacobianSource:
         self.system = system
         self.factoriser = Factoriser()
         self._last: KrylovLinear | None = None
+        self._first: KrylovLinear | None = None  # of those that share the user's preconditioner
         model = system.model
         if model.jacobian is None and model.sparsity is not None and model.written is None:
             try_sparsity(system, self._coloured)
@@ -42,6 +45,8 @@ class JacobianSource:
             matrix = self.system.attempt("Jacobian", lambda: self.matrix(u, p), None, u, p)
             if matrix is None or not np.all(np.isfinite(matrix.data)):
                 return None
+            if self.system.model.preconditioner is not None:
+                return self._preconditioned(matrix, u, p)
             cheap = self.system.n <= ALWAYS_FACTORED or self.factoriser.is_band_for(matrix)
             return DirectLinear(matrix, self.factoriser) if cheap else self._lagged(matrix)
         return self._matrix_free(u, p)
@@ -64,6 +69,23 @@ class JacobianSource:
             fresh.borders = last.borders
         self._last = fresh
         return fresh
+
+    def _preconditioned(self, matrix: csc_matrix, u: Array, p: Array) -> KrylovLinear | None:
+        """Solved by GMRES with the user's preconditioner of an earlier point, as long as it serves well."""
+        first, last = self._first, self._last
+        apply = None if first is None else first.approximate
+        if apply is None or first is None or last is None or last.iterations > WORSE * first.iterations + MORE:
+            apply, first = self.system.attempt("preconditioner", lambda: self._preconditioner(u, p), None, u, p), None
+            self.factoriser.tally.factorisations += 1
+        if apply is None:
+            return None
+        fresh = KrylovLinear(lambda v: np.asarray(matrix @ v), apply, matrix=matrix, tally=self.factoriser.tally)
+        self._last, self._first = fresh, fresh if first is None else first
+        return fresh
+
+    def is_fresh(self, linear: Linear) -> bool:
+        """True for the first operator with a preconditioner that was made for it."""
+        return linear is self._first
 
     def matrix(self, u: Array, p: Array) -> csc_matrix:
         """F_u as a CSC matrix."""

@@ -6,7 +6,7 @@ Jacobians, time are proportional to n.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -200,9 +200,9 @@ class LargeProblem(InOneParameterProblem):
             return every(linear.matrix.toarray())
         start = work.start if work.start is not None else np.random.default_rng(11).normal(size=n)
         radius = 0.0
-        old = linear.precise if isinstance(linear, KrylovLinear) and not linear.exact else None
+        old = self._old_inverse(linear)
         if old is not None and work.vectors is not None:
-            found, work.gain = followed(linear, old.solve, work.vectors, work.gain)
+            found, work.gain = followed(linear, old, work.vectors, work.gain)
             work.vectors = found.vectors
             return found
         if linear.matrix is not None:
@@ -218,6 +218,16 @@ class LargeProblem(InOneParameterProblem):
             watched = found.values.real > -0.2 * np.abs(found.values)
             work.reach = float(np.abs(found.values[watched]).max(initial=0.0))
         return found
+
+    def _old_inverse(self, linear: Linear) -> Callable[[Array], Array] | None:
+        """About A^-1 times columns, from factors or a preconditioner of an earlier point; None where there is none."""
+        if not isinstance(linear, KrylovLinear) or linear.exact:
+            return None
+        if linear.precise is not None:
+            return linear.precise.solve
+        if linear.matrix is None or self.source.is_fresh(linear):
+            return None
+        return lambda columns: np.column_stack([linear.precondition(r) for r in columns.T])
 
     def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
         judged = self.work.judged
