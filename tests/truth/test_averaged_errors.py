@@ -77,3 +77,23 @@ def test_folds_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
             exact = 2 * mp.besselj(1, s) / s
         assert abs(mpf(point.values["a"]) - exact) <= point.error
         assert 1e-12 < point.error < 1e-9, "the quadrature's part"
+
+
+@pytest.mark.parametrize("method", ["collocation", "shooting"])
+def test_cusps_of_averaged_orbits_are_at_zeros_of_a_bessel_function(method):
+    """a = 2 J1(s)/s + 3/4 c r^2, s = 1.3 r: by s^2 it is -J2/s^2 + 3 c/(4 1.3^2), and once more J3/(2 s^3)."""
+    model = slow("a*y - y*cos(1.3*x) - c*y^3 - d*x", {"a": 0.9, "c": 0, "d": 1.0}, "cartesian")
+    settings = {"method": method}
+    line = contin.continuation(contin.equilibrium(model, start={"u1": 0, "v1": 0}), "a", (0.8, 1.1))
+    family = contin.continuation(line["HB1"].switch(), "a", (-0.5, 1.1), settings={**settings, "steps": 120})
+    bounds = {"a": (-0.5, 0.5), "c": (-0.03, 0.001)}
+    curve = contin.continuation(family["LPC1"].locus(), ("a", "c"), bounds, settings=settings)
+    assert {point.type for point in curve.points} == {"CPC"}
+    for point in curve.points:
+        with mp.workdps(30):
+            s = mp.findroot(lambda s: mp.besselj(3, s), 1.3 * point.orbit.columns["u1"].max())
+            c = 4 * mpf(1.3) ** 2 / 3 * mp.besselj(2, s) / s**2
+            exact = 2 * mp.besselj(1, s) / s + mpf(3) / 4 * c * (s / mpf(1.3)) ** 2
+        assert abs(mpf(point.values["a"]) - exact) <= point.error
+        assert abs(mpf(point.values["c"]) - c) <= point.error
+        assert 1e-12 < point.error < 1e-7, "the quadrature's part"

@@ -78,9 +78,9 @@ class OfSpecialOrbits(OfPeriodicOrbits):
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         """This curve with half the discretisation's lengths, a sample of it and the metric; None without a mesh."""
 
+    @abstractmethod
     def error_of_equations(self, z: Array, scale: Array) -> float:
         """What approximate equations (averages by quadrature) leave of the first parameter; 0 of exact ones."""
-        return 0.0
 
     def same_point(self, a: Verified, b: Verified, scale: Array) -> bool:
         near = np.abs(a.z[[-1, -2]] - b.z[[-1, -2]]) <= 1e-7 * scale[[-1, -2]]

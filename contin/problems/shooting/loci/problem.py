@@ -16,7 +16,9 @@ from contin.kernels.tests_of_stability import map_tests
 from contin.problems.orbits.loci import criticality
 from contin.problems.orbits.loci.special import OfSpecialOrbits
 from contin.problems.orbits.multipliers import nontrivial
+from contin.problems.shooting.loci.curve import ShootingCurve
 from contin.problems.shooting.loci.grazing import GrazingCurve
+from contin.problems.shooting.loci.sensitivity import error_of_equations
 from contin.problems.shooting.loci.shot import OfShotOrbits
 from contin.problems.shooting.loci.verify import verify
 from contin.special.table import tests_of_orbits
@@ -67,6 +69,9 @@ class ShotLocusProblem(OfShotOrbits, OfSpecialOrbits):
 
     def refined(self, sample: Sample, frame: Frame) -> tuple[Any, Sample, Frame] | None:
         return None
+
+    def error_of_equations(self, z: Array, scale: Array) -> float:
+        return error_of_equations(self.curve, z, scale) if isinstance(self.curve, ShootingCurve) else 0.0
 
     def columns(self, z: Array) -> dict[str, Array]:
         """... and of touching orbits, where a family turns back at them."""

@@ -10,6 +10,7 @@ import numpy as np
 from contin.continuation.problem import Frame, Outcome, Sample, Verified
 from contin.problems.orbits.loci import events
 from contin.problems.shooting.events import COARSE, FINE
+from contin.problems.shooting.locate import accuracy_of_equations
 
 if TYPE_CHECKING:
     from contin.problems.shooting.loci.problem import ShotLocusProblem
@@ -22,7 +23,8 @@ def verify(problem: ShotLocusProblem, type_: str, near: Sample, frame: Frame) ->
     found = events.verify(problem.precise(FINE), type_, near, frame)
     if not isinstance(found, Verified):
         return found
-    rough = events.verify(problem.precise(COARSE), type_, near, frame)
+    coarse = max(COARSE, accuracy_of_equations(problem.curve.orbits))
+    rough = events.verify(problem.precise(coarse), type_, near, frame)
     apart = 0.0
     if isinstance(rough, Verified):
         apart = float(np.max(np.abs(rough.z[-2:] - found.z[-2:]) / frame.scale[-2:]))
