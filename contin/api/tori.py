@@ -16,10 +16,12 @@ from contin.lowering.system import CompiledSystem
 from contin.machine import elementary
 from contin.model.model import Model
 from contin.problems.equilibrium import EquilibriumProblem
+from contin.problems.maps.cycle import CycleProblem
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.shooting.problem import ShootingProblem
 from contin.records import Record
 from contin.simulate.flight import forcing_period
+from contin.systems.iterate import IteratedSystem
 from contin.tori.birth import born
 from contin.tori.equations import Circle, Metric
 from contin.tori.looks import look
@@ -29,6 +31,7 @@ from contin.tori.strobe import Strobe
 
 NODES: Final = 15  # of the first circle, unless `intervals` fixes them
 STEPS: Final = 200  # rows, unless the settings say otherwise
+FIXED: Final = EquilibriumProblem | CycleProblem
 STEP, LARGEST_STEP = 0.01, 0.05
 
 
@@ -83,14 +86,16 @@ def _origin(point: SpecialPoint, parameter: str) -> tuple[Strobe, Array, float, 
     """The map, the point of it, its time, the parameter's value, and the sizes of the states."""
     problem = point.problem
     where = f"{point.branch}.{point.label}"
-    if point.type != "NS" or not isinstance(problem, OrbitProblem | ShootingProblem | EquilibriumProblem):
+    if point.type != "NS" or not isinstance(problem, OrbitProblem | ShootingProblem | FIXED):
         raise InputError(
             f"{where}: tori are born at points NS of periodic orbits and of fixed points of maps, computed "
             "from formulas by collocation or shooting"
         )
+    if isinstance(problem, CycleProblem):
+        problem = problem.inner
     system = problem.system
     model = getattr(system, "model", None)
-    if not isinstance(system, CompiledSystem) or not isinstance(model, Model):
+    if not isinstance(system, CompiledSystem | IteratedSystem) or not isinstance(model, Model):
         raise InputError(f"{where}: tori need a flow or map that is given by formulas")
     if model.mass or model.constraints is not None or model.events:
         raise InputError(f"{where}: tori of flows with a mass matrix or with jumps of the states are not followed")
@@ -103,6 +108,7 @@ def _origin(point: SpecialPoint, parameter: str) -> tuple[Strobe, Array, float, 
         return Strobe(system, p, active, turn), u, 1.0, float(p[active]), sizes
     profile = problem.profile(point.z)
     time, states = float(profile.period), np.asarray(profile.u)
+    assert isinstance(system, CompiledSystem)  # of a flow
     multiple = round(time / forcing_period(system, p)) if system.is_forced else 1
     spread = np.ptp(states, axis=0)
     sizes = np.where(spread > 1e-3 * np.abs(states).max(axis=0), spread, np.abs(states).max(axis=0))

@@ -56,8 +56,9 @@ def look(strobe: Strobe, metric: Metric, circle: Circle) -> Look:
     starts = circle.resampled(count).values if count > circle.count else circle.values
     error = error_of(circle, residual_between(strobe, metric, circle))
     if strobe.is_map:
-        net = circle.resampled(CLOSER * count).values[:, None, :]
-        return Look(-_peaks(-net), _peaks(net), np.sqrt(np.mean(net * net, axis=(0, 1))), error)
+        nets = strobe.circles(circle.resampled(CLOSER * count).values, circle.value)[:, :, None, :]
+        least, greatest = (np.max([_peaks(sign * net) for net in nets], axis=0) for sign in (-1.0, 1.0))
+        return Look(-least, greatest, np.sqrt(np.mean(nets * nets, axis=(0, 1, 2))), error)
     step = circle.time / TIMES
     times = np.asarray(
         step * np.arange(TIMES + 2), dtype=float

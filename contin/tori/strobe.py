@@ -15,6 +15,7 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import NoSolutionError
 from contin.simulate.flight import DONE, fly, forcing_period
+from contin.systems.iterate import IteratedSystem
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem
@@ -27,7 +28,7 @@ RELATIVE_STEP: Final = 1e-5  # of a parameter, in the central difference of the 
 class Strobe:
     """`base` holds all parameters, of which number `active` varies; `turn`: periods of states (0: no angle)."""
 
-    system: CompiledSystem
+    system: CompiledSystem | IteratedSystem
     base: Array
     active: int
     turn: Array
@@ -57,7 +58,9 @@ class Strobe:
 
     def time(self, value: float) -> float:
         """T where it is no unknown."""
-        return self.multiple * forcing_period(self.system, self.parameters(value)) if self.forced else 1.0
+        if isinstance(self.system, IteratedSystem) or not self.forced:
+            return 1.0
+        return self.multiple * forcing_period(self.system, self.parameters(value))
 
     def time_slope(self, value: float) -> float:
         """dT/d(parameter) where T is no unknown."""
@@ -80,7 +83,7 @@ class Strobe:
     def derivatives(self, u: Array, time: float, value: float) -> tuple[Array, Array, Array, Array]:
         """phi (n,), its derivatives by u (n, n), by T (n,), and by the parameter at fixed T (n,)."""
         n, p = self.n, self.parameters(value)
-        if self.is_map:
+        if isinstance(self.system, IteratedSystem) or self.is_map:
             image, matrix = self.system.jacobian(u, p)
             return np.asarray(image), matrix[:, :n], np.zeros(n), matrix[:, n + self.active]
         first = np.hstack([np.eye(n), np.zeros((n, 1))])
@@ -93,10 +96,18 @@ class Strobe:
 
     def path(self, u: Array, time: float, value: float, times: Array) -> tuple[Array, Array]:
         """States at `times` (K, n) and at the end of a flow."""
+        assert not isinstance(self.system, IteratedSystem)  # which is a map
         flight = fly(self.system, u, self.parameters(value), time, times=times, rtol=RTOL)
         if flight.outcome != DONE:
             raise NoSolutionError(flight.why)
         return flight.u, flight.end[: self.n]
+
+    def circles(self, points: Array, value: float) -> Array:
+        """(k, points, n): of a map's k-th iterate the points of all its circles, of a map those of its one."""
+        if not isinstance(self.system, IteratedSystem):
+            return points[None]
+        p = self.parameters(value)
+        return np.swapaxes(np.array([list(self.system.orbit(u, p)) for u in points]), 0, 1)
 
     def difference(self, a: Array, b: Array) -> Array:
         """a - b, angles modulo their periods."""

@@ -48,6 +48,23 @@ def test_a_family_between_two_points_ends_at_the_other():
     )
 
 
+def test_a_cycle_of_a_map_bears_as_many_circles():
+    grown = "(1 + a - x^2 - y^2)"
+    model = contin.Model(
+        "two rings", kind="map", states={"x": 0, "y": 0, "w": 1}, parameters={"a": -0.1},
+        equations={
+            "x": f"{grown}*(cos({ANGLE})*x - sin({ANGLE})*y)", "y": f"{grown}*(sin({ANGLE})*x + cos({ANGLE})*y)",
+            "w": "-w*(1 + 0.2*(1 - w^2))",
+        },
+    )  # fmt: skip
+    cycle = contin.equilibrium(model, {"x": 0, "y": 0, "w": 1}, {"a": -0.1}, period=2)
+    branch = contin.torus(contin.continuation(cycle, "a", (-0.1, 0.1))["NS1"], "a", (-0.1, 0.1))
+    assert np.allclose(branch.columns["rotation"], 2 * ANGLE / (2 * np.pi), atol=1e-9)
+    assert np.allclose(branch.columns["w.min"], -1) and np.allclose(branch.columns["w.max"], 1)
+    assert np.allclose(branch.columns["x.max"], np.sqrt(np.abs(branch.columns["a"])), atol=1e-7)
+    assert np.allclose(np.sort(branch.eigenvalues[1:].real)[:, 0], 0.36, atol=1e-7)  # (1 - 0.4)^2
+
+
 def test_a_subcritical_torus_is_unstable():
     grown = "(1 + a + x^2 + y^2)"
     model = contin.Model(
