@@ -60,7 +60,8 @@ def test_a_cycle_of_a_map_bears_as_many_circles():
     cycle = contin.equilibrium(model, {"x": 0, "y": 0, "w": 1}, {"a": -0.1}, period=2)
     branch = contin.torus(contin.continuation(cycle, "a", (-0.1, 0.1))["NS1"], "a", (-0.1, 0.1))
     assert np.allclose(branch.columns["rotation"], 2 * ANGLE / (2 * np.pi), atol=1e-9)
-    assert np.allclose(branch.columns["w.min"], -1) and np.allclose(branch.columns["w.max"], 1)
+    assert np.allclose(branch.columns["w.min"], -1)
+    assert np.allclose(branch.columns["w.max"], 1)
     assert np.allclose(branch.columns["x.max"], np.sqrt(np.abs(branch.columns["a"])), atol=1e-7)
     assert np.allclose(np.sort(branch.eigenvalues[1:].real)[:, 0], 0.36, atol=1e-7)  # (1 - 0.4)^2
 
