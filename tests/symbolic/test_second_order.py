@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 import contin
 from contin.errors import InputError
 from contin.model.evaluate import evaluate, evaluate_all
-from contin.symbolic.averaging.turn_grid import TurnGrid
+from contin.model.expression import compare, if_, number, symbol
+from contin.symbolic.averaging.cells import regions
+from contin.symbolic.averaging.cut_turn import CutTurn
 
 
 def test_van_der_pol_frequency_is_one_minus_eps_squared_over_16():
@@ -112,20 +114,114 @@ def test_second_order_forms_agree_with_the_polar_one(form):
     assert curves[1] == pytest.approx(curves[0], rel=1e-9)
 
 
-@pytest.mark.parametrize("force", ["y if x > 1 else 0", "tanh(y)"])
+@pytest.mark.parametrize("force", ["y*tanh(x) if x > 1 else 0", "tanh(y)"])
 def test_forces_beyond_second_order_are_refused(force):
     with pytest.raises(InputError, match="second-order averaging"):
         contin.average(oscillators(force), order=2)
 
 
-def test_zero_mean_antiderivative_of_a_jump():
-    grid = TurnGrid.between([0.0, 1.0, 2.5])
-    f = np.where((grid.phi > 1.0) & (grid.phi < 2.5), 1.0, 0.0).astype(complex)
-    slope = (
-        np.where(grid.phi < 1.0, 0.0, np.where(grid.phi < 2.5, grid.phi - 1.0, 1.5)) - 1.5 / (2 * math.pi) * grid.phi
+def next_turn(r, eps, force, thresholds):
+    """From (r, 0) to the next such point: (its x, the time), leg by leg between the thresholds.
+
+    The force takes (x, y, ahead): conditions are decided at `ahead`, the point of the leg shortly after its start.
+    """
+
+    def motion(_, u, ahead):
+        return [u[1], -u[0] + eps * force(u[0], u[1], ahead)]
+
+    def event(level):
+        def crossing(_t, u, _ahead):
+            return u[1] if level is None else u[0] - level
+
+        crossing.terminal = True
+        return crossing
+
+    events = [event(level) for level in (None, *thresholds)]
+    u, t, small = np.array([r, 0.0]), 0.0, 2e-4
+    while True:
+        c, s = math.cos(small / 2), math.sin(small / 2)
+        ahead = (u[0] * c + u[1] * s, u[1] * c - u[0] * s)
+        for end, met in ((t + small, None), (t + 7, events)):
+            leg = solve_ivp(motion, (t, end), u, "DOP853", args=(ahead,), events=met, rtol=1e-11, atol=1e-12)
+            t, u = leg.t[-1], leg.y[:, -1]
+        if len(leg.t_events[0]) and u[0] > 0 and t > 3:
+            return u[0], t
+
+
+PIECEWISE = {
+    "thresholds": (
+        "-a*y + (k if x > c and y > 0 else 0) + s*x^2 + (b if x^2 < d^2 and y < 0 else 0)",
+        {"a": 0.4, "k": 1.5, "c": 0.3, "s": 0.7, "d": 0.5, "b": -0.4},
+        lambda x, y, at: (
+            -0.4 * y + 0.7 * x * x + 1.5 * (at[0] > 0.3 and at[1] > 0) - 0.4 * (abs(at[0]) < 0.5 and at[1] < 0)
+        ),
+        (0.3, 0.5, -0.5),
+    ),
+    "friction and a dead zone": (
+        "2*y - y^3 - m*sign(y) - k*max(x - c, 0)",
+        {"m": 0.2, "k": 2.0, "c": 0.6},
+        lambda x, y, at: 2 * y - y * y * y - 0.2 * np.sign(at[1]) - 2 * (x - 0.6) * (at[0] > 0.6),
+        (0.6,),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(PIECEWISE))
+def test_thresholds_have_the_frequency_and_the_multiplier_of_the_simulation_to_order_eps_squared(name):
+    text, parameters, force, thresholds = PIECEWISE[name]
+    errors = {1: [], 2: []}
+    slow = {order: contin.average(oscillators(text, parameters=parameters), order=order) for order in errors}
+    for eps in (0.04, 0.02):
+        r = brentq(lambda r, eps=eps: next_turn(r, eps, force, thresholds)[0] - r, 1.0, 2.2, xtol=1e-11)
+        period, h = next_turn(r, eps, force, thresholds)[1], 2e-3
+        a, b, c, d = (next_turn(r + k * h, eps, force, thresholds)[0] for k in (-1, 1, -2, 2))
+        exact = np.array([2 * math.pi / period - 1, math.log((8 * (b - a) - (d - c)) / (12 * h)) / period]) / eps
+        for order, model in slow.items():
+            env = model.default_parameters({"eps": eps})
+            rate = lambda r, m=model, env=env: evaluate(m.equations[0], {**env, "r": r})  # noqa: E731
+            at = brentq(rate, 1.0, 2.2, xtol=1e-13)
+            slope = (rate(at + 1e-5) - rate(at - 1e-5)) / 2e-5
+            shift = evaluate(model.observables["frequency_shift"], {**env, "r": at})
+            errors[order].append(np.abs(np.array([shift, slope]) - exact))
+    for order, (coarse, fine) in errors.items():
+        assert math.log2(coarse[0] / fine[0]) == pytest.approx(order, abs=0.2)
+    # the exponent of the first system has two terms of order eps^2 that cancel at an eps near by
+    assert errors[2][1][1] < 0.05 * errors[1][1][1]
+
+
+def test_the_second_order_of_thresholds_is_one_function_in_both_forms():
+    model = contin.load("metronomes/one-constant")
+    polar, cartesian = (contin.average(model, form=form, order=2) for form in ("polar", "cartesian"))
+    for r in (0.6, 1.4, 2.9):
+        env = polar.default_parameters({"eps": 0.05}) | {"r": r, "u1": 0.6 * r, "v1": 0.8 * r}
+        u, v = evaluate_all(cartesian.equations, env)
+        assert 0.6 * u + 0.8 * v == pytest.approx(evaluate(polar.equations[0], env), abs=1e-12)
+
+
+def test_an_orbit_that_just_reaches_a_jump_is_outside_of_the_limits():
+    polar = contin.average(contin.load("metronomes/one-constant"), order=2)
+    env = polar.default_parameters({"eps": 0.01})
+    for far, holds in ((1.005, False), (1.05, True)):
+        at = {**env, "r": env["x1"] * far}
+        assert (min(evaluate(limit.margin, at) for limit in polar.limits) >= 0) is holds
+
+
+def test_zero_mean_antiderivative_of_a_jump_at_a_threshold():
+    """f = 1 for x > c, with r = 1, c = 1/2: cuts at +-pi/3."""
+    (_, region), _ = regions(
+        if_(compare(">", symbol("@x"), symbol("c")), number(1), number(0)), number(1), {"c": 0.5}, ("c",)
     )
-    found = grid.antiderivative(f)
-    assert np.max(np.abs(found - (slope - grid.mean(slope)))) < 1e-13
+    turn, _ = CutTurn.of(region)
+    pieces = [{(0, 0): (number(k), number(0))} for k in (1, 0)]
+    found = turn.antiderivative(pieces)
+    env = {"c": 0.5, "@r": 1.0}
+    start, middle, stop = (evaluate(p.angle, env) for p in turn.points)
+    ends = [(5 + k) * math.pi / 3 for k in (0, 2, 6)]
+    assert [start, middle, stop] == pytest.approx(ends)
+    for terms, (a, b), slope in ((found[0], (start, middle), 2 / 3), (found[1], (middle, stop), -1 / 3)):
+        values = [sum(evaluate(c[0], env) * (phi if m else 1.0) for (m, _), c in terms.items()) for phi in (a, b)]
+        # K is odd about the middle of each arc
+        assert values == pytest.approx([-slope * (b - a) / 2, slope * (b - a) / 2], abs=1e-14)
 
 
 def mathieu(ratio, stiffness, drive, parameters, small=0.1):

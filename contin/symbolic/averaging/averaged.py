@@ -61,9 +61,11 @@ def averaged(
     system = slow_system(oscillators, None if reach is None else float(reach))
     built = build_form(system, form)
     equations = built.equations
+    limits = limits_of(system, amplitudes_in(built, oscillators))
     if order == 2:
         eps = symbol(oscillators.small)
-        corrections = second_order_terms(oscillators, system, built)
+        corrections, more = second_order_terms(oscillators, system, built)
+        limits = tuple({limit.margin: limit for limit in (*limits, *more)}.values())
         equations = tuple(add(e, mul(eps, c)) for e, c in zip(equations, corrections.equations, strict=True))
         corrected = {n: add(built.observables[n], mul(eps, corrections.observables[n])) for n in built.rates}
         built = replace(built, equations=equations, observables={**built.observables, **corrected})
@@ -85,7 +87,7 @@ def averaged(
         starts=averaged_starts(built, oscillators),
         definitions=_free(built.definitions, [*model.parameter_names, *built.states, *built.observables]),
         rotation=built.rotation,
-        limits=limits_of(system, amplitudes_in(built, oscillators)),
+        limits=limits,
         symmetries=(),
     )
     candidates = [*averaged_symmetries(built, oscillators), *gauge_symmetries(built, oscillators)]

@@ -2,45 +2,52 @@
 
 For A' = eps f(A, t) + eps^2 g(A, t) with period T in t, let w be the zero-mean integral of f - <f> over t. Then
 the averaged variables obey A' = eps <f> + eps^2 (<g> + <Df w>) (Sanders, Verhulst and Murdock, Averaging Methods in
-Nonlinear Dynamical Systems, 2nd ed., sec. 2.9).
+Nonlinear Dynamical Systems, 2nd ed., sec. 2.9). The variables are the amplitudes, the slow states and the rotators.
 
-Forces may be polynomial, and polynomial between lines through the origin of one oscillator's plane, where they may
-jump: the oscillation crosses such a line at a fixed phase and with non-zero speed. Then <Df w> keeps a meaning: the
-jumps contribute after an integration by parts over the phase, and the theorem holds away from r = 0. Conditions that
-are no such lines (thresholds |x| > c) are refused, and so is a force on one oscillator that depends piecewise on
-another one which is itself driven piecewise by a third.
+Forces may be polynomial, and polynomial between lines in one oscillator's plane, where they may jump: the oscillation
+crosses such a line with non-zero speed, and Df has a jump there times the shift of the crossing. That holds away from
+r = 0 and from the amplitudes that only just reach a threshold. A force on one oscillator that depends piecewise on
+another one which is itself driven piecewise by a third is refused.
 
-Everything is a sum of terms c * prod r_j^d_j exp(i n_j theta_j); c are formulas in the parameters, and the means over
-the phase of products of piecewise functions are numbers.
+Everything is a sum of terms c * prod r_j^d_j exp(i n_j theta_j); c are formulas in the parameters, and of the amplitude
+of one oscillator where the cuts of its turn depend on it.
 """
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Final
-
-import numpy as np
 
 from contin.errors import InputError
 from contin.machine import elementary
 from contin.model.expression import ONE, PI, ZERO, Expression, add, mul, number, power, substitute, symbol
+from contin.model.parts import Limit
 from contin.model.printing import to_text
-from contin.symbolic.averaging.amplitudes import AmplitudeEquation, SlowSystem
+from contin.symbolic.averaging.amplitudes import AmplitudeEquation, MeanEquation, SlowSystem
 from contin.symbolic.averaging.build_form import build_form
-from contin.symbolic.averaging.cells import Arc, regions
+from contin.symbolic.averaging.complex_formulas import Complex, plus, times
+from contin.symbolic.averaging.cut_turn import CutTurn, Quasi, conjugated, product
+from contin.symbolic.averaging.form_polar import polar_names
 from contin.symbolic.averaging.forms import AveragedForm
+from contin.symbolic.averaging.pulses import PiecewiseTurn, Pulse
+from contin.symbolic.averaging.radial import R, Setting
 from contin.symbolic.averaging.resonant import Exponent, Powers, state_powers
-from contin.symbolic.averaging.switching_lines import PLANE, X, Y, state_comparisons
+from contin.symbolic.averaging.switching_lines import PLANE, X, Y
 from contin.symbolic.averaging.terms import additive_terms, without_kinks
-from contin.symbolic.averaging.turn_grid import Complex, TurnGrid
 from contin.symbolic.averaging.weak import WeakOscillators
+from contin.symbolic.calculus.derivatives import derivative
 
 Shape = tuple[tuple[int, int], ...]  # for each oscillator (d, n): r^d exp(i n theta)
+Entry = tuple[Expression, complex]
+Mean = Callable[[int, CutTurn], Complex]  # of the turn of a region
+Driven = Callable[[int, CutTurn], tuple[Sequence[Quasi], Sequence[Quasi]]]
+HALF: Final = number(Fraction(1, 2))
 ROUNDING: Final = 1e-13
+NOT_SMOOTH: Final = "second-order averaging: the corrections are not smooth at zero amplitude; use the form polar"
 LARGEST_DENOMINATOR: Final = 20000  # fractions with smaller ones are 2.5e-9 apart
 
 
@@ -54,61 +61,64 @@ class Wave:
     k: int
 
 
-@dataclass(frozen=True)
-class Pulse:
-    """c * r^d exp(i theta) L(phi) of oscillator `source`, with L on the grid: a term of a piecewise force."""
-
-    coefficient: Expression
-    number: complex
-    source: int
-    d: int
-    values: Complex
-
-
 Atom = Wave | Pulse
-Sum = dict[Shape, list[tuple[Expression, complex]]]
+Sum = dict[Shape, list[Entry]]
 
 
-def second_order_terms(oscillators: WeakOscillators, system: SlowSystem, form: AveragedForm) -> AveragedForm:
-    """The form of the terms of order eps in slow time (eps^2 in t) alone: its equations, and observables of rates."""
+def second_order_terms(
+    oscillators: WeakOscillators, system: SlowSystem, form: AveragedForm
+) -> tuple[AveragedForm, tuple[Limit, ...]]:
+    """The form of the terms of order eps in slow time (eps^2 in t) alone: its equations, and observables of rates.
+
+    And where they hold.
+    """
     if oscillators.slow or oscillators.kicks:
         raise InputError("averaging to second order takes no slow states, rotators and kicks; use order: 1")
-    builder = _Builder(oscillators)
-    every = range(oscillators.count)
-    first = [builder.atoms(oscillators.position[0][i], oscillators.velocity[0][i], i) for i in every]
-    first += [[] for _ in oscillators.phasors]  # phasors do not vary
-    equations = []
+    builder = _Builder(oscillators, system.setting, form.name == "polar")
+    first = builder.first_order()
+    equations, means = [], []
     for i in range(oscillators.count):
-        total: Sum = defaultdict(list)
-        builder.add_mean(total, builder.atoms(oscillators.position[1][i], oscillators.velocity[1][i], i))
-        for atom in first[i]:
-            builder.add_interaction(total, atom, first)
-        equations.append(_equation(total, form.name == "polar"))
-    corrections = SlowSystem(oscillators, system.setting, tuple(equations))
-    return build_form(corrections, form.name)
+        own = builder.atoms(oscillators.velocity[1][i], oscillators.harmonics[i], oscillators.frequency(i))
+        own += builder.atoms(oscillators.position[1][i], oscillators.harmonics[i])
+        equations.append(_equation(builder.corrections(own, first[i], first), form.name == "polar"))
+    for state, atoms in zip(oscillators.slow, first[len(oscillators.harmonics) :], strict=True):
+        total = builder.corrections(builder.atoms(state.rate[1], 0), atoms, first)
+        means.append(MeanEquation(ZERO, _equation(total, form.name == "polar").products))
+    corrections = SlowSystem(oscillators, system.setting, tuple(equations), tuple(means))
+    return builder.finished(build_form(corrections, form.name), form)
 
 
 class _Builder:
-    def __init__(self, oscillators: WeakOscillators) -> None:
-        self.oscillators = oscillators
+    def __init__(self, oscillators: WeakOscillators, setting: Setting, polar: bool) -> None:
+        self.oscillators, self.setting, self.polar = oscillators, setting, polar
         self.harmonics = oscillators.harmonics
         self.count = len(self.harmonics)
         self.omega = oscillators.omega
+        self.inverse = power(self.omega, number(-1))
         self.states = oscillators.places()
-        self.grid = TurnGrid.between(self.breakpoints())
+        self.formulas: dict[Expression, tuple[int, Expression]] = {}  # symbol -> (oscillator, formula in R)
+        self.at_rest: set[Expression] = set()  # those that are not 0 at small amplitudes
+        self.turns = self.piecewise_turns()
 
     # The force as a sum of atoms --------------------------------------------------------------------------------------
 
-    def breakpoints(self) -> list[float]:
-        found = [0.0]
-        series = (*self.oscillators.position, *self.oscillators.velocity)
+    def piecewise_turns(self) -> dict[int, PiecewiseTurn]:
+        """The common turn of all that each oscillator drives piecewise."""
+        found: dict[int, dict[Expression, None]] = {}
+        series = [*self.oscillators.position, *self.oscillators.velocity, *(s.rate for s in self.oscillators.slow)]
         for perturbation in (e for order in series for e in order):
             for _, term in additive_terms(perturbation, self.oscillators.mask):
                 members = self.oscillators.members(term)
                 if self.is_pulse(members) and state_powers(term, self.states) is None:
-                    for arc in self.arcs(self.in_plane(term, members[0])):
-                        found += [arc.start.number, arc.stop.number]
-        return found
+                    found.setdefault(members[0], {})[self.in_plane(term, members[0])] = None
+        known: dict[tuple[Expression, ...], PiecewiseTurn] = {}
+        turns = {}
+        for i, terms in found.items():
+            key = tuple(terms)
+            if key not in known:
+                known[key] = PiecewiseTurn.of(key, self.omega, self.setting.values, self.setting.positive)
+            turns[i] = known[key]
+        return turns
 
     def is_pulse(self, members: tuple[int, ...]) -> bool:
         """One oscillator alone; pulses are taken where all is in 1:1 resonance."""
@@ -117,38 +127,56 @@ class _Builder:
     def in_plane(self, term: Expression, i: int) -> Expression:
         pair = self.oscillators.pairs[i]
         plain = substitute([term], {symbol(pair.position): symbol(X), symbol(pair.velocity): symbol(Y)})[0]
+        for state in self.oscillators.slow:
+            if plain.mask & symbol(state.name).mask:
+                raise InputError(
+                    f"second-order averaging: {state.name}, which is slow, may multiply a force with conditions, and "
+                    "not stand inside of it (write w*(1 if x > 0 else 0)); otherwise average with `order: 1`"
+                )
         return without_kinks(plain, PLANE)
 
-    def arcs(self, function: Expression) -> tuple[Arc, ...]:
-        values = self.oscillators.model.default_parameters()
-        found, _ = regions(function, self.omega, values, tuple(n for n, v in values.items() if v > 0))
-        fixed = all(not (c.phi.free_symbols) for r in found for a in r.arcs for c in (a.start, a.stop))
-        if len(found) > 1 or not (fixed or not state_comparisons(function)):
-            raise InputError(
-                "second-order averaging: conditions must be lines through the origin of one oscillator's plane, with "
-                "fixed slopes (x*y > 0); thresholds such as x > c are averaged to first order only"
-            )
-        return found[0].arcs
+    def first_order(self) -> list[list[Atom]]:
+        """What drives the oscillators, the phasors (of rotators), then the slow states."""
+        found: list[list[Atom]] = []
+        for i in range(self.oscillators.count):
+            h = self.harmonics[i]
+            atoms = self.atoms(self.oscillators.velocity[0][i], h, self.oscillators.frequency(i))
+            found.append([*atoms, *self.atoms(self.oscillators.position[0][i], h)])
+        slow = {state.name: self.atoms(state.rate[0], 0) for state in self.oscillators.slow}
+        for j, phasor in enumerate(self.oscillators.phasors, start=self.oscillators.count):
+            found.append([] if phasor.state is None else [self.turning(atom, j) for atom in slow[phasor.state]])
+        return [*found, *slow.values()]
 
-    def atoms(self, position: Expression, velocity: Expression, i: int) -> list[Atom]:
-        """exp(-i w t) (E - i F/w) as atoms, w the frequency of oscillator i."""
-        inverse = power(self.oscillators.frequency(i), number(-1))
+    def turning(self, atom: Atom, j: int) -> Atom:
+        """The rate of a phase as that of its phasor: i exp(i theta) theta'."""
+        if isinstance(atom, Pulse):
+            raise InputError(
+                "second-order averaging: a rotator's phase may not be driven by a force with conditions; use order: 1"
+            )
+        return replace(atom, number=1j * atom.number, shape=_shifted(atom.shape, j, 1, 1))
+
+    def atoms(self, perturbation: Expression, h: int, frequency: Expression | None = None) -> list[Atom]:
+        """exp(-i h w t) E as atoms; with the frequency of the oscillator, -i/frequency times that of a force."""
+        unit: complex = 1.0 if frequency is None else -1j
+        inverse = ONE if frequency is None else power(frequency, number(-1))
         found: list[Atom] = []
-        for is_force, perturbation in ((True, velocity), (False, position)):
-            for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
-                unit: complex = -1j if is_force else 1.0
-                scale = mul(coefficient, inverse) if is_force else coefficient
-                members = self.oscillators.members(term)
-                powers = state_powers(term, self.states) if members else {}
-                if powers is not None:
-                    found += self.waves(scale, unit, powers, self.harmonics[i])
-                elif self.is_pulse(members):
-                    found += self.pulses(scale, unit, term, members[0])
-                else:
-                    raise InputError(
-                        "second-order averaging: a force of several oscillators, or of oscillators in another "
-                        "resonance than 1:1, must be polynomial in their states, and in sin and cos of the forcing"
-                    )
+        for coefficient, term in additive_terms(perturbation, self.oscillators.mask):
+            scale = mul(coefficient, inverse)
+            members = self.oscillators.members(term)
+            if any(self.oscillators.responds(j) for j in members):
+                raise InputError("averaging to second order takes no dry friction with its stick set; use order: 1")
+            powers = state_powers(term, self.states) if members else {}
+            if powers is not None:
+                found += self.waves(mul(scale, term) if not members else scale, unit, powers, h)
+            elif self.is_pulse(members):
+                i = members[0]
+                found += self.turns[i].pulses(scale, unit, self.in_plane(term, i), i, h)
+            else:
+                raise InputError(
+                    "second-order averaging: a force of several oscillators, or of oscillators in another "
+                    "resonance than 1:1, must be polynomial in their states, and in sin and cos of the forcing; "
+                    "average with `order: 1`"
+                )
         return found
 
     def waves(
@@ -175,110 +203,194 @@ class _Builder:
             if c != 0
         ]
 
-    def pulses(self, scale: Expression, unit: complex, term: Expression, i: int) -> list[Atom]:
-        """Piecewise polynomials of one oscillator."""
-        states = {X: (0, False), Y: (0, True)}
-        parts: dict[tuple[Expression, int, int], Complex] = {}
-        phi = self.grid.phi
-        for arc in self.arcs(self.in_plane(term, i)):
-            inside = _inside(phi, arc)
-            for coefficient, monomial in additive_terms(arc.formula, PLANE):
-                powers = {} if monomial is ONE else state_powers(monomial, states)
-                if powers is None:
-                    raise InputError("second-order averaging: forces must be polynomials, piece by piece")
-                m, n = powers.get((0, False), 0), powers.get((0, True), 0)
-                monomial_values = elementary.pow(elementary.cos(phi), m) * elementary.pow(-elementary.sin(phi), n)
-                shape = monomial_values * elementary.exp(-1j * phi)
-                key = (mul(coefficient, power(self.omega, number(n))), m + n, 0)
-                parts[key] = parts.get(key, np.zeros(phi.size, dtype=complex)) + np.where(inside, shape, 0.0)
-        return [Pulse(mul(scale, c), unit, i, d, values) for (c, d, _), values in parts.items()]
-
     # Means ------------------------------------------------------------------------------------------------------------
 
-    def add_mean(self, total: Sum, atoms: Sequence[Atom]) -> None:
-        for atom in atoms:
+    def corrections(self, second: Sequence[Atom], own: Sequence[Atom], first: Sequence[Sequence[Atom]]) -> Sum:
+        """<g> + <Df w>, f the atoms `own` and g those of `second`."""
+        total: Sum = defaultdict(list)
+        for atom in second:
             if isinstance(atom, Pulse):
-                shape = self.shape({atom.source: (atom.d, 1)})
-                total[shape].append((atom.coefficient, atom.number * self.grid.mean(atom.values)))
+                mean = self.mean_on(atom.source, _mean_with(atom.pieces, 0))
+                self.put(total, self.shape({atom.source: (atom.d, atom.h)}), atom.coefficient, atom.number, mean)
             elif atom.k == 0:
                 total[atom.shape].append((atom.coefficient, atom.number))
+        for atom in own:
+            if isinstance(atom, Wave):
+                for j, (d, n) in enumerate(atom.shape):
+                    if d:
+                        self.vary_wave(total, atom, j, d, n, first[j])
+            else:
+                self.vary_pulse(total, atom, first[atom.source])
+            for state, drive in zip(self.oscillators.slow, first[self.count :], strict=True):
+                slope = ZERO if state.turns else derivative(atom.coefficient, state.name)
+                if slope is not ZERO:
+                    self.vary_coefficient(total, replace(atom, coefficient=slope), drive)
+        return total
+
+    def put(self, total: Sum, shape: Shape, scale: Expression, factor: complex, mean: Sequence[Entry]) -> None:
+        for formula, value in mean:
+            at = shape
+            if formula is not ONE:
+                # powers of the amplitude into the formula, so that none is left to divide by
+                source, inner = self.formulas[formula]
+                d, n = shape[source]
+                if not self.polar and formula in self.at_rest and (d < abs(n) or (d - n) % 2):
+                    raise InputError(NOT_SMOOTH)
+                self.formulas[formula] = (source, mul(inner, _amplitude_to(d - abs(n))))
+                at = _shifted(shape, source, abs(n) - d, 0)
+            total[at].append((mul(scale, formula), factor * value))
 
     def shape(self, powers: Mapping[int, tuple[int, int]]) -> Shape:
         return tuple(powers.get(j, (0, 0)) for j in range(self.count))
 
-    def add_interaction(self, total: Sum, atom: Atom, first: Sequence[Sequence[Atom]]) -> None:
-        """<D(atom) w>, w of every oscillator the atom depends on. All w carry the factor 1/omega."""
-        if isinstance(atom, Wave):
-            for j, (d, n) in enumerate(atom.shape):
-                if d:
-                    self.vary_wave(total, atom, j, d, n, first[j])
-        else:
-            self.vary_pulse(total, atom, first[atom.source])
+    def mean_on(self, source: int, of: Mean) -> list[Entry]:
+        """A mean over the turn of an oscillator; formulas get a symbol of their own until all is done."""
+        turn = self.turns[source]
+        found: list[Entry] = []
+        for formula, value, from_rest in turn.chained(lambda k: of(k, turn.turns[k])):
+            named = formula
+            if formula is not ONE:
+                named = symbol(f"@mean{len(self.formulas)}")
+                self.formulas[named] = (source, formula)
+                self.at_rest |= {named} if from_rest else set()
+            found.append((named, value))
+        return found
 
     def vary_wave(self, total: Sum, atom: Wave, j: int, d: int, n: int, drive: Sequence[Atom]) -> None:
         """r^d e^(i n theta) = A^m conj(A)^q: m A^(m-1) conj(A)^q w + q A^m conj(A)^(q-1) conj(w)."""
         m, q = (d + n) // 2, (d - n) // 2
-        for count, conjugated in ((m, False), (q, True)):
-            if not count:
-                continue
-            base = _shifted(atom.shape, j, -1, 1 if conjugated else -1)
-            for w in drive:
-                scale = mul(atom.coefficient, w.coefficient, power(self.omega, number(-1)))
-                if isinstance(w, Wave):
-                    if w.k == 0:
-                        continue
-                    k = -w.k if conjugated else w.k
-                    if atom.k + k != 0:
-                        continue
-                    value = w.number / (1j * w.k)
-                    value = value.conjugate() if conjugated else value
-                    shape = _product(base, _conjugate(w.shape) if conjugated else w.shape)
-                    total[shape].append((scale, count * atom.number * value))
+        for count, sign in ((m, 1), (q, -1)):
+            if count:
+                self.add_wave(total, atom, count, _shifted(atom.shape, j, -1, -sign), drive, sign)
+
+    def add_wave(self, total: Sum, atom: Wave, count: int, base: Shape, drive: Sequence[Atom], sign: int) -> None:
+        """count * base * <exp(i k omega t) w>, for sign = -1 with conj(w)."""
+        for w in drive:
+            scale = mul(atom.coefficient, w.coefficient, self.inverse)
+            factor = count * atom.number * (w.number if sign > 0 else w.number.conjugate())
+            if isinstance(w, Wave):
+                if w.k == 0 or atom.k + sign * w.k != 0:
                     continue
-                integral = w.number * self.grid.antiderivative(w.values)
-                turn = 1
-                if conjugated:
-                    integral, turn = np.conj(integral), -1
-                # exp(i k omega t) = exp(i k phi_s) exp(-i k theta_s)
-                mean = self.grid.mean(self.grid.harmonic(atom.k) * integral)
-                shape = _product(base, self.shape({w.source: (w.d, turn - atom.k)}))
-                total[shape].append((scale, count * atom.number * mean))
+                shape = _product(base, w.shape if sign > 0 else _conjugate(w.shape))
+                total[shape].append((scale, factor / (1j * sign * w.k)))
+            elif atom.k:
+                # exp(i k omega t) = exp(i k phi) exp(-i k theta); <exp(i k phi) W> = -<exp(i k phi) W'>/(i k)
+                pieces = [p if sign > 0 else conjugated(p) for p in w.pieces]
+                mean = self.mean_on(w.source, _mean_with(pieces, atom.k))
+                shape = _product(base, self.shape({w.source: (w.d, sign * w.h - atom.k)}))
+                self.put(total, shape, scale, 1j * factor / atom.k, mean)
 
     def vary_pulse(self, total: Sum, atom: Pulse, drive: Sequence[Atom]) -> None:
-        """r^d e^(i theta) L(phi) with dr + i r dtheta = W = e^(-i theta) w:
+        """r^d e^(i h theta) L(phi) with dr + i r dtheta = W = e^(-i theta) w:
 
-        e^(i theta) r^(d-1) (d <L Re W> + i <L Im W> - <L Im W'>), where the last term is <L' Im W> by parts.
+        e^(i h theta) r^(d-1) (d <L Re W> + i h <L Im W> - <L Im W'>), where the last term is <L' Im W> by parts, and
+        the shifts of the cuts with r. Re W = (W + conj W)/2, Im W = (W - conj W)/(2i).
         """
         s = atom.source
+        for w, shape, of in self.driven(drive, s):
+            scale = mul(atom.coefficient, w.coefficient, self.inverse)
+            base = _shifted(shape, s, 0, -1)
+            for sign in (1, -1):
+                share = number(Fraction(atom.d + sign * atom.h, 2))
+
+                def mean(
+                    at: int, turn: CutTurn, of: Driven = of, sign: int = sign, share: Expression = share
+                ) -> Complex:
+                    own, moved = atom.pieces[at], of(at, turn)
+                    values, slope = moved if sign > 0 else (conjugated(moved[0]), conjugated(moved[1]))
+                    whole = turn.mean(product(own, values))
+                    change = times((ZERO, number(Fraction(sign, 2))), turn.mean_product(own, slope))
+                    shifts = turn.shifts(own, values, atom.jumps[at])
+                    return plus(plus(times((share, ZERO), whole), change), times((mul(HALF, R), ZERO), shifts))
+
+                at_angle = _shifted(base if sign > 0 else _conjugate(base), s, atom.d - 1, atom.h)
+                factor = atom.number * (w.number if sign > 0 else w.number.conjugate())
+                self.put(total, at_angle, scale, factor, self.mean_on(s, mean))
+
+    def vary_coefficient(self, total: Sum, atom: Atom, drive: Sequence[Atom]) -> None:
+        """<atom w>, w of a slow state on which the coefficient depends."""
+        if isinstance(atom, Wave):
+            self.add_wave(total, atom, 1, atom.shape, drive, 1)
+            return
+        for w, shape, of in self.driven(drive, atom.source):
+
+            def mean(at: int, turn: CutTurn, of: Driven = of) -> Complex:
+                return turn.mean(product(atom.pieces[at], of(at, turn)[0]))
+
+            scale = mul(atom.coefficient, w.coefficient, self.inverse)
+            at_angle = _shifted(shape, atom.source, atom.d, atom.h)
+            self.put(total, at_angle, scale, atom.number * w.number, self.mean_on(atom.source, mean))
+
+    def driven(self, drive: Sequence[Atom], s: int) -> Iterator[tuple[Atom, Shape, Driven]]:
+        """w as a shape times a function of the phase of oscillator s: on the arcs, and its slope up to a constant."""
         for w in drive:
-            scale = mul(atom.coefficient, w.coefficient, power(self.omega, number(-1)))
             if isinstance(w, Wave):
-                if w.k == 0:
-                    continue
-                # W = e^(-i theta_s) shape e^(i k omega t)/(i k) = shape' e^(i k phi_s)
-                values = w.number * self.grid.harmonic(w.k) / (1j * w.k)
-                slope = w.number * self.grid.harmonic(w.k)
-                shape = _shifted(w.shape, s, 0, -1 - w.k)
+                if w.k:
+                    yield w, _shifted(w.shape, s, 0, -w.k), _driven_by_wave(w.k)
             elif w.source == s:
-                values = w.number * self.grid.antiderivative(w.values)
-                slope = w.number * (w.values - self.grid.mean(w.values))
-                shape = self.shape({s: (w.d, 0)})
+                yield w, self.shape({s: (w.d, w.h)}), _driven_by_pulse(w.pieces)
             else:
                 raise InputError(
-                    "second-order averaging: piecewise forces of two different oscillators act on one; only first order"
+                    "second-order averaging: piecewise forces of two different oscillators act on one; use order: 1"
                 )
-            for own, change, at in (
-                (values, slope, shape),
-                (np.conj(values), np.conj(slope), _conjugate(shape)),
-            ):
-                # Re W = (W + conj W)/2, Im W = (W - conj W)/(2i)
-                imaginary = 0.5 / 1j if own is values else -0.5 / 1j
-                mean = self.grid.mean(atom.values * (atom.d * 0.5 * own + 1j * imaginary * own - imaginary * change))
-                total[_shifted(at, s, atom.d - 1, 1)].append((scale, atom.number * mean))
+
+    def finished(self, form: AveragedForm, first: AveragedForm) -> tuple[AveragedForm, tuple[Limit, ...]]:
+        """With the formulas in place of their symbols, in the form's states; and the limits of those."""
+        radii, _ = polar_names(self.oscillators.count)
+        modulus = [symbol(n) if n in form.states else first.observables[n] for n in radii]
+        known = {name: substitute([f], {R: modulus[i]})[0] for name, (i, f) in self.formulas.items()}
+
+        def put_in(formulas: Mapping[str, Expression]) -> dict[str, Expression]:
+            return dict(zip(formulas, substitute(list(formulas.values()), known), strict=True))
+
+        small = symbol(self.oscillators.small)
+        limits: dict[Expression, Limit] = {}
+        for i in dict.fromkeys(i for i, _ in self.formulas.values()):
+            for limit in (*self.turns[i].limits, *self.turns[i].grazing(small)):
+                margin = substitute([limit.margin], {R: modulus[i]})[0]
+                limits[margin] = replace(limit, margin=margin)
+        done = replace(
+            form, equations=tuple(substitute(list(form.equations), known)), observables=put_in(form.observables)
+        )
+        return done, tuple(limits.values())
 
 
-def _inside(phi: np.ndarray, arc: Arc) -> np.ndarray:
-    return (phi - arc.start.number) % (2 * math.pi) < arc.stop.number - arc.start.number
+def _amplitude_to(d: int) -> Expression:
+    """R^d"""
+    return power(R, number(d)) if d >= 0 else power(power(R, number(2)), number(Fraction(d, 2)))
+
+
+def _mean_with(pieces: Sequence[Sequence[Quasi]], k: int) -> Mean:
+    """<L exp(i k phi)>"""
+
+    def mean(at: int, turn: CutTurn) -> Complex:
+        return turn.mean(product(pieces[at], _wave(k, turn, ONE)))
+
+    return mean
+
+
+def _driven_by_wave(k: int) -> Driven:
+    """exp(i k phi)/(i k)"""
+    inverse = number(Fraction(-1, k))
+
+    def of(_: int, turn: CutTurn) -> tuple[Sequence[Quasi], Sequence[Quasi]]:
+        return _wave(k, turn, ZERO, inverse), _wave(k, turn, ONE)
+
+    return of
+
+
+def _driven_by_pulse(pieces: Sequence[Sequence[Quasi]]) -> Driven:
+    """The zero-mean antiderivative."""
+
+    def of(at: int, turn: CutTurn) -> tuple[Sequence[Quasi], Sequence[Quasi]]:
+        return turn.antiderivative(pieces[at]), pieces[at]
+
+    return of
+
+
+def _wave(k: int, turn: CutTurn, re: Expression, im: Expression = ZERO) -> tuple[Quasi, ...]:
+    """(re + i im) exp(i k phi) on every arc."""
+    return tuple({(0, k): (re, im)} for _ in turn.arcs)
 
 
 def _shifted(shape: Shape, j: int, d: int, n: int) -> Shape:
@@ -305,9 +417,7 @@ def _equation(total: Sum, polar: bool) -> AmplitudeEquation:
         powers = []
         for d, n in shape:
             if (d + n) % 2 and not polar:
-                raise InputError(
-                    "second-order averaging: the corrections are not smooth at zero amplitude; use the form polar"
-                )
+                raise InputError(NOT_SMOOTH)
             powers.append((_half(d + n), _half(d - n)))
         parts = []
         for part in ("real", "imag"):
