@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import struct
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from importlib import import_module
+from typing import Final
 
 from contin.kernels import mode, sources
 from contin.kernels.building.functions import REGISTRY, NumbaCompiler
 from contin.kernels.building.targets import EVERY, BuildTarget
 from contin.machine import objects
+
+SELDOM: Final = 100_000
+"""New objects after which garbage is looked for: numba makes millions, and nearly all live until a kernel is done."""
 
 
 def main() -> None:
@@ -23,6 +28,7 @@ def main() -> None:
     """
     targets = [EVERY[label] for label in sys.argv[3:]]
     mode.compiler = NumbaCompiler()
+    gc.set_threshold(SELDOM)
     if sys.argv[2] == "standard":
         pairs = [(0, os.dup(1))]
         os.dup2(2, 1)  # nothing that is printed may come between
