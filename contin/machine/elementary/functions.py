@@ -40,7 +40,7 @@ _computed: dict[str, int] = {}  # values of each function that the interpreter c
 
 
 def _interpreted(name: str, count: int) -> bool:
-    """Whether to compute this many more values without machine code."""
+    """Whether to compute this many more values without a loop in machine code."""
     _computed[name] = _computed.get(name, 0) + count
     return _computed[name] <= FEW
 
@@ -55,8 +55,8 @@ def _apply(name: str, *x: Any) -> Any:
     arrays = _alike(x)
     given = [np.ascontiguousarray(a, dtype=np.float64) for a in arrays]
     out = np.empty(arrays[0].shape)
-    loaded = out.size <= SHORT and is_loaded(name)
-    if loaded or _interpreted(name, out.size):
+    loaded = is_loaded(name)
+    if (loaded and out.size <= SHORT) or _interpreted(name, out.size):
         function = _scalar(name, len(x)) if loaded else source(name)
         out[...] = np.reshape([function(*v) for v in zip(*(a.ravel().tolist() for a in given), strict=True)], out.shape)
         return out if out.ndim else np.float64(out)
