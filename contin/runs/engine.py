@@ -100,6 +100,11 @@ class ContinEngine:
             return api.periodic_orbit(model, run.start, parameters, **mesh)
         if run.as_ == "manifold":
             return api.manifold(model, run.start, parameters, name=run.name, **run.manifold)
+        if run.as_ == "torus":
+            return api.torus(
+                model, run.parameters, run.range, start=run.start, parameters=parameters, direction=run.direction,
+                name=run.name, settings=run.settings,
+            )  # fmt: skip
         if run.as_ == "connection":
             along = _table(run.samples)
             return api.connection(model, run.start, run.to, parameters, samples=along, **run.connecting)

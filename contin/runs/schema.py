@@ -151,11 +151,12 @@ class ContinuationEntry(Section):
         return self
 
     def _check_torus(self) -> None:
-        """A torus starts at a label NS, and is followed in one parameter."""
+        """A torus starts at a label NS or from a simulation, and is followed in one parameter."""
         if self.as_ != "torus":
             return
-        if self.from_ is None or len(self.parameter) != 1:
-            raise wrong("is a torus: give `from: NAME.NS1`, the point at which it is born, and one `parameter`")
+        if (self.from_ is None and self.start is None) or len(self.parameter) != 1:
+            origin = "`from: NAME.NS1`, where it is born (or `start`, from where a simulation settles on it)"
+            raise wrong(f"is a torus: give {origin}, and one `parameter`")
         others = {"values": self.values, "free": self.free, "conditions": self.conditions, "extrema": self.extrema}
         others |= {"columns": self.columns}
         given = [key for key, value in others.items() if value]

@@ -40,7 +40,7 @@ def test_a_run_follows_the_circle_of_a_map_in_any_parameter(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"from": None, "start": {"x": 0}}, "from: NAME.NS1"), ({"parameter": ["a", "b"]}, "one `parameter`"),
+        ({"from": None}, "from: NAME.NS1"), ({"parameter": ["a", "b"]}, "one `parameter`"),
         ({"values": {"a": [0.1]}}, "`values`"), ({"as": "tori"}, "torus"),
     ],
 )  # fmt: skip

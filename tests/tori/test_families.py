@@ -163,6 +163,24 @@ def test_a_planar_flow_seen_from_time_to_time_has_circles_of_its_orbits_up_to_th
         assert branch.columns["x.max"][row] == pytest.approx(orbit.values["x.max"], rel=1e-3)  # of mesh points
 
 
+def test_a_torus_on_which_a_simulation_settles_is_followed_to_both_sides():
+    model = contin.Model(
+        "two rings", states={"x": 1.2, "y": 0, "u": 0.3, "v": 0}, parameters={"a": 0.3, "w": 0.37},
+        equations={
+            "x": "x*(1 - x^2 - y^2) - y", "y": "y*(1 - x^2 - y^2) + x",
+            "u": "u*(a - u^2 - v^2) - w*v", "v": "v*(a - u^2 - v^2) + w*u",
+        },
+    )  # fmt: skip
+    branch = contin.torus(model, "a", (0.2, 0.4), start={"x": 1.2}, settings={"intervals": 9})
+    assert [end.reason for end in branch.ends] == ["bound", "bound"]
+    assert branch.columns["a"][branch.start_row] == 0.3
+    assert np.allclose(branch.columns["u.max"], np.sqrt(branch.columns["a"]), atol=1e-4)
+    beats = branch.columns["rotation"] * 2 * np.pi / branch.columns["period"]
+    assert np.allclose(np.abs(beats - np.round(beats)) % 1.0, 0.37, atol=1e-6)
+    with pytest.raises(InputError, match=r"settles on no torus|no torus is found"):
+        contin.torus(contin.load("classics/lorenz"), "rho", (20, 30), start={"x": 1}, parameters={"rho": 28})
+
+
 def test_what_has_no_torus_is_said():
     line = contin.continuation(
         contin.equilibrium(contin.load("classics/brusselator"), None, {"B": 1.0}), "B", (1.0, 3.0)
