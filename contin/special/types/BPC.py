@@ -11,7 +11,7 @@ TYPE = SpecialType(
     births=(
         "orbit_BPC_to_crossing", "orbit_BPC_to_crossing_by_shooting", "orbit_of_large_to_orbits",
         "orbit_PD_BPC_to_hybrid_orbits",
-        "orbit_to_locus", "orbit_by_shooting_to_locus", "hybrid_orbit_to_locus",
+        "orbit_to_locus", "orbit_by_shooting_to_locus", "orbit_of_large_to_locus", "hybrid_orbit_to_locus",
         "orbit_BPC_to_curve_in_three_parameters",
     ),
     curves=("BPC",), continues=("orbit",),

@@ -9,7 +9,10 @@ TYPE = SpecialType(
     condition="multipliers exp(+-i theta), 0 < theta < pi", critical=2,
     source=f"{KUZNETSOV}, sec. 4.7; {CYCLES}",
     normal_form="contin.normalforms.maps:neimark_sacker", needs=("frequency",), order=3,
-    births=("point_to_locus", "orbit_to_locus", "orbit_by_shooting_to_locus", "hybrid_orbit_to_locus"),
+    births=(
+        "point_to_locus", "orbit_to_locus", "orbit_by_shooting_to_locus", "orbit_of_large_to_locus",
+        "hybrid_orbit_to_locus",
+    ),
     curves=("NS",),
     branch=2, maps=True,
     marker="p", symbol="pentagon", colour=4, dashes=(3.5, 1.2, 1.0, 1.2),

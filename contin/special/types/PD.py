@@ -13,7 +13,7 @@ TYPE = SpecialType(
         "map_PD_to_doubled", "orbit_PD_to_doubled", "orbit_PD_to_doubled_by_shooting", "orbit_of_large_to_orbits",
         "orbit_PD_BPC_to_hybrid_orbits",
         "point_to_locus",
-        "orbit_to_locus", "orbit_by_shooting_to_locus", "hybrid_orbit_to_locus",
+        "orbit_to_locus", "orbit_by_shooting_to_locus", "orbit_of_large_to_locus", "hybrid_orbit_to_locus",
     ),
     curves=("PD",), continues=("fixed-point", "orbit"),
     branch=3, maps=True,

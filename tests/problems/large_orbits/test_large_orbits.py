@@ -5,6 +5,7 @@ import pytest
 from scipy import sparse
 
 import contin
+from contin.errors import InputError
 from contin.problems.large_orbits.problem import LargeOrbitProblem
 from contin.problems.large_orbits.radau import A, C, Trajectory
 
@@ -54,7 +55,7 @@ def planted(a3, a5, exact=False):
     names = ["x", "y", "w1", "w2", "v1", "v2", "s"]
     pattern = sparse.csc_matrix(pattern)
     derivatives = {"jacobian": jacobian} if exact else {"sparsity": pattern}
-    return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5}, states=names, **derivatives)
+    return contin.FunctionProblem(residual, np.zeros(7), {"mu": -0.5, "a": 0.0}, states=names, **derivatives)
 
 
 def family(problem, span, **settings):
@@ -74,6 +75,9 @@ def test_bifurcations_of_cycles_are_where_they_were_planted():
     for point in found.points:
         assert abs(point.values["mu"] - {"PD1": 0.25, "NS1": 0.3, "BPC1": 0.4}[point.label]) < 10 * point.error + MESH
     assert found["NS1"].normal_form["theta"] == pytest.approx(0.8 * np.pi, abs=1e-4)
+    for label in ("PD1", "NS1", "BPC1"):
+        with pytest.raises(InputError, match=f"branch.{label}: curves in two parameters of .* are not made for orbits"):
+            contin.continuation(found[label].locus(), ("mu", "a"), {"mu": (0.1, 0.5), "a": (-2, 2)})
     crossing = contin.continuation(found["BPC1"].switch(), "mu", (0.2, 0.6), settings={"steps": 2})
     np.testing.assert_allclose(
         np.maximum(np.abs(crossing.columns["s.max"]), np.abs(crossing.columns["s.min"])) ** 2,
