@@ -72,8 +72,8 @@ def second_order_terms(
 
     And where they hold.
     """
-    if oscillators.slow or oscillators.kicks:
-        raise InputError("averaging to second order takes no slow states, rotators and kicks; use order: 1")
+    if oscillators.kicks:
+        raise InputError("averaging to second order takes no kicks (`events`); use order: 1")
     builder = _Builder(oscillators, system.setting, form.name == "polar")
     first = builder.first_order()
     equations, means = [], []
