@@ -174,7 +174,14 @@ class FunctionProblem:
         matrix = called("Jacobian", self.jacobian, self.u0, dict(self.values))
         if issparse(matrix):
             return "sparse"
-        return "matrix-free" if isinstance(matrix, LinearOperator) else "dense"
+        if isinstance(matrix, LinearOperator):
+            return "matrix-free"
+        if self.preconditioner is not None:
+            raise InputError(
+                f"function {self.name!r}: jacobian returns an array, which is factored; a preconditioner needs a "
+                "scipy.sparse matrix or a LinearOperator from it"
+            )
+        return "dense"
 
     def system(self) -> FunctionSystem:
         """The function with all its derivatives, as problems use it."""

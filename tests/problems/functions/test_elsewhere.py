@@ -88,6 +88,14 @@ def test_a_missing_way_back_to_numpy_is_told():
         plane_bratu(arrays=(np.asarray,))
 
 
+def test_a_preconditioner_of_a_dense_jacobian_is_refused():
+    dense = contin.FunctionProblem(
+        lambda u, p: p["p"] - u, [1.0], {"p": 1.0}, lambda u, p: -np.eye(1), preconditioner=lambda u, p: lambda r: r
+    )
+    with pytest.raises(InputError, match=r"jacobian returns an array, which is factored; a preconditioner needs a"):
+        api.equilibrium(dense)
+
+
 def test_a_preconditioner_takes_the_place_of_factors_and_is_made_anew_where_it_has_become_worse(direct):
     made = []
 
