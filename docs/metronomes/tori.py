@@ -43,10 +43,16 @@ def draw():
     return drawing
 
 
+def large_end():
+    """mu at which the large beats end, from below."""
+    return results("pair-tori.json")["large beats"]["ends"][1]["at"]["mu"]
+
+
 def table():
     rows = []
     for words, (birth, end, swings) in ends().items():
-        rows.append((words, f"{birth:.6f}", f"{end:.6f}", "" if np.isnan(swings) else f"{swings:.2f}"))
+        rows.append((words, f"{birth:.6f}", f"{end:.7f}", "" if np.isnan(swings) else f"{swings:.2f}"))
+    rows.append(("large beats, eps = 0.01", "", f"{large_end():.7f}", ""))
     return MarkdownTable("| born at mu | homoclinic at mu | swings a beat, at birth", rows)
 
 
@@ -58,3 +64,4 @@ def check():
         assert 1.7 < (one - zero) / (half - zero) < 2.0
         assert abs(2 * half - one - zero) < 0.1 * abs(one - zero)
     assert abs(found["eps = 0.01"][1] - 4.15629) < 1e-5
+    assert abs(found["eps = 0.01"][1] - large_end()) < 1e-6  # gluing: the same value from both sides
