@@ -120,6 +120,31 @@ def test_forces_beyond_second_order_are_refused(force):
         contin.average(oscillators(force), order=2)
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("huygens-clocks", r"takes no kicks: the event where .* crosses zero. Use `order: 1`, or write the kick as a"),
+        ("clocks-on-a-beam", r"takes no slaved states, and \w+ is one: use `order: 1`"),
+        ("coulomb-platform", r"takes no slaved states, and \w+ is one: use `order: 1`"),
+    ],
+)
+def test_what_has_no_second_order_is_refused_with_what_to_write_instead(name, words):
+    with pytest.raises(InputError, match=words):
+        contin.average(contin.load(f"oscillators/{name}"), order=2)
+
+
+def test_a_slow_threshold_is_refused():
+    model = contin.Model(
+        "sliding",
+        states={"x": 1.0, "y": 0.0, "w": 0.5},
+        parameters={"eps": 0.01},
+        equations={"x": "y", "y": "-x + eps*((1 if x > w else 0) - y)", "w": "eps*(x^2 - w)"},
+        averaging={"small": "eps", "oscillators": [{"position": "x", "velocity": "y"}], "slow": ["w"]},
+    )
+    with pytest.raises(InputError, match="w, which is slow, may multiply a force with conditions, and not stand in"):
+        contin.average(model, order=2)
+
+
 def next_turn(r, eps, force, thresholds):
     """From (r, 0) to the next such point: (its x, the time), leg by leg between the thresholds.
 

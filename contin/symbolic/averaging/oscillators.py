@@ -239,7 +239,10 @@ class _Reader:
         if not self.item.slaved:
             return Slaved({}, ()), ()
         if self.order > 1:
-            raise InputError("averaging to second order takes no slaved states; use order: 1")
+            raise InputError(
+                f"averaging model {self.model.name} to second order takes no slaved states, and {self.item.slaved[0]} "
+                "is one: use `order: 1`, or put what its equations give for it in its place"
+            )
         rubbed = self.rubbed()
         replaced = {call("sign", symbol(n)): symbol(r.response.pair.position) for n, r in rubbed.items()}
         replaced |= {symbol(n): r.velocity for n, r in rubbed.items()}

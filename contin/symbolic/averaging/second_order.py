@@ -73,7 +73,11 @@ def second_order_terms(
     And where they hold.
     """
     if oscillators.kicks:
-        raise InputError("averaging to second order takes no kicks (`events`); use order: 1")
+        raise InputError(
+            f"averaging model {oscillators.model.name} to second order takes no kicks: the event where "
+            f"{to_text(oscillators.kicks[0].when)} crosses zero. Use `order: 1`, or write the kick as a pulse of small "
+            "width: a force with conditions, `k/d if 0 < x < d and y > 0 else 0`"
+        )
     builder = _Builder(oscillators, system.setting, form.name == "polar")
     first = builder.first_order()
     equations, means = [], []

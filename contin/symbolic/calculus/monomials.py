@@ -76,7 +76,7 @@ class Monomials:
         e = exponent.get(UNIT, Fraction(0))
         whole = e.denominator == 1
         if len(base) == 1:
-            (monomial, coefficient), = base.items()
+            ((monomial, coefficient),) = base.items()
             if whole:
                 return {_raised(monomial, e): coefficient ** int(e)}
             return self._opaque(node)

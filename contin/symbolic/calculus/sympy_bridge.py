@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 
-
 class BridgeError(ContinError, TypeError):
     """A sympy object that the grammar of contin cannot express."""
 

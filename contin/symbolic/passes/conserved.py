@@ -182,4 +182,3 @@ def _solved(laws: Sequence[Law], eliminated: Mapping[int, str], totals: Sequence
         gone: add(sides[i], *(neg(mul(c, symbol(n))) for n, c in rows[i].items() if n != gone))
         for i, gone in eliminated.items()
     }
-

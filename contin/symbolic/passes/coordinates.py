@@ -23,9 +23,7 @@ TRIES: Final = 60
 TOLERANCE: Final = 1e-8
 
 
-def change_coordinates(
-    model: Model, states: Record, inverse: Record, periods: Record | None = None
-) -> Model:
+def change_coordinates(model: Model, states: Record, inverse: Record, periods: Record | None = None) -> Model:
     """The model in new states: `states` gives each in the old ones, `inverse` each old state in the new ones.
 
     With v = phi(u): v' = Dphi(u) f(u) at u = inverse(v); for a map, v -> phi(f(inverse(v))). Starts, values and

@@ -236,5 +236,3 @@ def _rate(model: Model, split: Split, drift: Sequence[Expression]) -> float:
             if largest > 0.0 and isfinite(largest):
                 return BESIDE * float(elementary.exp2(np.rint(elementary.log2(largest))))
     return BESIDE
-
-
