@@ -20,6 +20,7 @@ DIP_BUDGET = 45
 LOST = 1e-2  # of its value at the row: a minimum this low beyond which the curve cannot be followed may be zero
 ALIKE = 0.05  # arclength over which two branches that touch may be alike, and rows lie on either
 TOUCH = 1e-11  # of its value at the step's end: a minimum this low is a zero that does not cross
+NOTHING_LEFT = 1e-6  # of the larger value at the neighbouring rows: a resolved minimum this low may be zero
 ACCURATE = 1e-9  # a point where a test only touches zero is labelled if its defining system is regular: if it is exact
 TOUCHES = "a test function touches zero without crossing it: a degenerate point, not labelled"
 
@@ -61,11 +62,12 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
         return float(sample.tests[test] * np.sign(here.tests[test]))
 
     low, middle, high = a, here, b
+    fall = max(size(a), size(b))  # not the value at `here`, which may be as near to the minimum as chance will have it
     for _ in range(DIP_BUDGET):
         s = [stretch.length_of(x) for x in (low, middle, high)]
         f = [size(x) for x in (low, middle, high)]
         if s[2] - s[0] <= 1e-9:
-            if f[1] <= 1e-6 * size(here):
+            if f[1] <= NOTHING_LEFT * fall:
                 yield from _touching(stretch, low, high, test, a)
             return
         target = _parabola_minimum(s, f)
@@ -96,14 +98,14 @@ def _minimum(stretch: Stretch, a: Sample, here: Sample, b: Sample, test: int) ->
             yield from _touching(stretch, low, high, test, a)
             return
         if abs(f_trial - f[1]) <= 1e-3 * f[1] and f[1] > 1e-2 * min(f[0], f[2]):
-            if f[1] <= 1e-6 * size(here):  # all that is left is rounding
+            if f[1] <= NOTHING_LEFT * fall:  # all that is left is rounding
                 yield from _touching(stretch, low, high, test, a)
             return  # an ordinary minimum, resolved
         if target < s[1]:
             low, middle, high = (low, trial, middle) if f_trial < f[1] else (trial, middle, high)
         else:
             low, middle, high = (middle, trial, high) if f_trial < f[1] else (low, middle, trial)
-    if size(middle) <= 1e-5 * size(here):
+    if size(middle) <= 10.0 * NOTHING_LEFT * fall:
         yield from _touching(stretch, low, high, test, a)
 
 

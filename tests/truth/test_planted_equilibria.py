@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.truth.ledger import Ledger
-from tests.truth.planted_equilibria import Planted, crossings, folds, hopf_points, imperfect, tangency
+from tests.truth.planted_equilibria import Planted, crossings, folds, hopf_points, imperfect, mixed, tangency
 
 SPACINGS = [10.0**-k for k in range(1, 13)]
 
@@ -117,3 +117,18 @@ def test_errors_of_crossings_hold_in_skewed_coordinates():
             assert min(abs(point.values["p"] - place) for place in places) <= point.error
             assert condition > 1.0 or point.error < 1e-12  # where nothing is skewed it stays small
     assert found >= 7
+
+
+@pytest.mark.parametrize("beside", [3e-3, 3e-4, 1e-4, 1e-5, 1e-7, -1e-4])
+def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
+    """A row near them has a small value of the test, but that is no measure of how far the test falls."""
+    for size, condition in ((1, 1.0), (2, 2e3)):
+        generator = np.random.default_rng(3)
+        apart = crossings(generator, 0.05, 2, size, condition).follow()
+        row = float(np.asarray(apart.columns["p"])[np.argmin(np.abs(np.asarray(apart.columns["p"])))])
+        equation = f"(-X*(X - 5*(p - ({row + beside!r}))*(p - ({row + beside + 1e-12!r}))))"
+        equations, start = mixed(generator, equation, 0.0, condition, size)
+        branch = Planted("together", equations, start, []).follow()
+        assert branch.points or branch.notes
+        for point in branch.points:
+            assert abs(point.values["p"] - row - beside) <= point.error + 1e-12
