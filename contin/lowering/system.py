@@ -280,6 +280,8 @@ class CompiledSystem:
     def explain(self, u: ArrayLike, p: ArrayLike) -> str | None:
         """Which equation, or entry of the Jacobian, is not finite at this point and why; None if all are finite."""
         z = np.concatenate([np.asarray(u, dtype=float), np.asarray(p, dtype=float)])
+        if self.n and np.all(np.isnan(z[: self.n])):  # no equation is the cause
+            return "no state is a number any more: Newton's method diverged, or met a pole of the equations nearby"
         f, matrix = self.jacobian(u, p)
         bad_rows = np.flatnonzero(~np.isfinite(f))
         # states come first: a parameter's column may be infinite without harm while that parameter is fixed

@@ -139,6 +139,7 @@ def test_explain_names_the_equation_and_the_reason():
     text = system.explain([0.5, 0.0], [1.0])
     assert text.startswith("not finite at this point: equation y: 'log(x - a)'")
     assert "logarithm of a negative number" in text
+    assert system.explain([np.nan, np.nan], [1.0]).startswith("no state is a number any more")
 
 
 def test_explain_names_the_entry_of_the_jacobian_where_the_equations_are_finite():
