@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contin.abi import NO_FUNCTION, Array, Vector
 from contin.errors import InputError
+from contin.kernels.iterates import iterate_along
 from contin.systems.protocol import form_by_form, one_by_one
 
 if TYPE_CHECKING:
@@ -71,6 +72,9 @@ class IteratedSystem:
 
     def orbit(self, u: ArrayLike, p: ArrayLike) -> Iterator[Array]:
         """u, f(u), ..., f^(times - 1)(u): the points of the cycle."""
+        if self.base.jacobian_address != NO_FUNCTION:
+            yield from self._compiled(u, p)[0][:-1]
+            return
         x = np.array(u, dtype=float)
         for _ in range(self.times):
             yield x
@@ -78,6 +82,8 @@ class IteratedSystem:
 
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """f^times(u, p), (n,)."""
+        if self.base.jacobian_address != NO_FUNCTION:
+            return self._compiled(u, p)[0][-1]
         x = np.array(u, dtype=float)
         for _ in range(self.times):
             x = self.base.value(x, p)
@@ -132,12 +138,25 @@ class IteratedSystem:
 
     def jacobian(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
         """f^times (n,) and its derivative in (u, p), (n, n + m)."""
+        if self.base.jacobian_address != NO_FUNCTION:
+            points, slope = self._compiled(u, p)
+            return points[-1], slope
         x = np.array(u, dtype=float)
         slope = np.eye(self.n, self.n + self.m)
         for _ in range(self.times):
             x, matrix = self.base.jacobian(x, p)
             slope = _after(matrix, slope)
         return x, slope
+
+    def _compiled(self, u: ArrayLike, p: ArrayLike) -> tuple[Array, Array]:
+        """u and its iterates, (times + 1, n), and the last one's derivatives, (n, n + m)."""
+        points = np.empty((self.times + 1, self.n))
+        points[0] = u
+        shape = (self.n, self.n + self.m)
+        slope, matrix, fresh = np.empty(shape), np.empty(shape), np.empty(shape)
+        inputs = np.ascontiguousarray(p, dtype=float)
+        iterate_along(self.base.jacobian_address, points, inputs, np.empty(self.n), matrix, slope, fresh)
+        return points, slope
 
     def jacobians(self, u: Array, p: Array) -> tuple[Array, Array]:
         """`jacobian` at N points, u (N, n) and p (N, m): (N, n) and (N, n, n + m)."""

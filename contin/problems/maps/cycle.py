@@ -91,10 +91,10 @@ class CycleProblem(OfFixedPoints):
         f = np.empty((k, n))
         jacobian = np.zeros((k, n, k * n + 1))
         points = z[:-1].reshape(k, n)
-        for j in range(k):
-            value, matrix = self.system.base.jacobian(points[j], p)
+        values, matrices = self.system.base.jacobians(points, np.broadcast_to(p, (k, len(p))))
+        for j, matrix in enumerate(matrices):
             row = (j + 1) % k
-            f[row] = value - points[row]
+            f[row] = values[j] - points[row]
             jacobian[row][:, j * n : (j + 1) * n] = matrix[:, :n]
             jacobian[row][:, row * n : (row + 1) * n] -= np.eye(n)
             jacobian[row][:, -1] = matrix[:, n + self.active]
@@ -103,9 +103,10 @@ class CycleProblem(OfFixedPoints):
     def linear_part(self, z: Array) -> Array:
         """The product of the map's Jacobians around the cycle, whose eigenvalues are the multipliers."""
         p = self.inner.full_parameters(z)
+        points = z[:-1].reshape(self.period, self.n)
         product = np.eye(self.n)
-        for point in z[:-1].reshape(self.period, self.n):
-            product = self.system.base.jacobian(point, p)[1][:, : self.n] @ product
+        for matrix in self.system.base.jacobians(points, np.broadcast_to(p, (len(points), len(p))))[1]:
+            product = matrix[:, : self.n] @ product
         return product
 
     # the engine's contract --------------------------------------------------------------------------------------------
