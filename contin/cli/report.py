@@ -154,7 +154,7 @@ def _coefficient(form: Record) -> str:
     for key in (_OF_KIND.get(str(form.get("kind")), ""), *_COEFFICIENTS):
         value, error = form.get(key), form.get("errors", {}).get(key)
         if isinstance(value, int | float) and not isinstance(value, bool):
-            unsure = isinstance(error, int | float) and abs(value) <= error
+            unsure = isinstance(error, int | float) and 0.0 < error >= abs(value)
             return f"{key} = {value:.4g}" + (f" +- {error:.1g}" if unsure else "")
         if isinstance(value, list) and len(value) == 2 and None not in value:
             return f"{key} = {value[0]:.4g}{value[1]:+.4g}i"
