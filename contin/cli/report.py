@@ -174,7 +174,7 @@ def _effort(document: Record) -> str:
     branches = [branch for branch in document["branches"] if not branch["image_of"]]
     steps, seconds = sum(b["steps"] for b in branches), sum(b["seconds"] for b in branches)
     timing = document["timing"]
-    solved = [sum(b["effort"].get(name, 0) for b in branches) for name in ("factorisations", "applications")]
+    solved = [sum(b.get("effort", {}).get(name, 0) for b in branches) for name in ("factorisations", "applications")]
     solves = f" ({solved[0]} sparse factorisations, {solved[1]} solves)" if solved[1] else ""
     parts = ", ".join(f"{name} {timing[name]:.2f} s" for name in ("import", "lower", "kernels") if name in timing)
     count = f"{len(branches)} branch{'es' if len(branches) != 1 else ''}"
