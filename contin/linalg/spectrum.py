@@ -27,10 +27,10 @@ def spectrum(matrix: Array) -> tuple[NDArray[np.complex128], Array]:
         if grade(ordered, rates, np.empty((n, n))):
             re, im, unknown = np.empty(n), np.empty(n), np.full(n, np.nan)
             if eigenvalues(ordered, re, im, unknown, unknown) == 0:
-                return _sorted(re + 1j * im), rates
+                return in_order(re + 1j * im), rates
     values = np.linalg.eigvals(matrix).astype(complex)  # LAPACK balances
     rates[:] = np.abs(values).max(initial=0.0)
-    return _sorted(values), rates
+    return in_order(values), rates
 
 
 def noises(values: NDArray[np.complex128], rates: Array) -> Array:
@@ -53,5 +53,6 @@ def count_and_tests(
     return int(flow_tests(re, im, rates, tests)), tests
 
 
-def _sorted(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def in_order(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """By falling real part, of a pair the one with positive imaginary part first."""
     return np.asarray(values[np.lexsort((-values.imag, -values.real))])

@@ -83,7 +83,7 @@ class IteratedSystem:
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """f^times(u, p), (n,)."""
         if self.base.jacobian_address != NO_FUNCTION:
-            return self._compiled(u, p)[0][-1]
+            return np.asarray(self._compiled(u, p)[0][-1])
         x = np.array(u, dtype=float)
         for _ in range(self.times):
             x = self.base.value(x, p)

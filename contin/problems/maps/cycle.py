@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array, Vector
 from contin.continuation import march as python_march
@@ -22,6 +23,8 @@ from contin.continuation.departure import Seed
 from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
+from contin.kernels.floquet import multipliers as multipliers_of
+from contin.linalg.spectrum import count_and_tests, in_order, spectrum
 from contin.machine import elementary
 from contin.problems import special
 from contin.problems.equilibrium import EquilibriumProblem
@@ -35,6 +38,18 @@ HALF_PERIOD = "half-period shift"  # what a doubled cycle breaks: its halves bec
 SINGULAR = 1e-9
 LONGEST = 64  # period to which the explorer follows a cascade of doublings
 SAME = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class CycleMarch(DenseMarch):
+    """The march with the multipliers of the cycle."""
+
+    problem: CycleProblem
+
+    def stability(self, z: Array) -> tuple[Array, int, NDArray[np.complex128]]:
+        values = self.problem.multipliers(z)
+        count, tests = count_and_tests(values, True)
+        return tests[2:], count, values
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +124,22 @@ class CycleProblem(OfFixedPoints):
             product = matrix[:, : self.n] @ product
         return product
 
+    def multipliers(self, z: Array) -> NDArray[np.complex128]:
+        """Eigenvalues of that product without forming it: in a chaotic map's cycles some are 1e10 and others 1e-40.
+
+        The product has rounding errors of the large ones, and with them the small ones change sign from row to row.
+        """
+        points = z[:-1].reshape(self.period, self.n)
+        others = np.broadcast_to(self.inner.full_parameters(z), (self.period, self.inner.system.m))
+        slopes = self.system.base.jacobians(points, others)[1][:, :, : self.n]
+        if np.isfinite(slopes).all():
+            sizes = np.abs(points).max(axis=0)
+            sizes = np.maximum(sizes, 1e-6 * (float(sizes.max()) or 1.0))
+            basis, re, im = np.full((self.n, self.n), np.nan), np.full(self.n, np.nan), np.full(self.n, np.nan)
+            if multipliers_of(np.ascontiguousarray(slopes * sizes / sizes[:, None]), 0, basis, re, im):
+                return in_order(re + 1j * im)
+        return spectrum(self.linear_part(z))[0]
+
     # the engine's contract --------------------------------------------------------------------------------------------
 
     def initial_scale(self, z: Array, bounds: tuple[float, float]) -> Array:
@@ -134,11 +165,11 @@ class CycleProblem(OfFixedPoints):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         bounds: tuple[float, float], settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
-        march = DenseMarch(self)
+        march = CycleMarch(self)
         return python_march.march(march, origin, before, length, frame, step, limit, bounds, settings, loop)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        return python_march.probe(DenseMarch(self), base, length, guess, frame, settings)
+        return python_march.probe(CycleMarch(self), base, length, guess, frame, settings)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self, guess, value, scale)
