@@ -31,7 +31,7 @@ def _numbers(column) -> np.ndarray:
         return np.array(column)
 
 
-def results(name: str) -> dict[str, dict]:
+def results(name: str | Path) -> dict[str, dict]:
     """Branches of a result document, by name."""
     return {branch["name"]: branch for branch in json.loads(Path(name).read_text(encoding="utf-8"))["branches"]}
 
