@@ -13,6 +13,7 @@ from contin.cli.printable import printable
 from contin.cli.terminal import console
 from contin.cli.ticker import Ticker
 from contin.errors import InputError
+from contin.model.bundled import model_file, runs
 from contin.model.registry import find
 from contin.model.yaml_loader import model_from_document
 from contin.model.yaml_reader import read_file
@@ -43,7 +44,8 @@ def check_file(file: Path, execute: bool) -> int:
         return 0
     if is_foreign(file):
         return check_foreign(file)
-    file, place = find_run(file)
+    named = None if file.exists() else model_file(file.as_posix())  # a bundled model, as other commands take it
+    file, place = (named, named) if named is not None and file.as_posix() not in runs() else find_run(file)
     with reading(file) as tell:
         document = read_file(file)
         tell("its formulas")

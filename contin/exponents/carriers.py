@@ -100,6 +100,9 @@ class JumpCarrier:
                 if arc.why:
                     return arc
             chain = list(together)
+            if any(len(jump.events) > 1 for jump in chain):
+                why = f"several events at t = {begin + time:.6g}, which a disturbance parts: no linear growth there"
+                return Carried(u, columns, steps, touched, why)
             columns = self._jumped(chain, columns)
             at, u = time, chain[-1].after
         if length > at:
@@ -117,10 +120,5 @@ class JumpCarrier:
         late = -(surface.gradient[:n] @ columns) / surface.rate
         change = columns + np.outer(flow.system.value(first, self.p), late)
         for jump in chain:
-            slopes = np.eye(n)
-            for k in jump.events:  # all from the values before
-                own = flow.jumped(k, jump.before, self.p)[1][:, :n]
-                rows = [flow.model.state_names.index(name) for name in flow.model.events[k].jumps]
-                slopes[rows] = own[rows]
-            change = slopes @ change
+            change = flow.jumped(jump.events[0], jump.before, self.p)[1][:, :n] @ change
         return np.asarray(change - np.outer(flow.system.value(last, self.p), late))

@@ -18,6 +18,14 @@ def folder() -> Path:
     return package / "_models"
 
 
+def model_file(name: str) -> Path | None:
+    """The file of a bundled model by its name, with or without its family; None where there is none, or several."""
+    family, _, own = name.rpartition("/")
+    files = [path for path in sorted(folder().glob("*/*.yaml")) if path.stem == own]
+    found = [path for path in files if family in ("", path.parent.name)]
+    return found[0] if len(found) == 1 else None
+
+
 def runs() -> dict[str, Path]:
     """The bundled run files by name: metronomes/pair-phase is models/metronomes/runs/pair-phase.yaml."""
     return {f"{path.parent.parent.name}/{path.stem}": path for path in sorted(folder().glob("*/runs/*.yaml"))}

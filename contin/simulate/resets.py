@@ -201,6 +201,8 @@ def _next_event(
         if places[1] - t > sides.allowed[k]:
             return t, (), sides, f"after its jump {_named(watched, int(k))} comes again at once, without end"
         signs[0, k] = last[k]
+    beside = (flown.t - t)[:, None] <= sides.allowed  # another event may cut so short a time into pieces
+    signs = np.where(beside, last, signs)
     when_first = end
     fired: list[int] = []
     for place, found in zip(places, signs, strict=False):
@@ -249,7 +251,7 @@ def _jumped(
         if not np.isfinite(y).all():
             return jumps, y, _Sides(np.sign(before), np.full(before.size, -1.0)), "a jump leads to no finite state"
         when, last = (a[0] for a in watched.seen(y[None, :], at))
-        small = _rounding(landed, slope, interval)
+        small = _rounding(landed, slope, interval, t)
         carried = [
             k for k, e in enumerate(watched.events)
             if k not in fired and abs(when[k]) > small[k] and abs(before[k]) > small[k]
@@ -259,7 +261,7 @@ def _jumped(
         ever |= set(fired)
         if len(jumps) > CHAIN:
             return jumps, y, _Sides(np.sign(when), np.full(when.size, -1.0)), "events fire each other without end"
-    small = _rounding(landed, slope, interval)
+    small = _rounding(landed, slope, interval, t)
     on = np.array([k in ever and abs(before[k]) <= small[k] for k in range(before.size)])
     if bool((on & (np.abs(last) <= AT_ONCE * np.abs(slope))).any()):
         k = int(np.flatnonzero(on & (np.abs(last) <= AT_ONCE * np.abs(slope)))[0])
@@ -270,9 +272,10 @@ def _jumped(
     return jumps, y, _Sides(np.where(on, np.sign(last), np.sign(before)), np.where(on, leave, -1.0)), ""
 
 
-def _rounding(landed: Array, slope: Array, interval: float) -> Array:
-    """How near zero `when` is on its surface after landing there."""
-    return np.asarray(10.0 * np.abs(np.where(np.abs(landed) < 1e-9 * np.abs(slope) * interval, landed, 0.0))
+def _rounding(landed: Array, slope: Array, interval: float, t: float) -> Array:
+    """How near zero `when` is on its surface after landing there, to what the time t since the last jump resolves."""
+    near = max(1e-9 * interval, 8.0 * float(np.spacing(t)))
+    return np.asarray(10.0 * np.abs(np.where(np.abs(landed) < near * np.abs(slope), landed, 0.0))
                       + AT_ONCE * np.abs(slope) * interval)  # fmt: skip
 
 

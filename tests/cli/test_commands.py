@@ -174,3 +174,10 @@ def test_a_broken_package_of_models_is_a_warning_in_words_and_the_run_goes_on(tm
         "warning: models 'decay' of the package broken-models cannot be loaded: RuntimeError: licence expired\n"
     )
     assert len(results(tmp_path / "out.json")["branches"]) == 1
+
+
+def test_a_bundled_model_is_checked_by_its_name(capsys):
+    assert call("check", "oscillators/huygens-clocks") == 0
+    assert "good. Model huygens-clocks" in capsys.readouterr().out
+    assert call("check", "metronomes/pair-phase") == 0  # a bundled run of that name comes first
+    assert "phase diagram" in capsys.readouterr().out

@@ -162,6 +162,9 @@ def test_what_ends_early_or_cannot_be_disturbed_is_said():
     assert np.isnan(found.exponents).all()
     assert "stopped at t" in found.outcomes[0]
     assert found.signs == ["?"]
+    clocks = contin.load("oscillators/clocks-and-metronomes")
+    together = contin.lyapunov(clocks, "together", time=100.0)
+    assert "several events at t" in together.outcomes[0]
     short = contin.lyapunov(lorenz(), time=0.5)
     assert np.isinf(short.errors).all()  # too short to tell
     with pytest.raises(contin.InputError, match="mass matrix"):

@@ -155,3 +155,20 @@ def test_tables_and_pictures_know_the_jumps():
     assert np.all(np.diff(drawn["t"]) >= 0.0)
     assert len(found.columns["t"]) == 50
     assert "2 jumps" in str(found)
+
+
+@pytest.mark.parametrize("apart", [1e-4, 1e-6, 1e-8])
+def test_two_events_as_good_as_at_once_each_ring_once_a_turn(apart):
+    """An event that leaves its own `when` as it is must not ring again because another one rings just after it."""
+    model = contin.Model(
+        "two", states={"x": 0, "v": 1, "y": f"sin({apart})", "w": f"cos({apart})"},
+        equations={"x": "v", "v": "-x", "y": "w", "w": "-y"},
+        events=[
+            {"when": "x - 0.3", "direction": "up", "set": {"v": "v*(1 + 1e-9)"}},
+            {"when": "y - 0.3", "direction": "up", "set": {"w": "w*(1 + 1e-9)"}},
+        ],
+    )  # fmt: skip
+    found = contin.simulate(model, time=64 * 2 * np.pi, samples=2)
+    assert found.complete, found.why
+    rung = [k for jump in found.jumps for k in jump.events]
+    assert rung.count(0) == rung.count(1) == 64

@@ -198,3 +198,20 @@ def test_clocks_on_a_beam_swing_as_averaged_in_phase_and_in_anti_phase():
         size = np.hypot(run.columns["x1"], run.columns["y1"])[-150:]
         assert np.mean(size) == pytest.approx(r, rel=0.03)
         assert np.sign(run.columns["x1"][-150:] @ run.columns["x2"][-150:]) == sign
+
+
+
+@pytest.mark.parametrize("mass", [0.15, 0.4])
+def test_clocks_on_a_free_platform_move_as_their_average(mass):
+    """In opposite phase: stable beyond mass = A^2/8 - 2 c J/(pi A^2) = .2658."""
+    clocks, eps, r = contin.load("oscillators/clocks-and-metronomes"), 0.005, 1.5619
+    start = {"x1": r, "y1": 0.0, "x2": -r * math.cos(0.1), "y2": r * math.sin(0.1)}
+    values = {"mass": mass, "eps": eps}
+    run = contin.simulate(clocks, start, values, time=20 / eps, samples=20)
+    begun = {"r1": r, "r2": r, "psi": math.pi + 0.1}
+    slow = contin.simulate(contin.average(clocks), begun, values, time=20, samples=20)
+    phases = [np.angle(run.columns[f"x{k}"] - 1j * run.columns[f"y{k}"]) for k in (1, 2)]
+    psi = (phases[1] - phases[0]) % (2 * math.pi)
+    assert np.abs(psi - slow.columns["psi"]).max() < 10 * eps
+    away = np.abs(slow.columns["psi"] - math.pi)
+    assert (away[-5:].max() > 0.2) == (mass < 0.2658)
