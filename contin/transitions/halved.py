@@ -8,6 +8,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.continuation.departure import Seed
+from contin.errors import NoSolutionError
 from contin.problems.orbits.problem import OrbitProblem
 from contin.problems.orbits.samples import orbit_from_samples
 from contin.problems.shooting.start import orbit_from_return
@@ -26,9 +27,18 @@ def halved(problem: OrbitProblem | ShootingProblem, z: Array) -> Seed:
     profile, system = problem.profile(z), problem.system
     p = problem.full_parameters(z[~np.isnan(z)])[: len(problem.base)]
     s = np.linspace(0.0, 0.5, SAMPLES + 1)
+    if isinstance(problem, OrbitProblem):  # its own times are dense where the orbit is steep
+        s = np.unique(np.concatenate([s, profile.times[profile.times < 0.5]]))
     states = profile.at(s)
     if isinstance(problem, OrbitProblem):
-        orbit: Any = orbit_from_samples(system, s * profile.period, states, p, np.asarray(system.model.periods()))
+        periods = np.asarray(system.model.periods())
+        try:
+            orbit: Any = orbit_from_samples(system, s * profile.period, states, p, periods)
+        except NoSolutionError as error:  # what it says of samples is for users who give some
+            raise NoSolutionError(
+                "the orbits end in a family of half their period, which Newton's method does not find from the last of "
+                "them: start it from a simulation beside it (`as: orbit`)"
+            ) from error
     else:
         multiple = max(problem.multiple // 2, 1)
         periods = np.asarray(system.model.periods())
