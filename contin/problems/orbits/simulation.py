@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 FIRST_TIME = 60.0  # time scales before the first look
 LONGEST = 2e5  # time scales until giving up
+WAITING = 20  # times as long where nothing has come back once: relaxation oscillations between slow states
 BUDGET = 1_000_000  # steps between two looks: a trajectory that needs more escapes, or is stiff beyond use
 CROSSINGS = 60  # returns compared at once
 CLOSE = 1e-4  # a return this close (relative to the orbit's extent) is an orbit, up to Newton's polish
@@ -121,7 +122,7 @@ def find_return(
     scale = time_scale(system, start, p)
     largest = np.maximum(np.abs(start), CLOSED * natural_metric(system, start, p).states)
     time, total, best = FIRST_TIME * scale, 0.0, (np.inf, start, 0.0, 0)
-    while total < longest * scale:
+    while total < longest * scale or (best[0] == np.inf and total < WAITING * longest * scale):
         path = integrate(system, start, p, time, times=np.linspace(0.0, time, 800), budget=budget)
         total += time
         largest = np.maximum(largest, np.abs(path.u).max(axis=0))
@@ -141,7 +142,7 @@ def find_return(
                 best = found
             if found[0] < CLOSE:
                 break
-        start, time = path.end, min(1.6 * time, 0.2 * longest * scale)
+        start, time = path.end, min(1.6 * time, max(0.2 * longest * scale, 0.5 * total))
     distance, at, period, loops = best
     if distance > NEAR:
         raise NoSolutionError(

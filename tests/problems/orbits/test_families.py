@@ -225,3 +225,12 @@ def test_rest_of_a_driven_oscillator_doubles_its_period_where_hills_equation_has
     assert moving.ends[1].reason == "bound"
     assert moving.columns["x.max"][-1] > 0.1
     assert len(rest) < 60
+
+
+def test_a_relaxation_oscillation_of_100_000_fastest_times_is_waited_for():
+    """Van der Pol at m = 200: T = (3 - 2 ln 2) m + 7.014 m^(-1/3) + O(ln m/m) (Dorodnicyn 1947, Urabe 1960)."""
+    model = Model(
+        "vdp", states={"x": 2, "y": 0}, parameters={"m": 200}, equations={"x": "y", "y": "m*(1 - x^2)*y - x"}
+    )
+    orbit = api.periodic_orbit(model)
+    assert abs(orbit.period - (1.6137056388801094 * 200 + 7.014 * 200 ** (-1 / 3))) < 0.05
