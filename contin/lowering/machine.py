@@ -83,20 +83,47 @@ done:
 """
 
 
-_loop: list[tuple[Any, Address]] = []  # the engine, for as long as this process lives, and the address in it
+MOST_POINTERS: Final = 8
 
 
-def loop_address() -> Address:
-    """(f, count, u, du, p, dp, out, dout): f(u + i du, p + i dp, out + i dout) for i < count; count >= 1."""
+def _loop_of(pointers: int) -> str:
+    """(f, count, places): f(places[0] + i places[1], places[2] + i places[3], ..) for i < count, in bytes."""
+    numbers = range(pointers)
+    loads = [
+        f"""  %a{k} = getelementptr i64, ptr %places, i64 {2 * k}
+  %p{k} = load ptr, ptr %a{k}
+  %b{k} = getelementptr i64, ptr %places, i64 {2 * k + 1}
+  %s{k} = load i64, ptr %b{k}"""
+        for k in numbers
+    ]
+    moved = [f"  %o{k} = mul i64 %i, %s{k}\n  %q{k} = getelementptr i8, ptr %p{k}, i64 %o{k}" for k in numbers]
+    return "\n".join([
+        f"define void @each{pointers}(ptr %f, i64 %count, ptr %places) {{", "entry:", *loads, "  br label %next", "next:",
+        "  %i = phi i64 [ 0, %entry ], [ %j, %next ]", *moved, f"  call void %f({', '.join(f'ptr %q{k}' for k in numbers)})",
+        "  %j = add i64 %i, 1", "  %more = icmp slt i64 %j, %count", "  br i1 %more, label %next, label %done",
+        "done:", "  ret void", "}", "",
+    ])  # fmt: skip
+
+
+_loop: list[tuple[Any, dict[int, Address]]] = []  # the engine, for as long as this process lives, and addresses in it
+
+
+def loop_address(pointers: int = 0) -> Address:
+    """(f, count, u, du, p, dp, out, dout): f(u + i du, p + i dp, out + i dout) for i < count; count >= 1.
+
+    With `pointers`, 4 to `MOST_POINTERS`: (f, count, places), see `_loop_of`.
+    """
     if not _loop:
         import llvmlite.binding as llvm
 
         with _lock:
             if not _loop:  # two threads may ask at once: code made twice would be freed under the feet of one of them
                 _prepare(llvm)
-                engine = _loaded(llvm, _LOOP, 2)
-                _loop.append((engine, int(engine.get_function_address("many"))))
-    return _loop[0][1]
+                several = range(4, MOST_POINTERS + 1)
+                engine = _loaded(llvm, _LOOP + "".join(_loop_of(k) for k in several), 2)
+                names = {0: "many", **{k: f"each{k}" for k in several}}
+                _loop.append((engine, {k: int(engine.get_function_address(name)) for k, name in names.items()}))
+    return _loop[0][1][pointers]
 
 
 def _loaded(llvm: ModuleType, text: str, level: int) -> Any:

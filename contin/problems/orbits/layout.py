@@ -141,23 +141,26 @@ def extrema(values: Array, m: int) -> tuple[Array, Array]:
     values : (R, N m + 1, k) at the nodes. The polynomial pieces next to the extreme node are searched, (R, k) each.
     """
     across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
-    return -_largest(-across, m), _largest(across, m)
+    low, high = (_extreme(across, top, m, sign) for top, sign in ((across.argmin(axis=2), -1.0), (across.argmax(axis=2), 1.0)))
+    return -low, high
 
 
-def _largest(values: Array, m: int) -> Array:
-    """(R, k) from values (R, k, N m + 1)."""
-    rows, functions, nodes = values.shape
-    top = np.argmax(values, axis=2)  # (R, k)
-    right = np.minimum(top // m, (nodes - 1) // m - 1)
-    left = np.where((top % m == 0) & (top > 0), top // m - 1, right)
-    fine = _fine(m)
-    r, k = np.arange(rows)[:, None], np.arange(functions)[None, :]
-    best: Array = values[r, k, top]
-    for interval in (left, right):
-        index = interval[:, :, None] * m + np.arange(m + 1)
-        pieces = values[r[:, :, None], k[:, :, None], index] @ fine.T  # (R, k, SAMPLES)
-        best = np.maximum(best, _parabola_top(pieces))
-    return best
+def _extreme(values: Array, top: NDArray[np.intp], m: int, sign: float) -> Array:
+    """Largest value of sign * values (R, k, N m + 1), (R, k), beside the nodes `top` (R, k) where they are largest."""
+    nodes = values.shape[2]
+    flat, tops = values.reshape(-1, nodes), top.ravel()
+    right = np.minimum(tops // m, (nodes - 1) // m - 1)
+    functions = np.arange(len(flat))
+    best: Array = np.maximum(sign * flat[functions, tops], _within(flat, functions, right, m, sign))
+    ends = np.flatnonzero((tops % m == 0) & (tops > 0) & (tops < nodes - 1))  # of intervals: the one on the left, too
+    best[ends] = np.maximum(best[ends], _within(flat, ends, right[ends] - 1, m, sign))
+    return best.reshape(top.shape)
+
+
+def _within(flat: Array, functions: NDArray[np.intp], intervals: NDArray[np.intp], m: int, sign: float) -> Array:
+    """Largest value of sign * some functions, each within one interval."""
+    pieces = flat[functions[:, None], intervals[:, None] * m + np.arange(m + 1)]
+    return _parabola_top(sign * (pieces @ _fine(m).T))
 
 
 @cache
