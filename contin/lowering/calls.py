@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from contin.abi import NO_FUNCTION, Address, Array
 from contin.lowering.machine import MOST_POINTERS, loop_address
 
-FEW: Final = 4  # points that are called one by one from Python
+FEW: Final = 24  # points that are called one by one from Python
 BUFFERED: Final = 1024  # Jacobians with more elements are written where they are returned
 
 Call = Any
@@ -178,7 +178,7 @@ class Calls:
 
 def _each(call: Call, points: int, places: Sequence[tuple[Address, int]]) -> None:
     """Call at so many points: for each argument, its address at the first and the bytes from one point to the next."""
-    if FEW < points and 4 <= len(places) <= MOST_POINTERS:
+    if points > FEW and 4 <= len(places) <= MOST_POINTERS:
         address, words = ctypes.cast(call, ctypes.c_void_p), [word for place in places for word in place]
         _loop_over(loop_address(len(places)))(address, points, (ctypes.c_int64 * len(words))(*words))
         return

@@ -89,6 +89,7 @@ MOST_POINTERS: Final = 8
 def _loop_of(pointers: int) -> str:
     """(f, count, places): f(places[0] + i places[1], places[2] + i places[3], ..) for i < count, in bytes."""
     numbers = range(pointers)
+    arguments = ", ".join(f"ptr %q{k}" for k in numbers)
     loads = [
         f"""  %a{k} = getelementptr i64, ptr %places, i64 {2 * k}
   %p{k} = load ptr, ptr %a{k}
@@ -98,8 +99,8 @@ def _loop_of(pointers: int) -> str:
     ]
     moved = [f"  %o{k} = mul i64 %i, %s{k}\n  %q{k} = getelementptr i8, ptr %p{k}, i64 %o{k}" for k in numbers]
     return "\n".join([
-        f"define void @each{pointers}(ptr %f, i64 %count, ptr %places) {{", "entry:", *loads, "  br label %next", "next:",
-        "  %i = phi i64 [ 0, %entry ], [ %j, %next ]", *moved, f"  call void %f({', '.join(f'ptr %q{k}' for k in numbers)})",
+        f"define void @each{pointers}(ptr %f, i64 %count, ptr %places) {{", "entry:", *loads, "  br label %next",
+        "next:", "  %i = phi i64 [ 0, %entry ], [ %j, %next ]", *moved, f"  call void %f({arguments})",
         "  %j = add i64 %i, 1", "  %more = icmp slt i64 %j, %count", "  br i1 %more, label %next, label %done",
         "done:", "  ret void", "}", "",
     ])  # fmt: skip

@@ -26,7 +26,10 @@ from contin.problems.two_parameters import TwoParameterProblem
 from contin.records import Fields
 from contin.simulate.reach import has_reach, left_reach
 
-CHUNK = 250
+CHUNK = 250  # rows after which the border is looked at again
+REACH = 12.5  # ... or, where steps are short, this arclength (so many of the longest steps by default)
+LONGEST = 1000  # rows in one kernel call, of systems with
+FEW = 10  # states at most: some 50 ms
 IMAGINARY = 1e-4  # relative size of an imaginary part that counts, and root of that of a real part that does not
 _NONE = np.empty(0)
 _KINDS = {"LP": 0, "HB": 1, "BP": 2}
@@ -43,7 +46,7 @@ class LocusProblem(TwoParameterProblem):
     state_periods: Array
     memory: Fields = field(default_factory=dict)  # what the first point decided: the kind of branch points
 
-    maximum_chunk = CHUNK
+    maximum_chunk = LONGEST
 
     @cached_property
     def n(self) -> int:
@@ -95,6 +98,7 @@ class LocusProblem(TwoParameterProblem):
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
         settings: Settings, loop: Sample | None,
     ) -> Chunk:  # fmt: skip
+        limit = min(limit, self._most_rows(settings))
         renewed = self.curve.settle(origin.z)
         if not self.curve.compiled:
             return march(self, origin, before, length, frame, step, limit, settings, loop)
@@ -125,6 +129,11 @@ class LocusProblem(TwoParameterProblem):
             0.0, int(info[4]), int(info[2]),
         )  # fmt: skip
         return events.with_degeneracy(self, chunk) if self.locus == "BP" else chunk
+
+    def _most_rows(self, settings: Settings) -> int:
+        """In one call of the kernel."""
+        quick = self.curve.compiled and self.n <= FEW
+        return max(CHUNK, int(min(float(LONGEST), REACH / settings.max_step))) if quick else CHUNK
 
     def _realigned(self, origin: Sample, scale: Array) -> Array:
         """The tangent with a new border, in the sense in which states and parameters went on before."""

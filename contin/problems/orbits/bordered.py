@@ -28,8 +28,8 @@ def factors(matrix: csc_matrix) -> SuperLU:
 
     Blocks of few states are full: no order fills them less than the one along the orbit, and none need be looked for
     (factors in half the time at n = 3, solutions too). In wide blocks most states do not act on each other: minimum
-    degree on A + A^T leaves the borders to the end and fills in proportion to the intervals. The usual order, by columns
-    (of A^T A, in which one dense row couples all), takes some ten times as long at 400 intervals.
+    degree on A + A^T leaves the borders to the end and fills in proportion to the intervals. The usual order, by
+    columns (of A^T A, in which one dense row couples all), takes some ten times as long at 400 intervals.
     Raises LinAlgError where the matrix is exactly singular, or not finite.
     """
     from scipy.sparse.linalg import splu

@@ -141,8 +141,7 @@ def extrema(values: Array, m: int) -> tuple[Array, Array]:
     values : (R, N m + 1, k) at the nodes. The polynomial pieces next to the extreme node are searched, (R, k) each.
     """
     across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
-    low, high = (_extreme(across, top, m, sign) for top, sign in ((across.argmin(axis=2), -1.0), (across.argmax(axis=2), 1.0)))
-    return -low, high
+    return -_extreme(across, across.argmin(axis=2), m, -1.0), _extreme(across, across.argmax(axis=2), m, 1.0)
 
 
 def _extreme(values: Array, top: NDArray[np.intp], m: int, sign: float) -> Array:
