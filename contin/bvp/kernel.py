@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -10,8 +10,32 @@ from contin.abi import Array
 from contin.bvp.on_mesh import OnMesh
 from contin.errors import NotFiniteError
 
+if TYPE_CHECKING:
+    from contin.bvp.problem import BoundaryProblem
+
 MOST_TOLD: Final = 4  # singular values that are looked at: kernels of up to three dimensions
 VANISHING: Final = 1e-6  # a singular value below this part of the first that does not vanish is zero
+LOOSE: Final = 1e-9  # a part of the largest term below which a singular value leaves corrections of rounding only
+
+
+def undetermined(problem: BoundaryProblem, z: Array) -> str:
+    """In words, where F_u is singular to about rounding at z: which function the conditions leave free; else empty."""
+    mesh = OnMesh(problem, problem.profile(z).h)
+    x = mesh.unknowns(z)
+    here = mesh.at(x)
+    if here is None:
+        return ""
+    values, vectors = _smallest(mesh, x, 1)
+    part = float(values[0] / here.linear.magnitude(np.abs(vectors[:, 0])).max())
+    if not part < LOOSE:
+        return ""
+    shape = np.abs(vectors[:, 0].reshape(-1, problem.n)).max(axis=0)
+    freest = problem.two.names[int(np.argmax(shape[: problem.two.n_states]))]
+    return (
+        "The conditions do not determine the solution to more than rounding (smallest singular value "
+        f"{part:.0e} of the largest terms): {freest} can be moved almost freely there, as a pulse can on a long "
+        "interval. Add a condition that fixes its place, or use its symmetry and half the interval."
+    )
 
 
 def null_vector(mesh: OnMesh, x: Array) -> Array:

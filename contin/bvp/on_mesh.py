@@ -110,7 +110,7 @@ class OnMesh:
             return np.asarray(np.einsum("cj,ijk->ick", scheme.values, values.reshape(-1, n)[nodes])).reshape(-1, n)
 
         p = np.tile(problem.full_parameters(x), (count * m, 1))
-        p[:, -1] = self._times
+        p[:, -1] = profile.gauss_times
         wide, ends = [], []
         for d in directions:
             v = np.zeros((count * m, width))
@@ -124,12 +124,6 @@ class OnMesh:
         local = -np.repeat(self.h, m)[:, None] * np.asarray(local)
         conditions = problem.two.conditions.derivative(profile.u[0], profile.u[-1], p[0, :-1], *ends)
         return np.concatenate([local.ravel(), conditions])
-
-    @cached_property
-    def _times(self) -> Array:
-        """s at the Gauss points, (N m,)."""
-        starts = np.concatenate([[0.0], np.cumsum(self.h)[:-1]])
-        return (starts[:, None] + self.h[:, None] * basis(self.problem.points).gauss).ravel()
 
     def _evaluate(self, x: Array) -> Evaluated | None:
         problem = self.problem

@@ -18,6 +18,8 @@ from contin.abi import Array
 from contin.bvp import special
 from contin.bvp.condensed import Condensed, Workspace, linearise
 from contin.bvp.functionals import columns_of
+from contin.bvp.kernel import undetermined
+from contin.bvp.sizes import couplings, filled, noticed
 from contin.bvp.two_point import TwoPoint
 from contin.continuation import march as python_march
 from contin.continuation.branch import End
@@ -154,7 +156,10 @@ class BoundaryProblem(Problem):
         return make_scale(profile.h, self.points, self.natural_sizes(z, profile, width), 1.0, width)
 
     def natural_sizes(self, z: Array, profile: Profile, width: float) -> Array:
-        """Declared sizes; else those of the solution, or how far the parameter's range moves it to first order."""
+        """Declared sizes; else those of the solution, or how far the parameter's range moves it to first order.
+
+        A size that no equation would notice is rounding, and says nothing (`contin.bvp.sizes`).
+        """
         size = np.abs(profile.u).max(axis=0)
         fixed = np.zeros_like(z)
         fixed[-1] = 1.0
@@ -164,11 +169,13 @@ class BoundaryProblem(Problem):
             moved = here.solve(np.append(np.zeros(z.size - 1), 1.0))[: profile.u.size].reshape(-1, self.n)
             found = np.abs(moved).max(axis=0) * width
             motion = np.where(np.isfinite(found), found, 0.0)
-        grown = np.where(size > 0.0, np.maximum(size, np.minimum(motion, SENSITIVITY_CAP * size)), motion)
         declared = np.zeros(self.n)
         declared[: self.two.n_states] = self.two.model.scales(self.constants())
-        sizes = np.where(declared > 0.0, declared, grown)
-        return np.where(sizes > 0.0, sizes, sizes.max(initial=0.0) or 1.0)
+        coupling = couplings(self, z)
+        seen = noticed(np.where(declared > 0.0, declared, size), coupling)
+        grown = np.where(seen > 0.0, np.maximum(seen, np.minimum(motion, SENSITIVITY_CAP * seen)), motion)
+        sizes = noticed(np.where(declared > 0.0, declared, grown), coupling)
+        return filled(sizes, coupling)
 
     def linearisation(self, z: Array, tangent: Array, scale: Array) -> Condensed | None:
         return linearise(self, z, tangent, scale)
@@ -244,12 +251,13 @@ class BoundaryProblem(Problem):
     def trouble(self, z: Array) -> str:
         """Where the equations have no value on the solution, and why; empty where they have one everywhere."""
         profile = self.profile(z)
+        times = profile.gauss_times
         p = self.full_parameters(z)
-        for s, u in zip(profile.times, profile.u, strict=True):
+        for s, u in zip(times, profile.at(times), strict=True):
             p[-1] = s
-            text = self.two.system.explain(u, p)
+            text = self.two.explain(u, p)
             if text:
-                return str(text)
+                return text
         return ""
 
     def describe_failure(self, z: Array) -> str:
@@ -263,7 +271,8 @@ class BoundaryProblem(Problem):
                 f"The mesh of {profile.intervals} intervals does not resolve the solution (estimated error "
                 f"{error:.1e}): it has a layer here. Try settings.intervals, or a smaller settings.max_step."
             )
-        return "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
+        loose = undetermined(self, z)
+        return loose or "Try a smaller settings.step or min_step; check that conditions and equations are smooth here."
 
 
 def _standing(problem: BoundaryProblem, origin: Sample, before: Sample | None) -> End | None:

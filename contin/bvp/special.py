@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contin.abi import Array
+from contin.bvp import forms
 from contin.bvp.condensed import residual_at
 from contin.bvp.kernel import kernel_dimension, null_vector
 from contin.bvp.on_mesh import OnMesh
@@ -19,7 +20,6 @@ from contin.continuation.problem import Frame, Outcome, Rejected, Sample, Verifi
 from contin.errors import InputError
 from contin.linalg.vectors import norm
 from contin.problems.orbits.layout import make_scale
-from contin.problems.sparse import forms
 from contin.problems.sparse.reduced import Reduced
 from contin.problems.sparse.special import secant
 from contin.records import Fields
@@ -30,8 +30,13 @@ if TYPE_CHECKING:
 RESIDUAL_LIMIT = 1e-7
 NEWTON = 20  # iterations with a fixed parameter
 SHORTEST = 1e-3  # damping
+LONG = 60  # iterations with whole steps
+FAR = 1e4  # a whole step that leads nowhere
+NEAR = 1e-3  # a whole step after which the damped iteration takes over
 ACCURATE = 1e-13
 STALLED = 1e-8  # a correction that no longer falls, because of rounding
+BLURRED = 1e-4  # a correction that may be rounding of a nearly singular problem
+FALLEN = 0.01  # part of the residual that is left after a Newton step that has worked
 REGULAR = 1e8  # a tangent from the bordered matrix longer than this: the matrix without it is singular
 PERTURBATION = 1e-8
 ORDER = 1.25  # the finer mesh leaves an error of its own, 2^-2m of this one
@@ -200,18 +205,63 @@ def at_parameter(problem: BoundaryProblem, guess: Array, value: float, scale: Ar
             return None
         if size < ACCURATE or (size >= 0.5 * before and size < STALLED):
             return z if size >= before else _moved(z, scale, step, value)
+        if size < BLURRED and met_to_rounding(problem, z):
+            return z
         damping = min(1.0, 4.0 * damping)
         while True:
             trial = _moved(z, scale, damping * step, value)
             left = residual_at(problem, trial)
             again = np.inf if left is None else norm(here.solve(np.append(-left, 0.0)))
-            if again <= (1.0 - 0.25 * damping) * size or again < STALLED:
+            if again <= (1.0 - 0.25 * damping) * size or again < STALLED or _smaller(left, here.residual, again):
                 break
             damping *= 0.5
             if damping < SHORTEST:
                 return None
         z, before = trial, size if damping == 1.0 else np.inf
     return None
+
+
+def at_parameter_from_afar(problem: BoundaryProblem, guess: Array, value: float, scale: Array) -> Array | None:
+    """Newton with the parameter fixed and whole steps, as far as they lead; None: no solution in `LONG` iterations.
+
+    Where damping keeps a guess between two solutions, whole steps leave that place. (Guesses of localised patterns of
+    the Swift-Hohenberg equation: 13 of 16 find a solution, 4 with damping.)
+    """
+    fixed = np.zeros_like(scale)
+    fixed[-1] = 1.0
+    z = guess.copy()
+    z[-1] = value
+    for _ in range(LONG):
+        here = problem.linearisation(z, fixed, scale)
+        if here is None or here.sign == 0.0:
+            return None
+        step = here.solve(np.append(-here.residual, 0.0))
+        size = norm(step)
+        if not size < FAR:
+            return None
+        z = _moved(z, scale, step, value)
+        if size < NEAR:
+            return at_parameter(problem, z, value, scale)
+    return None
+
+
+def met_to_rounding(problem: BoundaryProblem, z: Array) -> bool:
+    """Whether the residual at z is rounding of its own terms: corrections are then noise, however nearly singular F_u.
+
+    (A pulse on a long interval moves by exp(-length) for conditions at its ends: its place is known to no more.)
+    """
+    mesh = OnMesh(problem, problem.profile(z).h)
+    x = mesh.unknowns(z)
+    here = mesh.at(x)
+    if here is None:
+        return False
+    terms = here.linear.magnitude(np.abs(x[:-1])) + np.abs(here.slope * x[-1])
+    return bool(np.all(np.abs(here.residual) <= ROUNDING * terms))
+
+
+def _smaller(left: Array | None, residual: Array, again: float) -> bool:
+    """Whether a full Newton step has worked although the next one is no shorter: F_u is nearly singular there."""
+    return left is not None and again < BLURRED and norm(left) < FALLEN * norm(residual)
 
 
 def _moved(z: Array, scale: Array, step: Array, value: float) -> Array:

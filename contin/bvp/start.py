@@ -10,6 +10,7 @@ import numpy as np
 
 from contin.abi import Array
 from contin.bvp.problem import BoundaryProblem
+from contin.bvp.special import at_parameter_from_afar
 from contin.bvp.two_point import TwoPoint, two_point
 from contin.continuation.departure import Seed
 from contin.errors import InputError, NoSolutionError
@@ -17,7 +18,9 @@ from contin.model.model import Model
 from contin.problems.orbits.layout import Profile, make_scale, node_times
 from contin.problems.orbits.mesh import choose_mesh
 
-INTERVALS = 20  # of the first mesh
+MESHES = (20, 40, 80, 160)  # intervals of the first mesh: as many as the guess needs, ...
+RESOLVED = 0.02  # ... which is met to this part of its sizes
+SAMPLED = 1281  # points at which the formulas of a guess are evaluated
 ROUNDS = 6  # of meshes
 
 
@@ -49,8 +52,19 @@ class BoundaryGuess:
         return Seed(problem, solved(problem, self._profile(two, problem)))
 
     def _profile(self, two: TwoPoint, problem: BoundaryProblem) -> Profile:
-        """The guess on an even mesh, with constant free parameters and zero integrals."""
-        h = np.full(INTERVALS, 1.0 / INTERVALS)
+        """The guess on an even mesh fine enough for it, with constant free parameters and zero integrals."""
+        span = self.times[-1] - self.times[0]
+        places = (self.times - self.times[0]) / span
+        size = np.abs(self.states).max(axis=0)
+        for intervals in MESHES:
+            found = self._on_even_mesh(two, problem, intervals)
+            off = np.abs(found.at(places)[:, : two.n_states] - self.states).max(axis=0)
+            if np.all(off <= RESOLVED * size):
+                break
+        return found
+
+    def _on_even_mesh(self, two: TwoPoint, problem: BoundaryProblem, intervals: int) -> Profile:
+        h = np.full(intervals, 1.0 / intervals)
         s = node_times(h, problem.points)
         u = np.zeros((len(s), two.n))
         span = self.times[-1] - self.times[0]
@@ -72,7 +86,7 @@ def boundary_guess(
     unknown = [name for name in free if name not in model.parameter_names]
     if unknown:
         raise InputError(f"free: {model.name} has no parameter {unknown[0]!r}")
-    p, times, states = model.start_functions(start, parameters, 8 * INTERVALS + 1)
+    p, times, states = model.start_functions(start, parameters, SAMPLED)
     if samples is not None:
         times, states = samples
     if not np.all(np.isfinite(states)):
@@ -88,6 +102,8 @@ def solved(problem: BoundaryProblem, guess: Profile) -> Array:
         sizes = problem.natural_sizes(z, profile, abs(profile.parameter) or 1.0)
         scale = make_scale(profile.h, problem.points, sizes, 1.0, 1.0)
         found = problem.at_parameter(z, profile.parameter, scale)
+        if found is None:
+            found = at_parameter_from_afar(problem, z, profile.parameter, scale)
         if found is None:
             raise NoSolutionError(
                 f"no solution of {problem.two.model.name} found from the start at {problem.parameters[0]} = "

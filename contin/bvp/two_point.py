@@ -21,6 +21,8 @@ from contin.lowering.calls import Call, Calls, make_call
 from contin.lowering.machine import MachineCode, compile_routines
 from contin.lowering.routines import Layout, form_routine, jacobian_routine
 from contin.lowering.system import CompiledSystem, compile_system
+from contin.model.evaluate import node_values
+from contin.model.explain import explain_not_finite
 from contin.model.expression import ZERO, Expression, call, number, power, substitute, symbol, symbols_in
 from contin.model.functionals import condition_count
 from contin.model.model import Model
@@ -65,6 +67,20 @@ class TwoPoint:
         """t1 - t0."""
         assert self.model.interval is not None
         return self.model.interval.end - self.model.interval.start
+
+    def explain(self, u: Array, p: Array) -> str:
+        """Why the equations have no value at u (n,) and p (m + 1,), in the user's own formulas; empty where they have.
+
+        The last entry of p is the place s in [0, 1].
+        """
+        interval = _interval(self.model)
+        known = dict(zip((*self.names, *self.parameters), (*u.tolist(), *p[:-1].tolist()), strict=True))
+        ends = node_values((interval.start, interval.end), known)
+        start = ends[interval.start]
+        known[interval.name] = start + (ends[interval.end] - start) * float(p[-1])
+        written = dict(zip(self.model.state_names, self.model.equations, strict=True))
+        text = explain_not_finite(written, known)
+        return f"Not finite at this point: {text}" if text else (self.system.explain(u, p) or "")
 
 
 def two_point(model: Model, free: Sequence[str]) -> TwoPoint:
@@ -154,4 +170,3 @@ class Conditions:
             code = compile_routines([routine])
             self._code[order] = code, make_call(code.addresses["conditions"], 3 + order)
         return self._code[order][1]
-

@@ -171,3 +171,99 @@ def test_eulers_elastica_buckles_where_it_should():
     for n, point in enumerate(line.points):
         assert abs(point.values["P"] - (n * np.pi) ** 2) <= point.error
     assert [p.normal_form.get("criticality") for p in line.points] == ["degenerate", None, None]
+
+
+@pytest.mark.parametrize("intervals", [12, 30])
+def test_normal_forms_of_pitchforks_do_not_depend_on_the_mesh(intervals):
+    """u'' = -lam (u - u^3): u = A sin(n t), lam = n^2 (1 + 3 A^2/4); mean(q^2) = 1 is A^2 = 2 x^2/(1 + n^2)."""
+    parts = {
+        "kind": "bvp", "time": {"name": "t", "from": 0, "to": "pi"}, "states": {"u": 0, "v": 0},
+        "parameters": {"lam": {"value": 0.5, "range": [0.5, 5]}},
+        "equations": {"u": "v", "v": "-lam*(u - u^3)"}, "conditions": ["u(start) = 0", "u(end) = 0"],
+    }  # fmt: skip
+    line = follow(parts, "lam", (0.5, 5), settings={"intervals": intervals})
+    assert [p.type for p in line.points] == ["BP", "BP"]
+    for n, point in enumerate(line.points, 1):
+        form = point.normal_form
+        error = 3.0 * form["errors"]["b30"] + 1e-8
+        assert form["kind"] == "pitchfork"
+        assert form["b11"] == pytest.approx(1.0, abs=1e-9)
+        assert abs(form["b30"] + 6.0 * 1.5 * n**2 / (1.0 + n**2)) <= error
+
+
+def test_normal_form_of_a_fold_is_how_the_parameter_turns():
+    """a = lam''/2 along unit x = mean(q . (u - u0)): from the rows of the curve beside Bratu's fold."""
+    line = follow(BRATU, "lam", (2.5, 4), start={"parameters": {"lam": 2.5}}, settings={"max_step": 0.02})
+    fold = line["LP1"]
+    height, lam = fold.values["height"], fold.values["lam"]
+    near = np.abs(line.columns["height"] - height) < 0.05
+    x, p = line.columns["height"][near] - height, line.columns["lam"][near] - lam
+    bend = np.polynomial.polynomial.polyfit(x, p, [2, 3, 4])[2]
+    c = float(np.arccosh(np.exp(height / 2.0)))
+    t = np.linspace(0.0, 1.0, 4001)
+    u, v = (_along_bratu(t, c, k) for k in (0, 1))
+    across = np.trapezoid(u * u + v * v, t)  # of the solutions for one unit of height
+    assert fold.normal_form["a"] == pytest.approx(bend / across, rel=1e-4)
+
+
+def _along_bratu(t, c, derivative):
+    """d/d(height) of u or u' of Bratu's problem at the fold, from its closed form, by differences."""
+
+    def solution(c):
+        if derivative == 0:
+            return 2.0 * np.log(np.cosh(c) / np.cosh(c * (2.0 * t - 1.0)))
+        return -4.0 * c * np.tanh(c * (2.0 * t - 1.0))
+
+    step = 1e-5
+    change = 4.0 * np.log(np.cosh(c + step) / np.cosh(c - step)) / 2.0
+    return (solution(c + step) - solution(c - step)) / change
+
+
+def test_an_eigenvalue_problem_starts_where_the_derivative_and_the_eigenvalue_vanish():
+    """Mathieu's a_0(q): a constant at q = 0, where y' and a are zero and their sizes rounding. (DLMF 28.6: -q^2/2.)"""
+    parts = {
+        "kind": "bvp", "time": {"name": "t", "from": 0, "to": "pi"}, "states": {"y": "sqrt(1/2)", "v": 0},
+        "parameters": {"q": {"value": 0, "range": [0, 6]}, "a": 0},
+        "equations": {"y": "v", "v": "-(a - 2*q*cos(2*t))*y"},
+        "conditions": ["v(start) = 0", "v(end) = 0", "integral(y^2) = pi/2"],
+    }  # fmt: skip
+    line = follow(parts, "q", (0, 5), free=("a",), values={"q": [5]})
+    assert line["UZ1"].values["a"] == pytest.approx(-5.800046020851508, abs=1e-8)  # DLMF, table 28.1.1
+
+
+def test_a_pulse_on_a_long_interval_is_found_although_its_place_is_hardly_determined():
+    """u'' = u - 2 u^3 on [-10, 10], u = 0 at the ends: sech, its shift determined to exp(-20)."""
+    parts = {
+        "kind": "bvp", "time": {"name": "x", "from": -10, "to": 10},
+        "states": {"u": "1/cosh(x)", "v": "-tanh(x)/cosh(x)"}, "parameters": {"N": 2, "mu": -0.5},
+        "equations": {"u": "v", "v": "-2*mu*u - 2*u^3"},
+        "conditions": ["u(start) = 0", "u(end) = 0", "integral(u^2) = N"],
+    }  # fmt: skip
+    line = follow(parts, "N", (1.9, 2.0), free=("mu",))
+    assert line.columns["mu"] == pytest.approx(-(line.columns["N"] ** 2) / 8.0, abs=1e-6)  # N = 2 sqrt(-2 mu)
+    far = follow(parts, "N", (2.0, 4.0), free=("mu",))
+    assert "do not determine the solution" in far.ends[1].text
+
+
+def test_a_rough_guess_leads_somewhere_by_whole_steps():
+    """A localised pattern of the Swift-Hohenberg equation from cos(x)/cosh(x/10): damped steps stay between two."""
+    waves = {"u": "cos(x)", "v": "(-sin(x))", "w": "(-cos(x))", "z": "sin(x)"}
+    parts = {
+        "kind": "bvp", "time": {"name": "x", "from": 0, "to": "20*pi"},
+        "states": {name: f"1.3*{wave}/cosh(x/10)" for name, wave in waves.items()},
+        "parameters": {"r": -0.2, "b": 1.8},
+        "equations": {"u": "v", "v": "w", "w": "z", "z": "-2*w - (1 - r)*u + b*u^2 - u^3"},
+        "conditions": ["v(start) = 0", "z(start) = 0", "v(end) = 0", "z(end) = 0"],
+    }  # fmt: skip
+    seed = boundary_guess(Model("m", **parts)).seed("r")
+    assert float(np.abs(seed.problem.profile(seed.z).u[:, 0]).max()) > 0.5
+
+
+def test_the_place_of_a_failure_is_told_in_the_users_variable():
+    """The independent variable has the name and the values of the model, not those of the unit interval."""
+    parts = {
+        "kind": "bvp", "time": {"name": "x", "from": -1, "to": 3}, "states": {"u": 0, "v": 0}, "parameters": {"q": 1},
+        "equations": {"u": "v", "v": "q + sqrt(x)"}, "conditions": ["u(start) = 0", "u(end) = 0"],
+    }  # fmt: skip
+    with pytest.raises(NoSolutionError, match=r"square root of a negative number, 'x' = -0"):
+        boundary_guess(Model("m", **parts)).seed("q")

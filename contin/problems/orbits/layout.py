@@ -51,6 +51,12 @@ class Profile:
         return node_times(self.h, self.m)
 
     @property
+    def gauss_times(self) -> Array:
+        """Scaled times of the collocation points, (N m,)."""
+        ends = np.cumsum(self.h)
+        return np.asarray((self.h[:, None] * basis(self.m).gauss + (ends - self.h)[:, None]).ravel())
+
+    @property
     def weights(self) -> Array:
         """Quadrature weights of the nodes, (N m + 1,), sum 1."""
         return node_weights(self.h, self.m)
