@@ -22,6 +22,7 @@ from contin.normalforms.static import StateError, quadratic_error, state, state_
 OUTSIDE = 1e-7  # <p, F_p> above this fraction of its summands: F_p is not in the range of F_u
 LINK = 0.3  # points of a continuum closer than this are connected (400 starts lie denser, up to a sphere)
 SCATTER = 1e-3  # copies of a root closer than this are one
+AT_ONCE = 64  # points of a front whose neighbours are looked for together
 CONTINUUM = "solutions form a continuum (a continuous symmetry): one representative"
 REPEATED = "repeated direction: higher orders decide whether it is one branch, several or none"
 
@@ -153,25 +154,25 @@ def _representatives(roots: list[Root], most: int, mirror: Real) -> list[tuple[R
     Newton's method leaves copies of a repeated root scattered about it, as it converges linearly there.
     """
     isolated = [(root, "") for root in roots if root.free == 0]
-    loose = [group[0] for group in _groups([root for root in roots if root.free > 0], SCATTER, mirror)]
+    loose = _first_of_groups([root for root in roots if root.free > 0], SCATTER, mirror)
     if len(loose) <= most:
         return isolated + [(root, REPEATED) for root in loose]
-    return isolated + [(group[0], CONTINUUM) for group in _groups(loose, LINK, mirror)]
+    return isolated + [(root, CONTINUUM) for root in _first_of_groups(loose, LINK, mirror)]
 
 
-def _groups(roots: list[Root], link: float, mirror: Real) -> list[list[Root]]:
-    """Roots that are connected by steps shorter than `link`."""
-    groups = []
-    while roots:
-        front, roots = [roots[0]], roots[1:]
-        groups.append(list(front))
-        while front and roots:
-            near = distance(np.array([o.y for o in roots]), front.pop().y, mirror) < link
-            linked = [o for o, is_near in zip(roots, near, strict=True) if is_near]
-            front += linked
-            groups[-1] += linked
-            roots = [o for o, is_near in zip(roots, near, strict=True) if not is_near]
-    return groups
+def _first_of_groups(roots: list[Root], link: float, mirror: Real) -> list[Root]:
+    """One root, the first, of each group that is connected by steps shorter than `link`."""
+    points = np.array([root.y for root in roots])
+    first = []
+    left = np.arange(len(roots))
+    while left.size:
+        front, left = left[:1], left[1:]
+        first.append(roots[front[0]])
+        while front.size and left.size:
+            here, front = points[front[:AT_ONCE]], front[AT_ONCE:]
+            near = np.any(distance(points[left, None], here, mirror) < link, axis=1)
+            front, left = np.append(front, left[near]), left[~near]
+    return first
 
 
 def _direction(r: Reduction, y: Real, y2: Real, note: str) -> Direction:

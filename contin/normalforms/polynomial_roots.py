@@ -65,6 +65,6 @@ def sphere_roots(equations: Equations, weights: Real, mirror: Real, *, seed: int
 
 
 def distance(points: Real, point: Real, mirror: Real) -> Real:
-    """Distance of each of the points to {point, mirror point}."""
-    near = np.linalg.norm(points - point, axis=1)
-    return np.asarray(np.minimum(near, np.linalg.norm(points - mirror * point, axis=1)))
+    """Distance of each of the points to {point, mirror point}; broadcast, the last axis is that of the unknowns."""
+    near = np.linalg.norm(points - point, axis=-1)
+    return np.asarray(np.minimum(near, np.linalg.norm(points - mirror * point, axis=-1)))

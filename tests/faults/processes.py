@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from contin.cli.main import main
+from contin.problems.equilibrium import EquilibriumProblem
 
 needs_fork = pytest.mark.skipif(
     "fork" not in multiprocessing.get_all_start_methods() or not hasattr(signal, "SIGHUP"), reason="needs fork"
@@ -70,6 +71,11 @@ def finished(process: Any, seconds: float = 300.0) -> int:
         process.join()
     assert not hangs, "the process hangs"
     return int(process.exitcode)
+
+
+def short_chunks(rows: int = 20) -> None:
+    """`before` of a branch of equilibria without end: it is kept as often as ever, by rows instead of thousands."""
+    EquilibriumProblem.maximum_chunk = rows  # type: ignore[assignment]
 
 
 def wait_for(condition: Callable[[], bool], process: Any, seconds: float = 120.0) -> bool:

@@ -14,7 +14,7 @@ from contin.store.results import read_results
 from contin.store.scan_store import read_scan
 from contin.store.verify import verify
 from tests.cli.calls import FOLD, run_file
-from tests.faults.processes import finished, needs_fork, started, wait_for
+from tests.faults.processes import finished, needs_fork, short_chunks, started, wait_for
 from tests.warm import warm_up
 
 pytestmark = needs_fork
@@ -43,9 +43,9 @@ def test_a_signal_at_a_random_moment_keeps_what_was_computed(tmp_path, number, t
     for trial in range(trials):
         for name in STORES.values():
             (tmp_path / name).unlink(missing_ok=True)
-        process = started(tmp_path, "run", "case.yaml", "-q")
+        process = started(tmp_path, "run", "case.yaml", "-q", before=short_chunks)
         assert wait_for(lambda: kept(tmp_path / "r.contin") > 100_000, process)
-        time.sleep(generator.uniform(0.0, 0.1))  # rows by the 100,000 are read back: more of them show no more
+        time.sleep(generator.uniform(0.0, 0.1))
         for _ in range(1 if number == signal.SIGINT else generator.randint(1, 3)):  # `timeout` sends it twice
             os.kill(process.pid, number)
         assert finished(process) == 1, (trial, (tmp_path / "err").read_text())
@@ -88,7 +88,7 @@ def test_a_killed_run_leaves_the_earlier_result_and_every_whole_branch(tmp_path,
     before = {name: (tmp_path / name).read_bytes() for name in STORES.values()}
     run_file(tmp_path, FOLD, {**SHORT, "name": "first"}, ENDLESS, outputs=STORES)
     for trial in range(trials):
-        process = started(tmp_path, "run", "case.yaml", "-q", *(["--resume"] if trial % 2 else []))
+        process = started(tmp_path, "run", "case.yaml", "-q", *(["--resume"] if trial % 2 else []), before=short_chunks)
         unfinished = beside(tmp_path / "r.contin")
         assert wait_for(lambda path=unfinished: kept(path) > 100_000, process)
         time.sleep(generator.uniform(0.0, 0.3))

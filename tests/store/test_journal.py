@@ -17,6 +17,7 @@ from contin.cli.main import main
 from contin.continuation.problem import Chunk, Stop
 from contin.errors import InputError
 from contin.model.model import Model
+from contin.problems.equilibrium import EquilibriumProblem
 from contin.store.journal import SqliteJournal, packed, unpacked
 from tests.warm import warm_up
 
@@ -109,8 +110,8 @@ RUN = """
 contin: 1
 model: metronomes/pair-averaged
 continuations:
-  - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 2.0e-5, step: 2.0e-5, steps: 99999}}
-  - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-4, step: 2.0e-4}}
+  - {name: a, start: in-phase, parameter: mu, range: [1, 8], settings: {max_step: 2.0e-4, step: 2.0e-4}}
+  - {name: b, from: a.BP1, parameter: mu, range: [0.05, 8], settings: {max_step: 2.0e-3, step: 2.0e-3}}
 outputs: {save: out.contin}
 """
 
@@ -155,9 +156,10 @@ def _kept(path):
 
 @pytest.mark.parametrize("trials", [2, pytest.param(50, marks=pytest.mark.long)])
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="needs fork and kill -9")
-def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result(tmp_path, trials):
+def test_runs_killed_at_random_moments_and_resumed_give_the_uninterrupted_result(tmp_path, monkeypatch, trials):
     (tmp_path / "run.yaml").write_text(RUN)
     warm_up()
+    monkeypatch.setattr(EquilibriumProblem, "maximum_chunk", 200)  # in the forked processes too
     began = time.monotonic()
     whole = _start(tmp_path, "whole.json")
     whole.join()

@@ -88,14 +88,14 @@ VERBS = {
     "simulate, until": lambda m: contin.simulate(m, time=10.0, until="x > 10"),
     "simulate, stiff": lambda m: contin.simulate(m, time=10.0, method="BDF", samples=20),
     "sweep": lambda m: contin.sweep(m, "A", (0.6, 0.8), steps=1),
-    "lyapunov": lambda m: contin.lyapunov(m, time=40.0, count=1),
+    "lyapunov": lambda m: contin.lyapunov(m, time=4.0, count=1),
     "scan": lambda m: contin.scan(m, {"A": [0.3, 0.6]}),
     "diagram": lambda m: contin.diagram(m, "A", (0.1, 0.6) if m.kind == "map" else (0.5, 1.5), settings={"steps": 10}),
     "phase": lambda m: contin.phase(
         m, ["A", "B"], {"A": (0.8, 0.9), "B": (0.25, 0.35)}, orbits=False, settings={"steps": 5}
     ),
     "survey": lambda m: contin.survey(m, names=["A"], processes=1),
-    "plane": lambda m: contin.plane(m, "x", "y", x_range=(0.7, 1.3), y_range=(0.1, 1.3)),
+    "plane": lambda m: contin.plane(m, "x", "y", x_range=(0.7, 0.8), y_range=(0.2, 0.3)),
     "plot": lambda m: line(m).plot(),
     "average": contin.average,
     "connection": lambda m: contin.connection(m, {"x": 1.0, "y": 1.0}),
