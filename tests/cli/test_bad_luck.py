@@ -1,10 +1,8 @@
 """A full disk, a reader that goes away, a folder that may not be written to: one message, and nothing else is lost."""
 
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +10,7 @@ import pytest
 from contin.errors import InputError
 from contin.store.atomic import write_text
 from tests.cli.calls import FOLD, call, results, run_file
+from tests.faults.processes import finished, kept, needs_fork, short_chunks, started, wait_for
 
 FULL = Path("/dev/full")  # takes nothing: "No space left on device"
 needs_full = pytest.mark.skipif(not FULL.is_char_device(), reason="needs /dev/full")
@@ -88,26 +87,17 @@ def test_a_folder_that_may_not_be_written_to_is_found_before_the_computation(tmp
 SLOW = {"name": "a", "parameter": "p", "settings": {"max_step": 1e-6, "step": 1e-6, "steps": 10_000_000}}
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+@needs_fork
 @pytest.mark.parametrize("resume", [[], ["--resume"]])
 def test_a_store_that_another_process_writes_is_left_alone(tmp_path, resume):
     run_file(tmp_path, FOLD, SLOW, outputs={"save": "r.contin"})
-    first = subprocess.Popen([*COMMAND, "run", "case.yaml", "-q"], cwd=tmp_path)
-    try:
-        deadline = time.monotonic() + 120
-        while not (tmp_path / "r.contin-wal").exists():
-            assert first.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        time.sleep(0.5)
-        inode = (tmp_path / "r.contin").stat().st_ino
-        done = subprocess.run(
-            [*COMMAND, "run", "case.yaml", "-q", *resume], cwd=tmp_path, capture_output=True, text=True
-        )
-        assert done.returncode == 2
-        assert "r.contin: in use by another process; wait for it, or save under another name" in done.stderr
-        assert (tmp_path / "r.contin").stat().st_ino == inode
-        assert first.poll() is None
-    finally:
-        first.kill()
-        first.wait()
+    first = started(tmp_path, "run", "case.yaml", "-q", before=short_chunks)
+    assert wait_for(lambda: kept(tmp_path / "r.contin") > 100_000, first)
+    inode = (tmp_path / "r.contin").stat().st_ino
+    assert finished(started(tmp_path, "run", "case.yaml", "-q", *resume)) == 2
+    told = (tmp_path / "err").read_text()
+    assert "r.contin: in use by another process; wait for it, or save under another name" in told
+    assert (tmp_path / "r.contin").stat().st_ino == inode
+    assert first.is_alive()
+    first.kill()
+    first.join()

@@ -87,3 +87,9 @@ def wait_for(condition: Callable[[], bool], process: Any, seconds: float = 120.0
         assert time.monotonic() < deadline
         time.sleep(0.005)
     return True
+
+
+def kept(path: Path) -> int:
+    """How much of a run is on the disk, without opening it: another reader would be in the way of its lock."""
+    log = Path(f"{path}-wal")
+    return log.stat().st_size if log.exists() else 0

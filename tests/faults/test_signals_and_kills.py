@@ -5,7 +5,6 @@ import os
 import random
 import signal
 import time
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ from contin.store.results import read_results
 from contin.store.scan_store import read_scan
 from contin.store.verify import verify
 from tests.cli.calls import FOLD, run_file
-from tests.faults.processes import finished, needs_fork, short_chunks, started, wait_for
+from tests.faults.processes import finished, kept, needs_fork, short_chunks, started, wait_for
 from tests.warm import warm_up
 
 pytestmark = needs_fork
@@ -57,12 +56,6 @@ def test_a_signal_at_a_random_moment_keeps_what_was_computed(tmp_path, number, t
             assert all("stopped" in [end["reason"] for end in branch["ends"]] for branch in rest)
         assert "stopped by the user" in (tmp_path / "r.json").read_text()
         assert not list(tmp_path.glob(".*"))
-
-
-def kept(path: Path) -> int:
-    """How much of a run is on the disk, without opening it: another reader would be in the way of its lock."""
-    log = Path(f"{path}-wal")
-    return log.stat().st_size if log.exists() else 0
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])

@@ -6,6 +6,7 @@ import sys
 import sysconfig
 import venv
 import zipfile
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,7 @@ def build(tmp_path_factory):
     """Builds a wheel of one kind with hatchling, which needs no network."""
     pytest.importorskip("hatchling")
 
+    @cache
     def make(kind: str, kernels: str = "no") -> Path:
         folder = tmp_path_factory.mktemp(kind)
         code = f"import hatchling.build as b; print(b.build_{kind}({str(folder)!r}))"
