@@ -26,7 +26,7 @@ if os.environ.get("CONTIN_TEST_NOISE"):
 
     add_noise(int(os.environ["CONTIN_TEST_NOISE"]))
 
-settings.register_profile("contin", deadline=None, derandomize=True)
+settings.register_profile("contin", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("contin")
 
 FAST = """

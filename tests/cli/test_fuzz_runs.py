@@ -54,7 +54,7 @@ def test_the_file_itself_is_a_plan():
     assert not refused(GOOD)
 
 
-@settings(max_examples=150, deadline=5000)
+@settings(max_examples=60, deadline=5000)
 @given(st.data())
 def test_mutated_run_files_are_plans_or_are_refused_in_words(data):
     text = GOOD
@@ -65,7 +65,7 @@ def test_mutated_run_files_are_plans_or_are_refused_in_words(data):
     refused(text)
 
 
-@settings(max_examples=150, deadline=5000)
+@settings(max_examples=60, deadline=5000)
 @given(st.dictionaries(st.sampled_from(KEYS), VALUES, min_size=1, max_size=3))
 def test_any_values_in_a_continuation_are_a_plan_or_are_refused_in_words(entry):
     import json

@@ -22,7 +22,7 @@ from contin.model.parser import parse
 from contin.store.results import export_results, read_results, save_branches
 from tests.faults.command import Answer, contin_command
 
-SHORT, LONG = 60, 5000
+SHORT, LONG = 20, 5000
 NASTY = [
     None, True, False, 0, -1, 1, 2, 3, 10**9, 10**18, 10**320, -(10**400), 0.5, 1e308, -1e-308, 5e-324, "", " ", "x",
     "a", "b", "q", "t", "1/0", "x^x^x", "2^99999", "((", "a" * 3000, "9" * 400, "\x1b[31m", "\x00", "\ud7ff", "../x",

@@ -30,7 +30,7 @@ def refusal(read, *arguments) -> InputError | None:
 EVENTS = frozenset({"exec", "compile", "import", "os.system", "subprocess.Popen", "open", "pickle.find_class"})
 
 
-@settings(max_examples=400, deadline=2000)
+@settings(max_examples=150, deadline=2000)
 @given(
     st.one_of(
         st.text(max_size=60), st.lists(WORDS, max_size=25).map(" ".join), st.lists(WORDS, max_size=25).map("".join)
@@ -50,7 +50,7 @@ PIECES = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=250, deadline=3000)
+@settings(max_examples=100, deadline=3000)
 @given(st.data())
 def test_mutated_model_files_load_or_are_refused_in_words(data):
     text = data.draw(st.sampled_from([GOOD, EVERY_KEY]))
@@ -75,7 +75,7 @@ SECTIONS = st.sampled_from(
 )
 
 
-@settings(max_examples=250, deadline=3000)
+@settings(max_examples=100, deadline=3000)
 @given(st.lists(st.tuples(SECTIONS, st.sampled_from(["", "x", "value", "parameters"]), VALUES), min_size=1, max_size=3))
 def test_any_values_in_any_section_give_a_model_or_an_input_error(changes):
     mapping = {

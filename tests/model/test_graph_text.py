@@ -20,7 +20,7 @@ def holding(expression):
     return Model.from_parts(name="m", states=(State("x", number(0)),), parameters=(), equations=(expression,))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(expressions())
 @example(number(float("inf")) * symbol("x"))
 @example(number(float("nan")) + symbol("x"))

@@ -28,7 +28,7 @@ def outcome(read):
     return document.data, document.source.marks
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.lists(st.one_of(PLAIN, PLAIN, PLAIN, ODD), min_size=1, max_size=25))
 def test_a_text_with_long_runs_of_lines_is_read_as_it_would_be_line_by_line(lines):
     text = "".join(lines)

@@ -16,7 +16,7 @@ from contin.model.printing import to_text
 from tests.model.trees import NAMES, expressions
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(expressions())
 @example(power(power(symbol("x"), number(2)), number(0.5)) * symbol("x"))
 @example(number(math.inf) * symbol("x"))
@@ -27,13 +27,13 @@ def test_text_reads_back_as_the_identical_node(expression):
     assert parse(to_text(expression), NAMES) is expression
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(expressions())
 def test_rebuilding_a_node_from_its_operands_gives_the_node(expression):
     assert rebuild(expression, expression.args) is expression if expression.args else True
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(expressions())
 def test_no_pair_of_parentheses_can_be_left_out(expression):
     """Without any pair that is not a call's, the text is another formula, or none."""

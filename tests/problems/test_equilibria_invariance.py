@@ -68,7 +68,7 @@ def reference():
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(data=st.data())
 def test_units_order_and_names_of_states_change_no_label(name, reference, data):
     case = SYSTEMS[name]
@@ -81,7 +81,7 @@ def test_units_order_and_names_of_states_change_no_label(name, reference, data):
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(
     longest=st.floats(-2.3, 2.0), tolerance=st.floats(-12.0, -2.0), step=st.floats(1e-4, 0.1),
     max_angle=st.floats(3.0, 60.0),

@@ -1,6 +1,7 @@
 """Random polynomial systems whose special points are known because they were built backwards; honest errors."""
 
 from itertools import pairwise
+from math import prod
 
 import mpmath
 import numpy as np
@@ -52,23 +53,19 @@ def derivative(field, j):
 
 
 def value(field, z):
-    return [mpmath.fsum(c * mpmath.fprod(x**k for x, k in zip(z, e, strict=True)) for e, c in f.items()) for f in field]
-
-
-def jacobian(field, z, n):
-    columns = [value(derivative(field, j), z) for j in range(n)]
-    return (
-        mpmath.matrix(n, n, force_type=mpmath.mpf)
-        if not columns
-        else mpmath.matrix([[columns[j][i] for j in range(n)] for i in range(n)])
-    )
+    powers = [[1, x, x * x, x * x * x] for x in z]
+    return [
+        mpmath.fsum(c * prod(row[k] for row, k in zip(powers, e, strict=True) if k) for e, c in f.items())
+        for f in field
+    ]
 
 
 def defect(field, n, type_):
     """F and the scalar that vanishes at the point: det F_u (LP), the Hurwitz determinant (HB, n = 2: trace, n = 3)."""
+    columns = [derivative(field, j) for j in range(n)]
 
     def equations(*z):
-        a = jacobian(field, z, n)
+        a = mpmath.matrix([value(column, z) for column in columns]).T
         if type_ == "LP":
             scalar = mpmath.det(a)
         elif n == 2:

@@ -156,7 +156,7 @@ def places(data, path=()):
         yield from places(item, (*path, key))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(data=st.data())
 def test_a_changed_solution_is_refused_in_words_or_fits_its_equations(kept, data):
     """Sizes, places and shapes that do not belong together never reach the kernels."""
