@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -192,7 +193,11 @@ class Model:
         expressions in others follow. Raises `InputError` for an unknown name or a circle, `NotFiniteError` if a value
         is not finite.
         """
-        return parameter_values(self.parameters, [overrides or {}], self.functions)
+        return parameter_values(self.parameters, [overrides], self.functions) if overrides else dict(self._defaults)
+
+    @cached_property
+    def _defaults(self) -> dict[str, float]:
+        return parameter_values(self.parameters, [], self.functions)
 
     def parameter_range(self, name: str, overrides: Mapping[str, Override] | None = None) -> tuple[float, float] | None:
         """Declared range of a parameter, in numbers."""

@@ -30,7 +30,11 @@ class CyclePredictor:
 
     def orbit(self, rho: float, phases: Real) -> Real:
         """u - u0 at the phases, (len(phases), n)."""
-        w = rho * elementary.exp(1j * np.asarray(phases, dtype=float))
+        return self.at(rho, elementary.exp(1j * np.asarray(phases, dtype=float)))
+
+    def at(self, rho: float, turns: Complex) -> Real:
+        """The same, given e^{i phi}."""
+        w = rho * turns
         wave = 2.0 * (np.outer(w, self.q) + np.outer(w * w, self.h20)).real
         cycle: Real = wave + rho * rho * (self.h11 + self.p2 @ self.hp)
         return cycle

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import Literal, Protocol, TypeAlias
+from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement, product
+from typing import Final, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from contin.abi import Vector
 Real: TypeAlias = NDArray[np.float64]
 Complex: TypeAlias = NDArray[np.complex128]
 Kind: TypeAlias = Literal["flow", "map"]
+
+FEW: Final = 5  # states and parameters up to which all derivatives of one order are computed at once, ...
+TENSORS: Final = (2, 3)  # ... and the orders
 
 
 class Jet(Protocol):
@@ -53,7 +57,9 @@ class DerivativeJet:
 
     `derivative((d1, ..., dk))` returns D^k F[d1, ..., dk] for real d of length n + parameters. Complex directions are
     expanded by multilinearity; equal and conjugate directions share their evaluations (F5[q, q, q, q*, q*] takes 6
-    real ones, not 32), and every multiset of directions is evaluated once in the jet's life.
+    real ones, not 32), and every multiset of directions is evaluated once in the jet's life. Of few states and
+    parameters all derivatives of second and third order are evaluated, at unit vectors, where complex directions come
+    up: forms are sums of them (35 for each equation at most).
     """
 
     A: Real
@@ -63,19 +69,41 @@ class DerivativeJet:
     scale: Real | None = None
     several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
+    _tensors: dict[int, Real | None] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def n(self) -> int:
         return len(self.A)
 
     def form(self, *directions: Vector) -> Vector:
-        if any(d.dtype.kind == "c" for d in directions):
+        order, is_complex = len(directions), any(d.dtype.kind == "c" for d in directions)
+        if order in self._tensors or (is_complex and order in TENSORS and self._has_tensors):
+            tensor = self._tensor(order)
+            if tensor is not None:
+                return _contracted(tensor, directions)
+        if is_complex:
             return expand_complex(self._evaluate, directions, self.n)
         key = tuple(sorted([d.tobytes() for d in directions]))
         known = self._known.get(key)
         if known is None:
             known = self._known[key] = np.array(self.derivative(directions), dtype=float)
         return known
+
+    @property
+    def _has_tensors(self) -> bool:
+        return self.several is not None and self.n + self.parameters <= FEW
+
+    def _tensor(self, order: int) -> Real | None:
+        """All derivatives of an order, ((n + parameters)^order, n); None where some are not finite.
+
+        These may belong to a parameter that does not move, and are no part of what is asked for.
+        """
+        if order not in self._tensors:
+            assert self.several is not None
+            wanted, places = _units(self.n + self.parameters, order)
+            values = np.array(self.several(wanted), dtype=float)
+            self._tensors[order] = values[places] if np.isfinite(values).all() else None
+        return self._tensors[order]
 
     @cached_property
     def second_sizes(self) -> Real:
@@ -95,6 +123,24 @@ class DerivativeJet:
             for key, directions in missing.items():
                 self._known[key] = np.array(self.derivative(directions), dtype=float)
         return [self._known[key] for key in keys]
+
+
+@lru_cache(maxsize=64)
+def _units(width: int, order: int) -> tuple[tuple[tuple[Real, ...], ...], NDArray[np.intp]]:
+    """Every multiset of so many unit vectors, and where each tuple of them, last one first, stands among these."""
+    eye = np.eye(width)
+    chosen = list(combinations_with_replacement(range(width), order))
+    place = {key: row for row, key in enumerate(chosen)}
+    rows = [place[tuple(sorted(key))] for key in product(range(width), repeat=order)]
+    return tuple(tuple(eye[k] for k in key) for key in chosen), np.array(rows)
+
+
+def _contracted(tensor: Real, directions: tuple[Vector, ...]) -> Vector:
+    """The multilinear form with these derivatives (width^order, n) at so many directions (width,)."""
+    result: Vector = tensor
+    for direction in directions:
+        result = direction.dot(result.reshape(len(direction), -1))
+    return result
 
 
 def expand_complex(

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from contin import lazy
 from contin.continuation.branch import Parent, SpecialPoint
 from contin.continuation.departure import Seed
 from contin.continuation.settings import Settings
@@ -16,12 +19,11 @@ from contin.problems.describe import jet_at
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.problems.functions.in_kernels import in_kernels
 from contin.problems.orbits.frame import system_of_orbits
-from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale
+from contin.problems.orbits.layout import HOPF_INTERVALS, Profile, make_scale, node_times
 from contin.problems.orbits.problem import PERIOD_SCALE, OrbitProblem
 from contin.problems.sparse.as_dense import dense_problem
 from contin.problems.sparse.problem import LargeProblem
 from contin.transitions.equivariant_hopf import patterns, through_an_orbit
-from contin.transitions.large_cycles import large_cycles
 from contin.transitions.on_surfaces import refuse_sliding
 from contin.transitions.registry import Explored, born
 
@@ -58,9 +60,9 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     period = 2.0 * np.pi / cycles.omega
     h = np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS)
     rest = Profile(m, np.tile(point.z[:-1], (HOPF_INTERVALS * m + 1, 1)), period, h, float(point.z[-1]))
-    phases = 2.0 * np.pi * rest.times
-    first = 2.0 * (elementary.exp(1j * phases)[:, None] * cycles.q).real
-    second = 2.0 * cycles.orbit(1.0, phases) - 2.0 * first
+    turns = _turns(m)
+    first = 2.0 * (turns[:, None] * cycles.q).real
+    second = 2.0 * cycles.at(1.0, turns) - 2.0 * first
     sizes = point.scale[:-1] / np.sqrt(n)
     own = np.abs(point.z[:-1])
     sizes = np.where(own < OWN * sizes, sizes, np.minimum(sizes, own))
@@ -86,6 +88,13 @@ def _hopf_seed(equilibria: Any, point: SpecialPoint, cycles: Any) -> Seed:
     return Seed(problem, rest.vector(), d, k, scale, (1,), Parent(point.branch, point.label), measured=multipliers)
 
 
+@cache
+def _turns(m: int) -> NDArray[np.complex128]:
+    """e^{2 pi i t} at the nodes of a small cycle's mesh."""
+    times = node_times(np.full(HOPF_INTERVALS, 1.0 / HOPF_INTERVALS), m)
+    return elementary.exp(1j * (2.0 * np.pi * times))
+
+
 def _multipliers_of_rest(point: SpecialPoint, omega: float, period: float) -> tuple[int, Any]:
     """Unstable count (the critical pair not counted) and multipliers exp(l T) of the equilibrium as an orbit."""
     values = np.asarray(point.eigenvalues)
@@ -102,4 +111,7 @@ def hopf_seeds_of_large(problem: LargeProblem, point: SpecialPoint, parameter: s
     function = problem.system.model
     by_columns = function.written is None and function.method == "sparse"
     dense = None if by_columns else dense_problem(problem)
-    return hopf_seeds(dense, point, parameter) if dense is not None else [large_cycles(problem, point, parameter)]
+    if dense is not None:
+        return hopf_seeds(dense, point, parameter)
+    seed: Seed = lazy.module("large cycles").large_cycles(problem, point, parameter)
+    return [seed]

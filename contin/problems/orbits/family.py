@@ -154,6 +154,13 @@ class FamilyOfOrbits(Problem):
         """The first orbit on which the model does not hold somewhere, and why."""
         return first_to_leave(self.system, len(z), lambda row: self._states(z[row]))
 
+    def explain_states(self, orbit: Array) -> str | None:
+        """Which equation is not finite somewhere on an orbit, and why."""
+        u, p = self._states(orbit)
+        values, matrices = self.system.jacobians(u, p)
+        finite = np.isfinite(u).all(axis=1) & np.isfinite(values).all(axis=1) & np.isfinite(matrices).all(axis=(1, 2))
+        return next((text for state in u[~finite] if (text := self.system.explain(state, p[0]))), None)
+
     def _states(self, orbit: Array) -> tuple[Array, Array]:
         """States on an orbit, and all parameters, in rows."""
         u = self.profile(orbit).u

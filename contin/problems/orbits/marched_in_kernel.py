@@ -67,9 +67,7 @@ def march(
             m, stop = (int(changed[0]) + 2, Stop.EVENT) if changed[0] + 2 < m or stop is Stop.LIMIT else (m, stop)
     detail = ""
     if stop is Stop.NOT_FINITE:
-        nearby = family.profile(z[m - 1] + frame.scale * info[1] * t[m - 1])
-        p = family.full_parameters(np.array([nearby.parameter]))
-        detail = next((text for u in nearby.u if (text := family.system.explain(u, p))), "")
+        detail = family.explain_states(z[m - 1] + frame.scale * info[1] * t[m - 1]) or ""
     info[0] = m - 1
     return out.chunk(stop, float(info[3]), int(info[4]), detail)
 

@@ -207,11 +207,10 @@ class OrbitProblem(FamilyOfOrbits):
         return (*remarks(self, z), *remarks_on_orbits(self, z, eigenvalues))
 
     def describe_failure(self, z: Array) -> str:
+        text = self.explain_states(z)
+        if text:
+            return text
         profile = self.profile(z)
-        for u in profile.u:
-            text = self.system.explain(u, self.full_parameters(z))
-            if text:
-                return str(text)
         error, _ = estimate(profile, self.state_sizes(profile))
         if error > 100.0 * self.tolerance:
             return (
