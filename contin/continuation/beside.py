@@ -115,9 +115,7 @@ class Cluster:
         return f" (its test vanishes as at {self.count} crossings together)" if self.count > 1 else ""
 
 
-def cluster_at(
-    stretch: Stretch, point: Sample, sides: Sequence[Side], crossing: NDArray[np.bool_]
-) -> Cluster | None:
+def cluster_at(stretch: Stretch, point: Sample, sides: Sequence[Side], crossing: NDArray[np.bool_]) -> Cluster | None:
     """The first distance from which a crossing test is a whole power of it; None where there is none in the step.
 
     Beside k zeros that spread over r the power at distance d is k (1 +- r/d) on the two sides: their mean is k to first

@@ -192,7 +192,12 @@ def next_to_event(
 
 
 def _rest(
-    stretch: Stretch, near: Sample, far: Sample, centre: float, crossing: NDArray[np.bool_], depth: int,
+    stretch: Stretch,
+    near: Sample,
+    far: Sample,
+    centre: float,
+    crossing: NDArray[np.bool_],
+    depth: int,
     beside: tuple[Verified, ...] = (),
 ) -> Iterator[Found | Note]:
     """Events between `near`, next to a located zero at `centre`, and `far`."""
@@ -305,5 +310,3 @@ def _compound(stretch: Stretch, a: Sample, b: Sample, why: str) -> Iterator[Foun
             yield Note(where(stretch, a, item.text), jump=stretch.length_of(b))
         elif isinstance(item, Rejected):
             yield Note(where(stretch, a, item.reason), item.suspect)
-
-

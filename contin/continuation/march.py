@@ -7,7 +7,7 @@ is the problem's own linear algebra, which it offers as a `Linearisation` at a p
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -340,3 +340,21 @@ def is_dip(before: Vector, here: Vector, after: Vector, h_before: float, h_after
     second = (right - left) / (h_before + h_after)
     slope = (left * h_after + right * h_before) / (h_before + h_after)
     return bool(second > 0 and b - elementary.square(slope) / (4 * second) < DIP_FRACTION * b)
+
+
+def until_dip(chunk: Chunk, before: Sample | None, length: float, first: int) -> Chunk:
+    """The chunk up to the row after the first at which a test from `first` on dips, as a march that looks has it.
+
+    For marches whose kernels do not look. length : of the step from `before` to row 0.
+    """
+    tests, lengths = chunk.tests, chunk.lengths
+    start = 1
+    if before is not None and before.tests.shape == tests.shape[1:] and length > 0.0:
+        tests, lengths = np.vstack([before.tests, tests]), np.concatenate([[0.0, length], lengths[1:]])
+        start = 0
+    for row in range(1, len(tests) - 1):
+        for i in range(first, tests.shape[1]):
+            if is_dip(tests[row - 1, i], tests[row, i], tests[row + 1, i], lengths[row], lengths[row + 1]):
+                here = row - 1 + start
+                return replace(chunk.cut(here + 2, Stop.DIP, float(chunk.lengths[here + 1])), dipped=i)
+    return chunk

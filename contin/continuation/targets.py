@@ -70,9 +70,7 @@ class Target:
 Wanted: TypeAlias = Sought | Extremum
 
 
-def zero_between(
-    stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]
-) -> tuple[Sample, float]:
+def zero_between(stretch: Stretch, z_a: Array, z_b: Array, value: Callable[[Sample], float]) -> tuple[Sample, float]:
     """The sample between two points of the stretch where a function of samples vanishes, and how well it is known."""
     ends = []
     for z in (z_a, z_b):

@@ -142,9 +142,7 @@ def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
         yield piece
 
 
-def _progress(
-    problem: Problem, piece: Piece, rows: int, bounds: tuple[float, float], known: list[Verified]
-) -> Fields:
+def _progress(problem: Problem, piece: Piece, rows: int, bounds: tuple[float, float], known: list[Verified]) -> Fields:
     value = float(piece.z[-1, -1]) if len(piece.z) else float("nan")
     return {
         "parameter": problem.parameters[0],

@@ -37,13 +37,13 @@ from contin.transitions.registry import Explored, families_at
 class Budget:
     """When the explorer stops: number of computed branches, accepted points over all of them, work, seconds.
 
-    work : accepted points times unknowns, over all branches; 4e8 are some ten minutes. Seconds are counted only where
-    they are given: what is found would depend on the machine.
+    work : accepted points times unknowns, over all branches; 1e8 are some twenty minutes of orbits of three states.
+    Seconds are counted only where they are given: what is found would depend on the machine.
     """
 
     branches: int = 100
     steps: int = 200_000
-    work: float = 4e8
+    work: float = 1e8
     seconds: float = math.inf
 
     @classmethod
@@ -142,12 +142,20 @@ class Explorer:
         if len(computed) >= self.budget.branches:
             return f"budget of {self.budget.branches} branches used"
         if sum(b.steps for b in computed) >= self.budget.steps:
-            return f"budget of {self.budget.steps} steps used"
+            return f"budget of {_steps(self.budget)} used"
         if sum(b.steps * b.z.shape[1] for b in computed) >= self.budget.work:
-            return f"budget of {self.budget.work:g} points times unknowns used"
+            return f"budget of {_work(self.budget)} used"
         if computing_time() - began >= self.budget.seconds:
             return f"budget of {self.budget.seconds:g} s used"
         return None
+
+    def _within_budget(self, diagram: Diagram, seed: Seed) -> Settings:
+        """The settings, with no more steps than the budget has left."""
+        computed = [b for b in diagram.branches if b.image_of is None]
+        steps = self.budget.steps - sum(b.steps for b in computed)
+        work = self.budget.work - sum(b.steps * b.z.shape[1] for b in computed)
+        left = max(1.0, min(float(steps), work / seed.z.size))
+        return replace(self.settings, steps=min(self.settings.steps, math.ceil(left / (1 if seed.born else 2))))
 
     def _follow(self, diagram: Diagram, task: Task, deadline: float) -> Branch | None:
         name, seed = task.name, task.seed
@@ -158,11 +166,12 @@ class Explorer:
             elif known.parent is not None and known.kind != "orbit":
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
+        settings = self._within_budget(diagram, seed)
         branch = trace(
             with_columns(seed, self.columns),
             self.bounds,
             name=name,
-            settings=self.settings,
+            settings=settings,
             targets=self.targets,
             watch=self.watch,
             journal=self.journal,
@@ -170,6 +179,11 @@ class Explorer:
         )
         branch = replace(branch, born_at=task.born_at)
         diagram.branches.append(branch)
+        if settings.steps < self.settings.steps and any(end.reason == "steps" for end in branch.ends):
+            diagram.unfinished.append(
+                f"budget of {_steps(self.budget)} or {_work(self.budget)} used; {name} ends there"
+            )
+            diagram.notes.append(diagram.unfinished[-1])
         with noted(_teller(diagram, f"images of {name}")):
             diagram.branches.extend(images(branch))
             self._mirror_births(diagram, branch, seed)
@@ -280,6 +294,14 @@ class Explorer:
         queue = deque(item for point in piece.points for item in self._departures(diagram, piece, point))
         replace(self, bounds=limits)._work(diagram, queue)
         return piece
+
+
+def _steps(budget: Budget) -> str:
+    return f"{budget.steps} steps"
+
+
+def _work(budget: Budget) -> str:
+    return f"{budget.work:g} points times unknowns"
 
 
 def _teller(diagram: Diagram, name: str) -> Callable[[str], None]:

@@ -85,7 +85,7 @@ def test_what_a_budget_left_can_be_followed_by_hand():
 def test_budget_of_steps_stops_the_exploration():
     diagram = explore(FORK, {"x": 0.0}, {"p": -1.0}, R, budget={"steps": 5})
     assert len(diagram) == 1
-    assert diagram.notes[0].startswith("budget of 5 steps used")
+    assert diagram.notes[0].startswith("budget of 5 steps")
     with pytest.raises(InputError, match="unknown branch"):
         explore(FORK, {"x": 0.0}, {"p": -1.0}, R, budget={"branch": 5})
 
@@ -166,3 +166,9 @@ def test_images_of_one_line_under_several_symmetries_are_one_branch():
     a, d = 0.5**0.5, (0.5 / 1.5) ** 0.5
     axes = [(a, 0), (-a, 0), (0, a), (0, -a)]
     assert_same_points(solutions(diagram, 0.5), [(0, 0), *axes, (d, d), (d, -d), (-d, d), (-d, -d)])
+
+
+def test_no_branch_takes_more_steps_than_the_budget_has_left():
+    diagram = explore(FORK, {"x": 0.0}, {"p": -1.0}, R, budget={"steps": 12}, settings={"max_step": 0.01})
+    assert sum(branch.steps for branch in diagram) <= 13
+    assert any("ends there" in note for note in diagram.unfinished)

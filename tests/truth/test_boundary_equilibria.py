@@ -55,9 +55,7 @@ def random_case(seed: int, n: int, form: str) -> Case:
 
     names = tuple(f"x{k}" for k in range(n))
     text = "({!r})".format
-    definitions = {
-        f"y{i}": " + ".join(f"{text(float(inverse[i, j]))}*{names[j]}" for j in range(n)) for i in range(n)
-    }
+    definitions = {f"y{i}": " + ".join(f"{text(float(inverse[i, j]))}*{names[j]}" for j in range(n)) for i in range(n)}
     definitions |= {"v0": f"y0 - {text(shear)}*y1^2"} | {f"v{i}": f"y{i}" for i in range(1, n)}
     definitions["h"] = f"v0 - {text(level)} - {text(slope)}*p"
     for i in range(n):

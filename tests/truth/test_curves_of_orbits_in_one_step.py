@@ -30,3 +30,22 @@ def test_three_generalised_doublings_are_labels_at_their_places_or_a_note(e):
     for point in curve.points:
         assert min(abs(point.values["q"] - place) for place in (-e, 0.0, e)) <= point.error
     assert len(curve.points) == 3 or (e < 1e-3 and curve.notes)
+
+
+def test_a_pair_that_meets_at_minus_one_and_stays_complex_is_a_note():
+    """u + iv turns by 2 pi w in a period: on the curve of tori p = 0, cos(theta) touches -1 at w = 1/2."""
+    model = Model(
+        "turns", states={"x": 1.0, "y": 0.0, "u": 0.0, "v": 0.0}, parameters={"p": -0.3, "w": 0.42},
+        equations={
+            "x": "x*(1 - x^2 - y^2) - y", "y": "y*(1 - x^2 - y^2) + x",
+            "u": "p*u - w*v - u*(u^2 + v^2)", "v": "w*u + p*v - v*(u^2 + v^2)",
+        },
+    )  # fmt: skip
+    t = np.linspace(0.0, 2.0 * np.pi, 101)
+    points = np.column_stack([np.cos(t), np.sin(t), np.zeros((101, 2))])
+    family = contin.continuation(contin.periodic_orbit(model, points, period=2.0 * np.pi), "p", (-0.3, 0.3))
+    curve = contin.continuation(family["NS1"].locus(), ("p", "w"), {"p": (-1, 1), "w": (0.4, 0.6)})
+    assert not curve.points
+    assert len(curve.notes) == 1
+    assert "touches zero without crossing it" in curve.notes[0]
+    assert "w = 0.5" in curve.notes[0] or "w = 0.49999" in curve.notes[0]

@@ -28,7 +28,6 @@ def differences(name: str, units: Units) -> list[str]:
     return compare(_ordinary[name], check(Verbs(model, units)), {}, rel)
 
 
-
 @pytest.mark.parametrize("name", [n for n in CHECKS if n not in SLOW])
 def test_extreme_units_change_nothing(name):
     assert {str(units): found for units in EXTREME if (found := differences(name, units))} == {}

@@ -90,9 +90,7 @@ def reached(
             continue
         except (ContinError, np.linalg.LinAlgError) as error:
             search.failed.append(str(error))
-    return Reached(
-        tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild), tuple(search.failed)
-    )
+    return Reached(tuple(search.seeds), tuple(search.rests), search.aperiodic, tuple(search.wild), tuple(search.failed))
 
 
 def _of_a_map(

@@ -83,11 +83,7 @@ class Plane:
             guess = u + (ahead - done) * self._slope(u, a + done * (b - a), b - a)
             found = self._solved(guess, p, typical)
             sizes = np.maximum(np.abs(u), typical)
-            if (
-                found is None
-                or _is_elsewhere(found, guess, u, sizes)
-                or not self._is_as_stable(found, p, unstable)
-            ):
+            if found is None or _is_elsewhere(found, guess, u, sizes) or not self._is_as_stable(found, p, unstable):
                 step /= 2.0  # it may be another state that Newton came to
                 if step < SHORTEST:
                     return None

@@ -65,9 +65,7 @@ def test_stability_in_the_bogdanov_takens_form_is_that_of_the_jacobian(takens, s
 
 
 def test_images_under_a_symmetry_are_counted_and_their_curves_drawn_once():
-    flip = model(
-        {"x": "p*x + q*x^3 - x^5"}, {"x": 0.0}, {"p": -0.5, "q": 0.5}, symmetries={"flip": {"x": "-x"}}
-    )
+    flip = model({"x": "p*x + q*x^3 - x^5"}, {"x": 0.0}, {"p": -0.5, "q": 0.5}, symmetries={"flip": {"x": "-x"}})
     diagram = contin.phase(flip, ("p", "q"), {"p": (-1.0, 1.0), "q": (-1.0, 1.0)})
     assert sorted(b.locus for b in diagram.loci) == ["BP", "LP"]
     # folds p = -q^2/4 with q > 0: five states between them and the pitchforks p = 0

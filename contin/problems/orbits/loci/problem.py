@@ -12,6 +12,7 @@ from contin import lazy
 from contin.abi import Array
 from contin.continuation.branch import End
 from contin.continuation.departure import Seed
+from contin.continuation.march import until_dip
 from contin.continuation.problem import Chunk, Failure, Frame, Renewal, Sample
 from contin.continuation.settings import Settings
 from contin.errors import InputError
@@ -24,6 +25,7 @@ from contin.problems.orbits.sensitivity import error_of_equations
 
 PROBE_TOLERANCE = 1e-10
 REACH = 2.0  # scaled length, in the longest steps, after which mesh and metric are looked at again
+FIRST_TEST = 2  # of other multipliers, after those of folds and branch points
 LEAST = 10  # ... but not before so many steps
 
 
@@ -77,7 +79,8 @@ class OrbitLocusProblem(OfSpecialOrbits):
         limit = min(limit, self.maximum_chunk, max(LEAST, int(REACH / settings.max_step)))
         start = self.measured(origin, frame)
         chunk = self.curve.march(start, before, length, frame.scale, step, limit, self.walls, settings)
-        return criticality.cut_at_change(self.curve, chunk, frame.scale)
+        chunk = criticality.cut_at_change(self.curve, chunk, frame.scale)
+        return until_dip(chunk, before, length, FIRST_TEST)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
         tolerance = min(settings.tolerance, PROBE_TOLERANCE)
