@@ -80,7 +80,7 @@ def missing(seed: int) -> list[str]:
     return lost
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_every_solution_that_shrinks_to_the_point_is_on_a_branch(seed):
     assert missing(seed) == []
 

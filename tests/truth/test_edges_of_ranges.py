@@ -107,14 +107,14 @@ def run(seed: int, edges: int) -> list[str]:
     return [f"seed {seed}: {text}" for text in found]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_rows_and_labels_are_what_numpy_says(seed):
     assert run(seed, 1) == []
 
 
 @pytest.mark.long
 def test_rows_and_labels_are_what_numpy_says_of_many():
-    assert [text for seed in range(4, 300) for text in run(seed, 3)] == []
+    assert [text for seed in range(2, 300) for text in run(seed, 3)] == []
 
 
 @pytest.mark.parametrize(("equation", "inside"), [("p + x^2", -1), ("p - x^2", 1)])

@@ -70,14 +70,14 @@ def judged(systems: Iterable[Hidden]) -> Ledger:
 @pytest.mark.parametrize("core", SIMPLE, ids=lambda core: core.name)
 def test_coefficients_do_not_depend_on_the_number_of_states_or_coordinates(core):
     few = len(core.equations)
-    cases = [(few, "plain"), (max(few, 5), "rotated"), (max(few, 5), "bent"), (7, "plain")]
+    cases = [(few, "plain"), (max(few, 5), "bent")]  # the long version takes all
     judged(Hidden(core, n, way, n, 1.3, 0.7) for n, way in cases).assert_clean()
 
 
 @pytest.mark.parametrize("core", CURVES, ids=lambda core: core.name)
 def test_points_of_codimension_two_are_found_beside_further_states(core):
     few = len(core.equations)
-    judged([Hidden(core, few, "plain", 2), Hidden(core, 7, "rotated", 7)]).assert_clean()
+    judged([Hidden(core, max(few, 5), "rotated", 7)]).assert_clean()
 
 
 def long_systems(core: Planted) -> Iterable[Hidden]:

@@ -84,7 +84,7 @@ def judged(systems: Iterable[Hidden], switching: bool = False) -> Ledger:
 
 
 def test_points_of_codimension_two_and_the_curves_that_leave_them():
-    systems = hidden(np.random.default_rng(5), flows.alone(np.random.default_rng(4)), most=4)
+    systems = hidden(np.random.default_rng(5), flows.alone(np.random.default_rng(4)), most=3)
     judged(systems, switching=True).assert_clean()
 
 

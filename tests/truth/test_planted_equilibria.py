@@ -49,7 +49,7 @@ def test_planted_points_are_found_or_noted():
 def test_three_events_at_any_spacing_are_found_or_noted():
     """Two of them often lie in a step beside that of the third, where no sign changes."""
     ledger, generator = Ledger(), np.random.default_rng(1)
-    for _ in range(25):
+    for _ in range(12):
         spacing = 10.0 ** generator.uniform(-3, -1.5)
         for system in (folds(generator, spacing, 1, 1.0), hopf_points(generator, spacing, 3)):
             ledger.judge(system.name.split(" 1e")[0], system.name, system.follow(), system.expected, "p", 1.14)
@@ -119,7 +119,7 @@ def test_errors_of_crossings_hold_in_skewed_coordinates():
     assert found >= 7
 
 
-@pytest.mark.parametrize("beside", [3e-3, 3e-4, 1e-4, 1e-5, 1e-7, -1e-4])
+@pytest.mark.parametrize("beside", [3e-3, 1e-5, -1e-4])
 def test_two_crossings_as_one_are_seen_wherever_a_row_falls(beside):
     """A row near them has a small value of the test, but that is no measure of how far the test falls."""
     for size, condition in ((1, 1.0), (2, 2e3)):

@@ -30,7 +30,8 @@ def differences(name: str, units: Units) -> list[str]:
 
 @pytest.mark.parametrize("name", [n for n in CHECKS if n not in SLOW])
 def test_extreme_units_change_nothing(name):
-    assert {str(units): found for units in EXTREME if (found := differences(name, units))} == {}
+    units = EXTREME[list(CHECKS).index(name) % 2]  # the long version takes both, and each alone
+    assert {str(units): found for units in [units] if (found := differences(name, units))} == {}
 
 
 @pytest.mark.long
