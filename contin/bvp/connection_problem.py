@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.bvp.functionals import columns_of
@@ -19,6 +18,7 @@ from contin.continuation.settings import Settings
 from contin.linalg.vectors import norm
 from contin.machine import elementary
 from contin.problems.orbits.layout import Profile
+from contin.problems.two_parameters import OnAdaptiveMesh
 
 if TYPE_CHECKING:
     from contin.model.model import Model
@@ -111,7 +111,7 @@ class ConnectionToCycle(BoundaryProblem):
 
 
 @dataclass(frozen=True, eq=False)
-class CurveOfConnections(ConnectionToCycle):
+class CurveOfConnections(OnAdaptiveMesh, ConnectionToCycle):
     """The second parameter is solved for, within bounds of its own."""
 
     second: str = ""
@@ -135,14 +135,6 @@ class CurveOfConnections(ConnectionToCycle):
     @property
     def walls(self) -> Sequence[tuple[int, float, float]]:
         return [(self.place, *self.second_bounds), (-1, *self.first_bounds)]
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         """Solved with one of both parameters fixed."""

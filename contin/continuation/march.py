@@ -144,6 +144,35 @@ def correct(
     return Failure.NO_CONVERGENCE
 
 
+def with_one_fixed(
+    problem: Correctable, index: int, guess: Array, value: float, scale: Array, tolerance: float
+) -> Array | None:
+    """The point at which unknown `index` has this value, by Newton from the guess; None where that fails."""
+    fixed = np.zeros(guess.size)
+    fixed[index] = 1.0
+    z0 = guess.copy()
+    z0[index] = value
+    found = correct(problem, z0, fixed, 0.0, np.zeros(guess.size), scale, tolerance)
+    if isinstance(found, Failure):
+        return None
+    z = found.z.copy()
+    z[index] = value
+    return z
+
+
+def null_vector(problem: Correctable, z: Array, scale: Array, border: Array, rounds: int) -> Array | None:
+    """The unit tangent t, J t = 0: the solution of [J; b^T] t = e_last takes the place of the border b, `rounds` times.
+
+    None where the equations are not finite or the bordered matrix is singular.
+    """
+    for _ in range(rounds):
+        here = problem.linearisation(z, border / norm(border), scale)
+        if here is None or here.sign == 0:
+            return None
+        border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
+    return np.asarray(border / norm(border))
+
+
 def measure(problem: Marchable, found: Corrected, reference: float) -> Sample:
     """Tangent, tests and eigenvalues at a corrected point."""
     n = len(found.z) - 1

@@ -37,7 +37,6 @@ class EquilibriumBase(Base):
     places: tuple[int, ...]
     sizes: Array
 
-
     @property
     def has_stability(self) -> bool:  # type: ignore[override]
         return self.problem.has_stability

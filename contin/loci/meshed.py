@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.loci.base import Base
 from contin.model.model import Model
 from contin.problems.orbits.layout import Profile
 from contin.problems.scales import parameter_width
+from contin.problems.two_parameters import OnAdaptiveMesh
 
 
 class OfSolutions(Protocol):
@@ -40,7 +40,7 @@ P = TypeVar("P", bound=OfSolutions)
 
 
 @dataclass(frozen=True, eq=False)
-class MeshedBase(Base, Generic[P]):
+class MeshedBase(OnAdaptiveMesh, Base, Generic[P]):
     """problem : of the solutions, the first parameter active.  places : of the varying parameters, the last unknown
     first, among those of `problem`.  type : of the special solutions, or "" for solutions themselves.
     """
@@ -100,14 +100,6 @@ class MeshedBase(Base, Generic[P]):
     @property
     def angle_periods(self) -> Array:
         return np.zeros(0)
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
 
     @property
     def conditions(self) -> int:

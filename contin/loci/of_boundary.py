@@ -58,9 +58,7 @@ def start(base: BoundaryBase, z: Array) -> Array:
     return np.concatenate([z[:-1], np.zeros(base.extra), values])
 
 
-def curve_of(
-    problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent | None
-) -> Seed:
+def curve_of(problem: BoundaryProblem, z: Array, type_: str, parameters: Sequence[str], parent: Parent | None) -> Seed:
     """The curve of folds or branch points through one in two parameters; of generic branch points in three."""
     base = boundary_base(problem, z, type_, parameters)
     held = (Unfolding(base),) if len(parameters) == 3 else ()

@@ -33,9 +33,7 @@ def places(names: Sequence[str], parameters: Sequence[str]) -> list[int]:
     return [list(names).index(name) for name in parameters]
 
 
-def bordered(
-    locus: LocusProblem, type_: str, p: Array, parameters: Sequence[str]
-) -> LocusProblem:
+def bordered(locus: LocusProblem, type_: str, p: Array, parameters: Sequence[str]) -> LocusProblem:
     """A curve of points of a type by minimally augmented equations, with all these parameters varying."""
     first, second, *more = places(locus.system.parameter_names, parameters)
     curve = BorderedCurve(type_, locus.system, p.copy(), first, second, locus.curve.sizes.copy(), tuple(more))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Problem, Sample, Stop
+from contin.continuation.problem import Chunk, Frame, Outcome, Problem, Sample, Stop
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.loci import events
@@ -102,19 +102,10 @@ class AugmentedCurve(Problem):
         return self.base.growing
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        fixed = np.zeros(guess.size)
-        fixed[index] = 1.0
         z0 = guess.copy()
         z0[index] = value
         near = self.near(z0, scale)
-        if near is None:
-            return None
-        found = python_march.correct(near, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
-        if isinstance(found, Failure):
-            return None
-        z = found.z.copy()
-        z[index] = value
-        return z
+        return None if near is None else python_march.with_one_fixed(near, index, guess, value, scale, TOLERANCE)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return self.at_unknown(-1, guess, value, scale)
@@ -142,12 +133,10 @@ class AugmentedCurve(Problem):
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         near = self.near(z, scale)
         border = np.random.default_rng(3).normal(size=z.size)
-        for _ in range(ROUNDS):
-            here = None if near is None else near.linearisation(z, border / np.linalg.norm(border), scale)
-            if here is None or here.sign == 0.0:
-                raise InputError(f"the curve cannot be followed from here. {self.describe_failure(z)}")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / np.linalg.norm(border)]
+        tangent = None if near is None else python_march.null_vector(near, z, scale, border, ROUNDS)
+        if tangent is None:
+            raise InputError(f"the curve cannot be followed from here. {self.describe_failure(z)}")
+        return [tangent]
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,

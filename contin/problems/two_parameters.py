@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation.problem import Problem
@@ -115,6 +116,19 @@ class TwoParameterProblem(Problem):
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return self.at_unknown(-1, guess, value, scale)
+
+
+class OnAdaptiveMesh:
+    """Unknowns follow a mesh, so that their number changes: masks over them name none but the last."""
+
+    @property
+    def identifying(self) -> NDArray[np.bool_]:
+        return np.ones(1, bool)
+
+    @property
+    def growing(self) -> NDArray[np.bool_]:
+        return np.zeros(2, bool)
+
 
 def indices(system: System, parameters: Sequence[str]) -> tuple[int, int]:
     """Places of two parameters among those of the system."""

@@ -20,7 +20,6 @@ from contin.continuation import march as python_march
 from contin.continuation.problem import (
     NOTHING,
     Chunk,
-    Failure,
     Frame,
     Nothing,
     Outcome,
@@ -187,13 +186,10 @@ class Conditioned(Problem):
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The null vector of the equations and conditions."""
-        border = np.random.default_rng(3).normal(size=z.size)
-        for _ in range(3):
-            here = self.linearisation(z, border / np.linalg.norm(border), scale)
-            if here is None or here.sign == 0:
-                raise InputError(f"the curve cannot be followed from here. {self.describe_failure(z)}")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / np.linalg.norm(border)]
+        tangent = python_march.null_vector(self, z, scale, np.random.default_rng(3).normal(size=z.size), 3)
+        if tangent is None:
+            raise InputError(f"the curve cannot be followed from here. {self.describe_failure(z)}")
+        return [tangent]
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -211,16 +207,7 @@ class Conditioned(Problem):
         return python_march.probe(_Still(self, np.zeros(0)), base, length, guess, frame, settings)
 
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
-        fixed = np.zeros(guess.size)
-        fixed[-1] = 1.0
-        z0 = guess.copy()
-        z0[-1] = value
-        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
-        if isinstance(found, Failure):
-            return None
-        z = found.z.copy()
-        z[-1] = value
-        return z
+        return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
 
     def onto_conditions(self, z: Array, scale: Array) -> Array | None:
         """From a solution to one that meets the conditions, at the same value of the varying parameter.
@@ -301,9 +288,7 @@ class Conditioned(Problem):
             error += 1.25 * abs(float(again[0].z[-1] - sample.z[-1]))
         form = {"of": "curve", "parameter": self.parameters[0]}
         remark = "LP: a fold of the curve of solutions that meet the conditions, not of solutions at fixed parameters"
-        return Verified(
-            "LP", sample.z, abs(left), error, sample.eigenvalues, sample.unstable, form, {}, remark=remark
-        )
+        return Verified("LP", sample.z, abs(left), error, sample.eigenvalues, sample.unstable, form, {}, remark=remark)
 
     def _solved(self, type_: str, near: Sample, frame: Frame) -> Outcome:
         """The special point of the problem without conditions that meets them."""

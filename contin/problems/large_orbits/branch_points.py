@@ -114,4 +114,3 @@ def null_vector(problem: LargeOrbitProblem, z: Array, q: Array, own: Array, scal
     vector = np.concatenate([d.ravel(), [-c, 0.0]]) / scale
     vector -= dot(vector, own) * own
     return np.asarray(vector / norm(vector))
-

@@ -80,4 +80,3 @@ def excess(problem: LargeOrbitProblem, at: At, type_: str) -> float:
     values, _ = problem.multipliers(at.z, exactly=True)
     k = critical_index(values, type_)
     return float("nan") if k is None else float(abs(values[k])) - 1.0
-

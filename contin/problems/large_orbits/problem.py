@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Outcome, Sample, Verified, unverified
+from contin.continuation.problem import Chunk, Frame, Outcome, Sample, Verified, unverified
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.linalg.factor import Factoriser
@@ -134,9 +134,7 @@ class LargeOrbitProblem(InOneParameterProblem):
         length = 1.0 if parts[0] is None else norm(parts[0])
         direction = None if parts[0] is None else parts[0] / length
         curvature = None if parts[1] is None else parts[1] / elementary.square(length)
-        return replace(
-            seed, problem=problem, z=moved(seed.z), direction=direction, curvature=curvature, scale=scale
-        )
+        return replace(seed, problem=problem, z=moved(seed.z), direction=direction, curvature=curvature, scale=scale)
 
     def vector(self, orbit: Trajectory, value: float) -> Array:
         """z of an orbit."""
@@ -211,9 +209,7 @@ class LargeOrbitProblem(InOneParameterProblem):
         rows = np.array([np.append(self.memory.direction, [0.0, 0.0]), tangent / scale])
         size = float(scale[0]) / np.sqrt(len(scale) - 2)
         closed = Closed.of(sweeps, columns * orbit.h, rows, np.array([size, scale[-2], scale[-1]]))
-        return OrbitLinearisation(
-            np.append(residual[:-1] / scale[:-2], residual[-1]), closed, scale, self.intervals
-        )
+        return OrbitLinearisation(np.append(residual[:-1] / scale[:-2], residual[-1]), closed, scale, self.intervals)
 
     # stability --------------------------------------------------------------------------------------------------------
 
@@ -252,12 +248,10 @@ class LargeOrbitProblem(InOneParameterProblem):
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         border = np.random.default_rng(3).normal(size=z.size)
         self.settle(z, border, scale)
-        for _ in range(2):
-            here = self.linearisation(z, border / norm(border), scale)
-            if here is None:
-                raise InputError("the orbits cannot be followed from here: the equations are not finite")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / norm(border)]
+        tangent = python_march.null_vector(self, z, scale, border, 2)
+        if tangent is None:
+            raise InputError("the orbits cannot be followed from here: the equations are not finite")
+        return [tangent]
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -279,10 +273,7 @@ class LargeOrbitProblem(InOneParameterProblem):
         z0 = guess.copy()
         z0[-1] = value
         self.settle(z0, fixed, scale)
-        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
-        if isinstance(found, Failure):
-            return None
-        return np.append(found.z[:-1], value)
+        return python_march.with_one_fixed(self, -1, guess, value, scale, TOLERANCE)
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         return events.explain(a, b)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.continuation import march as python_march
-from contin.continuation.problem import Chunk, Failure, Frame, Sample, is_planar
+from contin.continuation.problem import Chunk, Frame, Sample, is_planar
 from contin.continuation.settings import Settings
 from contin.errors import InputError
 from contin.problems.orbits.two_parameters import OrbitCurveProblem
@@ -39,16 +39,13 @@ class MarchedInPython(OrbitCurveProblem):
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         """The curve's own tangent: the null vector of its equations."""
         self.settle(z, scale)
-        generator = np.random.default_rng(3)
         border = np.zeros(z.size)
         where = self.curve.unknowns(z)
-        border[where] = generator.normal(size=where.size)
-        for _ in range(2):
-            here = self.linearisation(z, border / np.linalg.norm(border), scale)
-            if here is None:
-                raise InputError("the curve cannot be followed from here: its equations are singular")
-            border = here.solve(np.append(np.zeros(z.size - 1), 1.0))
-        return [border / np.linalg.norm(border)]
+        border[where] = np.random.default_rng(3).normal(size=where.size)
+        tangent = python_march.null_vector(self, z, scale, border, 2)
+        if tangent is None:
+            raise InputError("the curve cannot be followed from here: its equations are singular")
+        return [tangent]
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
@@ -65,13 +62,4 @@ class MarchedInPython(OrbitCurveProblem):
         return python_march.probe(self, base, length, guess, frame, settings)
 
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
-        fixed = np.zeros(guess.size)
-        fixed[index] = 1.0
-        z0 = guess.copy()
-        z0[index] = value
-        found = python_march.correct(self, z0, fixed, 0.0, np.zeros(guess.size), scale, TOLERANCE)
-        if isinstance(found, Failure):
-            return None
-        z = found.z.copy()
-        z[index] = value
-        return z
+        return python_march.with_one_fixed(self, index, guess, value, scale, TOLERANCE)

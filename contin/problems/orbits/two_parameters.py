@@ -16,7 +16,7 @@ from contin.problems.massless import finite_multipliers
 from contin.problems.orbits import birth
 from contin.problems.orbits.columns import names_of, orbit_columns, periods, with_observables
 from contin.problems.orbits.layout import Profile
-from contin.problems.two_parameters import TwoParameterProblem
+from contin.problems.two_parameters import OnAdaptiveMesh, TwoParameterProblem
 from contin.simulate.reach import first_to_leave, has_reach
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ class CurveOfPeriodicOrbits(CurveOfOrbits):
 
 
 @dataclass(frozen=True, eq=False)
-class OrbitCurveProblem(TwoParameterProblem):
-    """Curves whose unknowns follow a mesh: their number changes, so masks over them name none but the last."""
+class OrbitCurveProblem(OnAdaptiveMesh, TwoParameterProblem):
+    """Curves of orbits: masks over their unknowns are those of `OnAdaptiveMesh`."""
 
     adaptive = True
 
@@ -95,14 +95,6 @@ class OrbitCurveProblem(TwoParameterProblem):
     @property
     def angle_periods(self) -> Array:
         return np.zeros(0)
-
-    @property
-    def identifying(self) -> NDArray[np.bool_]:
-        return np.ones(1, bool)
-
-    @property
-    def growing(self) -> NDArray[np.bool_]:
-        return np.zeros(2, bool)
 
     @property
     def has_reach(self) -> bool:

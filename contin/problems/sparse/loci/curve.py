@@ -33,6 +33,7 @@ OPPOSITE = 1e-3  # length of a sum of two unit vectors below which it is their r
 
 NO_VALUE: Final = "the equations have no value at a point of the curve"
 
+
 @dataclass(frozen=True, eq=False)
 class Borders:
     """b, c of the singular matrix, and b0 = c0 that make F_u regular where another eigenvalue is zero."""

@@ -87,12 +87,8 @@ class LargeLocus(TwoParameterProblem):
 
     def tangents(self, z: Array, scale: Array) -> Sequence[Array]:
         self.curve.precisely(z)
-        row = np.random.default_rng(5).normal(size=len(z))
-        here = self.linearisation(z, row / norm(row), scale)
-        if here is None:
-            return []
-        t = here.solve(np.append(np.zeros(len(z) - 1), 1.0))
-        return [t / norm(t)]
+        tangent = python_march.null_vector(self, z, scale, np.random.default_rng(5).normal(size=len(z)), 1)
+        return [] if tangent is None else [tangent]
 
     def march(
         self, origin: Sample, before: Sample | None, length: float, frame: Frame, step: float, limit: int,
