@@ -15,7 +15,8 @@ from contin.problems.equilibrium import EquilibriumProblem
 from contin.records import Record
 from contin.tori.equations import Circle, Metric
 from contin.tori.looks import look
-from contin.tori.march import Plan, Row, Stop
+from contin.tori.ends import Row, Stop
+from contin.tori.march import Plan
 from contin.tori.normal import exponents
 from contin.tori.strobe import Strobe
 

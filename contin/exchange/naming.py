@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from contin.model.expression import FUNCTIONS
 from contin.model.lexer import RESERVED
 from contin.model.parts import TAKEN_NAMES
+from contin.model.vocabulary import FUNCTIONS
 
 _AVOIDED: Final = FUNCTIONS | RESERVED | TAKEN_NAMES
 

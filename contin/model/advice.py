@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Final
 
 from contin.model import features
-from contin.model.expression import FUNCTIONS
+from contin.model.vocabulary import FUNCTIONS
 
 _FUNCTION_ADVICE: Final = {
     "sec": "1/cos(x)",

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 from contin.model.evaluate import Value, node_values
-from contin.model.expression import COMPARISONS, LOGICAL, Expression, postorder
+from contin.model.expression import COMPARISONS, Expression, postorder
+from contin.model.vocabulary import LOGICAL
 from contin.records import Record
 
 # Derivative at x of a function of one argument whose value there is y, with the elementary functions of `m`
@@ -39,9 +40,7 @@ _DERIVATIVES: Final[dict[str, Callable[[Value, Value, Value], Value]]] = {
 }
 
 
-def directional(
-    expressions: Iterable[Expression], env: Record, direction: Record, lib: object = math
-) -> list[Value]:
+def directional(expressions: Iterable[Expression], env: Record, direction: Record, lib: object = math) -> list[Value]:
     """d/dh of each expression at env + h*direction, h = 0; symbols that `direction` lacks stay fixed. O(nodes).
 
     Where a function has no derivative (abs at 0, a jump) one of the one-sided ones, or 0, is taken; NaN where the

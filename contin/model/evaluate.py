@@ -12,7 +12,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Final
 
 from contin.machine import elementary
-from contin.model.expression import COMPARISONS, STEPWISE, Expression, postorder
+from contin.model.expression import COMPARISONS, Expression, postorder
+from contin.model.vocabulary import STEPWISE
 from contin.records import Record
 
 if TYPE_CHECKING:
@@ -127,7 +128,6 @@ class _Arithmetic:
         except ValueError:
             return self.nan
         return self.nan if hasattr(result, "_mpc_") else result
-
 
     def step(self, op: str, x: list[Value]) -> Value:
         """floor, ceil, mod (of the divisor's sign) and factorial (of whole numbers, NaN elsewhere)."""

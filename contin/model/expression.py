@@ -9,29 +9,20 @@ numbers folded); nothing is expanded, nothing sorted, so a printed formula stays
 from __future__ import annotations
 
 import atexit
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Final, Union
 from weakref import WeakValueDictionary
 
 from contin import lazy
+from contin.model.folding import Number as Number
+from contin.model.folding import constant, folded_call, folded_power, holds
+from contin.model.symbol_masks import distinct, symbol_bit
+from contin.model.symbol_masks import mask_of as mask_of
+from contin.model.vocabulary import BINARY_FUNCTIONS, FUNCTIONS, LOGICAL, VARIADIC_FUNCTIONS
+from contin.model.vocabulary import COMPARISONS as COMPARISONS
 
-Number = Union[Fraction, float]
 ExpressionLike = Union["Expression", int, float, Fraction]
-
-UNARY_FUNCTIONS: Final = frozenset(
-    "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp expm1 log log1p log10 sqrt abs sign heaviside "
-    "floor ceil factorial".split()
-)
-BINARY_FUNCTIONS: Final = frozenset({"atan2", "mod"})
-STEPWISE: Final = frozenset({"floor", "ceil", "mod", "factorial"})  # they jump at infinitely many places
-VARIADIC_FUNCTIONS: Final = frozenset({"min", "max"})  # two or more arguments; stored with exactly two
-FUNCTIONS: Final = UNARY_FUNCTIONS | BINARY_FUNCTIONS | VARIADIC_FUNCTIONS
-COMPARISONS: Final = frozenset({"<", "<=", ">", ">=", "==", "!="})
-LOGICAL: Final = frozenset({"and", "or", "not"})
-FOLD_LIMIT_BITS: Final = 400  # a folded rational larger than this becomes a float
-SHORT_DIGITS: Final = 15  # every decimal this short survives the way to a double and back
 
 
 class Expression:
@@ -102,55 +93,15 @@ class Expression:
 
 
 _interned: WeakValueDictionary[tuple[object, ...], Expression] = WeakValueDictionary()
-_bits: dict[str, int] = {}
-_next = 0  # bit of the next symbol
-_shared = 0  # bits that symbols of large models share
-CROWD: Final = 2_000  # symbols of one model from which they share bits: masks with a bit for each cost n^2 memory
-CROWD_BITS: Final = 1_024
 # else nodes that die while the interpreter does compare half-dismantled numbers
 atexit.register(_interned.data.clear)  # type: ignore[attr-defined]
-
-
-def symbol_bit(name: str) -> int:
-    """The bit that stands for the symbol `name` in every `mask`, assigned on first use for the life of the process."""
-    global _next
-    bit = _bits.get(name)
-    if bit is None:
-        bit = _bits[name] = 1 << _next
-        _next += 1
-    return bit
-
-
-def crowd(names: Sequence[str]) -> None:
-    """Let the symbols of a large model share `CROWD_BITS` bits, unless they have some: call it before they are made.
-
-    Two of them may then have the same bit: what asks whether a node depends on *one* symbol takes a mask that says yes
-    as "perhaps" (`depends_on` looks closer); unions over all states of a model are exact as before.
-    """
-    global _next, _shared
-    if len(names) <= CROWD:
-        return
-    if not _shared:
-        _shared = ((1 << CROWD_BITS) - 1) << _next
-        _next += CROWD_BITS
-    lowest = _shared & -_shared
-    for k, name in enumerate(names):
-        _bits.setdefault(name, lowest << (k % CROWD_BITS))
-
-
-def mask_of(names: Iterable[str]) -> int:
-    """Union of the bits of several symbols."""
-    mask = 0
-    for name in names:
-        mask |= symbol_bit(name)
-    return mask
 
 
 def depends_on(expression: Expression, names: Iterable[str]) -> bool:
     """True where a symbol of `names` occurs in the expression."""
     wanted = set(names)
     common = expression.mask & mask_of(wanted)
-    if common & ~_shared or not common:
+    if distinct(common) or not common:
         return bool(common)
     return any(node.op == "symbol" and node.value in wanted for node in postorder([expression]))
 
@@ -179,30 +130,8 @@ def exactly(op: str, args: tuple[Expression, ...], value: Number | str | None = 
 
 
 def number(value: int | float | Fraction) -> Expression:
-    """A constant. Integers, fractions and short decimals (0.1 is 1/10) are exact; a float with more than
-    `SHORT_DIGITS` significant digits is a rounded result and keeps its binary value."""
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            return _make("number", (), math.nan if value != value else value)  # one NaN node, whatever its source
-        if value.is_integer() and abs(value) < 2.0**53:
-            return _make("number", (), Fraction(int(value)))
-        shortest = float.__repr__(value)
-        if significant_digits(shortest) > SHORT_DIGITS:
-            return _make("number", (), float(value))
-        value = Fraction(shortest)
-    exact = Fraction(value)
-    if exact.numerator.bit_length() > FOLD_LIMIT_BITS or exact.denominator.bit_length() > FOLD_LIMIT_BITS:
-        try:
-            return _make("number", (), float(exact))
-        except OverflowError:
-            return _make("number", (), math.inf if exact > 0 else -math.inf)
-    return _make("number", (), exact)
-
-
-def significant_digits(decimal: str) -> int:
-    """Significant digits of a decimal like 0.0120 (2) or 1.5e-3 (2)."""
-    mantissa = decimal.lower().partition("e")[0].lstrip("+-")
-    return len(mantissa.replace(".", "").strip("0"))
+    """A constant, exact where it can be (`folding.constant`)."""
+    return _make("number", (), constant(value))
 
 
 def symbol(name: str) -> Expression:
@@ -318,9 +247,9 @@ def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
             return b
         if isinstance(value, Fraction) and value.denominator == 1:
             if b.op == "number":
-                folded = _fold_power(numeric_value(b), int(value))
+                folded = folded_power(numeric_value(b), int(value))
                 if folded is not None:
-                    return folded
+                    return number(folded)
             if b.op == "pow" and b.args[1].op == "number":
                 inner = numeric_value(b.args[1])
                 if isinstance(inner, Fraction) and inner.denominator == 1:
@@ -328,20 +257,6 @@ def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
     if b is ONE:
         return ONE
     return _make("pow", (b, e))
-
-
-def _fold_power(base: Number, exponent: int) -> Expression | None:
-    if base == 0 and exponent < 0:
-        return None  # stays visible as a division by zero
-    if isinstance(base, Fraction):
-        bits = max(base.numerator.bit_length(), base.denominator.bit_length())
-        if bits * abs(exponent) > FOLD_LIMIT_BITS:
-            return None
-        return number(base**exponent)
-    try:
-        return number(float(base**exponent))
-    except (OverflowError, ZeroDivisionError):
-        return None
 
 
 def neg(value: ExpressionLike) -> Expression:
@@ -359,10 +274,6 @@ def div(a: ExpressionLike, b: ExpressionLike) -> Expression:
     return mul(a, power(b, MINUS_ONE))
 
 
-_AT_ZERO: Final = frozenset("sin tan asin atan sinh tanh asinh atanh expm1 log1p sqrt".split())
-_ONE_AT_ZERO: Final = frozenset({"cos", "cosh", "exp"})
-
-
 def call(name: str, *args: ExpressionLike) -> Expression:
     """A function of the grammar. min and max of several arguments nest to two at a time."""
     nodes = tuple(as_expression(a) for a in args)
@@ -374,53 +285,10 @@ def call(name: str, *args: ExpressionLike) -> Expression:
     elif len(nodes) != (2 if name in BINARY_FUNCTIONS else 1) or name not in FUNCTIONS:
         raise TypeError(f"no function {name} with {len(nodes)} arguments")
     if all(n.op == "number" for n in nodes):
-        folded = _fold_call(name, [numeric_value(n) for n in nodes])
+        folded = folded_call(name, [numeric_value(n) for n in nodes])
         if folded is not None:
             return number(folded)
     return _make(name, nodes)
-
-
-def _fold_call(name: str, values: list[Number]) -> Number | None:
-    """Exact results only: everything else is left for the machine code, so that all forms round alike."""
-    x = values[0]
-    if name in VARIADIC_FUNCTIONS:
-        return min(values) if name == "min" else max(values)
-    if name == "abs":
-        return -x if x < 0 else x
-    if name == "sign":
-        return Fraction((x > 0) - (x < 0))
-    if name == "heaviside":
-        return Fraction(1, 2) if x == 0 else Fraction(int(x > 0))
-    if name in STEPWISE:
-        return _fold_step(name, values)
-    if x == 0 and name in _AT_ZERO:
-        return Fraction(0)
-    if x == 0 and name in _ONE_AT_ZERO:
-        return Fraction(1)
-    if x == 1 and name in ("log", "log10", "sqrt"):
-        return Fraction(int(name == "sqrt"))
-    if name == "sqrt" and isinstance(x, Fraction) and x > 0:
-        top, bottom = math.isqrt(x.numerator), math.isqrt(x.denominator)
-        if top * top == x.numerator and bottom * bottom == x.denominator:
-            return Fraction(top, bottom)
-    return None
-
-
-def _fold_step(name: str, values: list[Number]) -> Number | None:
-    if not all(isinstance(v, Fraction) for v in values):
-        return None
-    x = Fraction(values[0])
-    if name == "mod":
-        return x % Fraction(values[1]) if values[1] else None
-    if name == "factorial":
-        return Fraction(math.factorial(int(x))) if x.denominator == 1 and 0 <= x <= 20 else None
-    return Fraction(math.floor(x) if name == "floor" else math.ceil(x))
-
-
-_COMPARE: Final = {
-    "<": lambda a, b: a < b, "<=": lambda a, b: a <= b, ">": lambda a, b: a > b,
-    ">=": lambda a, b: a >= b, "==": lambda a, b: a == b, "!=": lambda a, b: a != b,
-}  # fmt: skip
 
 
 def compare(op: str, a: ExpressionLike, b: ExpressionLike) -> Expression:
@@ -429,7 +297,7 @@ def compare(op: str, a: ExpressionLike, b: ExpressionLike) -> Expression:
         raise TypeError(f"no comparison {op!r}")
     left, right = as_expression(a), as_expression(b)
     if left.op == "number" and right.op == "number":
-        return ONE if _COMPARE[op](numeric_value(left), numeric_value(right)) else ZERO
+        return ONE if holds(op, numeric_value(left), numeric_value(right)) else ZERO
     return _make(op, (left, right))
 
 

@@ -17,14 +17,7 @@ from dataclasses import fields
 from fractions import Fraction
 from typing import Any, Final
 
-from contin.model.expression import (
-    COMPARISONS,
-    FUNCTIONS,
-    LOGICAL,
-    Expression,
-    exactly,
-    postorder,
-)
+from contin.model.expression import COMPARISONS, Expression, exactly, postorder
 from contin.model.model import Model
 from contin.model.parts import (
     Averaging,
@@ -46,6 +39,7 @@ from contin.model.parts import (
 )
 from contin.model.relations import Relation
 from contin.model.scope import Function
+from contin.model.vocabulary import FUNCTIONS, LOGICAL
 from contin.records import Fields, Json, Record
 
 PARTS: Final = {

@@ -8,13 +8,14 @@ from itertools import pairwise
 from typing import Final
 
 from contin.errors import ExpressionError
-from contin.model.expression import Expression, crowd, is_condition, mask_of, number, substitute, symbol, symbols_in
+from contin.model.expression import Expression, is_condition, mask_of, number, substitute, symbol, symbols_in
 from contin.model.lexer import canonical_name, is_name, tokenize
 from contin.model.operators import as_written
 from contin.model.order import CircleError, dependency_order
 from contin.model.parser import Operand, parse_operand
 from contin.model.scope import Budget, Function, Scope, placeholders
 from contin.model.source import Path, Problems, Span
+from contin.model.symbol_masks import crowd
 from contin.model.templates import Templates
 from contin.records import Json, Record
 

@@ -10,7 +10,8 @@ from typing import Final
 
 from contin.errors import ExpressionError
 from contin.model import features
-from contin.model.expression import SHORT_DIGITS, Expression, number, significant_digits
+from contin.model.expression import Expression, number
+from contin.model.folding import SHORT_DIGITS, significant_digits
 
 MAX_LENGTH: Final = 1_000_000  # characters of one formula
 MAX_NUMBER_LENGTH: Final = 400  # characters of one number

@@ -18,12 +18,9 @@ from typing import Final
 from contin.errors import ExpressionError
 from contin.model import advice, features
 from contin.model.expression import (
-    BINARY_FUNCTIONS,
     COMPARISONS,
-    FUNCTIONS,
     MINUS_ONE,
     PI,
-    VARIADIC_FUNCTIONS,
     Expression,
     add,
     call,
@@ -37,6 +34,7 @@ from contin.model.expression import (
 )
 from contin.model.lexer import RESERVED, Token, tokenize
 from contin.model.scope import Function, Scope
+from contin.model.vocabulary import BINARY_FUNCTIONS, FUNCTIONS, VARIADIC_FUNCTIONS
 
 MAX_DEPTH: Final = 1000  # open brackets and operators at one place
 

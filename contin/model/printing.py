@@ -12,16 +12,8 @@ from fractions import Fraction
 from typing import Final, Union
 
 from contin.errors import InputError
-from contin.model.expression import (
-    COMPARISONS,
-    MINUS_ONE,
-    SHORT_DIGITS,
-    Expression,
-    Number,
-    number,
-    numeric_value,
-    significant_digits,
-)
+from contin.model.expression import COMPARISONS, MINUS_ONE, Expression, Number, number, numeric_value
+from contin.model.folding import SHORT_DIGITS, significant_digits
 
 MAX_TEXT: Final = 20_000_000  # characters; shared parts are written out wherever they occur
 

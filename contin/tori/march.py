@@ -11,9 +11,8 @@ import numpy as np
 from contin.abi import Array
 from contin.errors import NoSolutionError
 from contin.machine import elementary
-from contin.tori import fourier
+from contin.tori.ends import Row, Stop, broken, lost, shrunk
 from contin.tori.equations import Circle, Metric, Solved, solve
-from contin.tori.locking import Locked, locked_at, slowing
 from contin.tori.looks import error_of, residual_between
 from contin.tori.strobe import Strobe
 
@@ -27,7 +26,6 @@ MOST_UNKNOWNS: Final = 1200
 CREEPING: Final = 0.02  # of the longest step so far: a step so short tries leaps first, over a resonance
 LEAPS: Final = (30.0, 10.0, 3.0)
 TRIES: Final = (0.6, 1.5, 0.3, 2.3, 0.15, 0.06, 0.02)  # steps beside one that fails: resonances are narrow gaps
-BEYOND: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # steps from the last circle where periodic solutions are looked for
 QUICKER: Final = 1.4  # of the step, after one that went well
 
 
@@ -43,33 +41,6 @@ class Plan:
     angle: float = 15.0
     tolerance: float = 1e-9
     nodes: int | None = None  # a fixed number of them
-
-
-@dataclass(frozen=True)
-class Stop:
-    """Why a family ends; `at` is the parameter there where it is known."""
-
-    reason: str
-    text: str
-    at: float | None = None
-    locked: Locked | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Row:
-    """A circle, with its relative error between the nodes."""
-
-    solved: Solved
-    error: float
-
-    @property
-    def circle(self) -> Circle:
-        return self.solved.circle
-
-    @property
-    def tail(self) -> float:
-        """The part that the highest third of the Fourier modes have of the circle."""
-        return fourier.tail(self.circle.values)
 
 
 def most_nodes(strobe: Strobe) -> int:
@@ -91,10 +62,10 @@ def follow(strobe: Strobe, metric: Metric, first: Circle, tangent: Array, plan: 
             except NoSolutionError as error:
                 troubles.append(str(error))
         if found is None:
-            yield _lost(strobe, metric, seen, tangent, step, troubles, plan)
+            yield lost(strobe, metric, seen, tangent, step, troubles)
             return
         if seen and _passed(circle, found.circle, metric):
-            yield _shrunk([*seen[-2:], found.circle], metric, name)
+            yield shrunk([*seen[-2:], found.circle], metric, name)
             return
         outside = not plan.bounds[0] <= found.circle.value <= plan.bounds[1]
         if outside:
@@ -103,7 +74,7 @@ def follow(strobe: Strobe, metric: Metric, first: Circle, tangent: Array, plan: 
             return
         if found.error > BROKEN:
             yield found
-            yield _broken(strobe, metric, seen, found, name)
+            yield broken(strobe, metric, seen, found, name)
             return
         yield found
         seen.append(found.circle)
@@ -169,16 +140,6 @@ def _passed(before: Circle, after: Circle, metric: Metric) -> bool:
     return float(np.sum(a * (after.deviation / metric.sizes))) < 0.0
 
 
-def _shrunk(near: list[Circle], metric: Metric, name: str) -> Stop:
-    """Where the size vanishes: the parameter is an even function of the size, here a polynomial in its square."""
-    squares = np.array([metric.amplitude(one) for one in near])
-    squares = squares * squares
-    values = [one.value for one in near]
-    weights = [np.prod([b / (b - a) for b in squares if b != a]) for a in squares]
-    at = float(np.dot(weights, values))
-    return Stop("ns", f"the torus shrinks to a periodic solution (NS) at {name} = {at:.7g}", at)
-
-
 def _edge(
     strobe: Strobe, metric: Metric, before: Circle, after: Circle, edge: float, plan: Plan, name: str
 ) -> Iterator[Row | Stop]:
@@ -197,48 +158,3 @@ def _edge(
         yield Stop("bound", f"{name} passes {edge:.8g}, where no torus is solved for: {error}", edge)
         return
     yield Stop("bound", f"{name} reached {edge:.8g}", edge)
-
-
-def _broken(strobe: Strobe, metric: Metric, seen: list[Circle], row: Row, name: str) -> Stop:
-    """Of a circle with too large an error: it may be that the motion on it has locked, or slows down."""
-    tail, circle = row.tail, row.circle
-    apart = circle.value - (seen[-1].value if seen else circle.value)
-    found = _explained(strobe, metric, [*seen, circle], apart, name)
-    return found or Stop(
-        "breaks",
-        f"the torus is not resolved any more at {name} = {circle.value:.8g}: with {circle.count} nodes the highest "
-        f"third of its Fourier modes holds {tail:.2g} of it, and its error is {row.error:.2g}",
-        circle.value,
-    )
-
-
-def _explained(strobe: Strobe, metric: Metric, seen: list[Circle], apart: float, name: str) -> Stop | None:
-    """What periodic solutions on the last circle, or beyond it, tell."""
-    slow = slowing(strobe, metric, seen)
-    if slow is not None:
-        returns = abs(1.0 / (seen[-1].rho * slow.q - slow.p))
-        words = (
-            f"the motion on the torus slows down without bound at {name} = {slow.value:.8g} (a turn takes "
-            f"{returns:.4g} returns): the torus becomes homoclinic to {slow.words}"
-        )
-        return Stop("homoclinic", words, slow.value, slow)
-    locked = locked_at(strobe, metric, seen[-1], [seen[-1].value + part * apart for part in BEYOND])
-    if locked is None:
-        return None
-    at = f"{name} = {locked.value:.8g}"
-    words = f"the rotation number locks to {locked.p}/{locked.q}: at {at} {locked.words} lies on the torus"
-    return Stop("locked", words, locked.value, locked)
-
-
-def _lost(
-    strobe: Strobe, metric: Metric, seen: list[Circle], tangent: Array, step: float, troubles: list[str], plan: Plan
-) -> Stop:
-    """Why no circle is found beyond the last one."""
-    name = strobe.system.parameter_names[strobe.active]
-    trouble = troubles[-1] if troubles else "the step is below the smallest"
-    if not seen:
-        return Stop("corrector", f"no torus is found beside the point: {trouble}")
-    last = seen[-1]
-    apart = step * float(tangent[-1]) * metric.width
-    found = _explained(strobe, metric, seen, apart, name)
-    return found or Stop("corrector", f"at {name} = {last.value:.8g}: no torus a step further: {trouble}", last.value)

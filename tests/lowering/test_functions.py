@@ -6,8 +6,9 @@ import pytest
 
 from contin.lowering import CompiledSystem
 from contin.model.evaluate import evaluate
-from contin.model.expression import FUNCTIONS, symbol
+from contin.model.expression import symbol
 from contin.model.parser import parse
+from contin.model.vocabulary import FUNCTIONS
 
 from .systems import compiled, equations
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from contin.model.dual import directional
 from contin.model.evaluate import evaluate
 from contin.model.explain import explain_not_finite
-from contin.model.expression import UNARY_FUNCTIONS, call, symbol
+from contin.model.expression import call, symbol
 from contin.model.parser import parse
+from contin.model.vocabulary import UNARY_FUNCTIONS
 from tests.model.trees import NAMES, expressions
 
 POINT = dict(zip(NAMES, (0.7, -1.3, 2.9, 0.31, -0.2), strict=True))

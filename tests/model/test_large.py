@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from contin.errors import InputError
 from contin.model import yaml_lines
-from contin.model.expression import CROWD, crowd, depends_on, number, symbol
+from contin.model.expression import depends_on, number, symbol
 from contin.model.parser import parse
+from contin.model.symbol_masks import CROWD, crowd
 from contin.model.yaml_loader import load_model_text
 from contin.model.yaml_reader import _read, _Reader, read_text
 

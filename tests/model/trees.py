@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from contin.model.expression import (
     COMPARISONS,
     PI,
-    UNARY_FUNCTIONS,
     Expression,
     add,
     call,
@@ -19,6 +18,7 @@ from contin.model.expression import (
     power,
     symbol,
 )
+from contin.model.vocabulary import UNARY_FUNCTIONS
 
 NAMES = ("x", "y", "beta", "r1", "lambda")
 

@@ -1,6 +1,7 @@
 """Second-order averages against known expansions and against the exact branch point of the metronome pair."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,11 @@ from contin.model.evaluate import evaluate, evaluate_all
 from contin.model.expression import compare, if_, number, symbol
 from contin.symbolic.averaging.cells import regions
 from contin.symbolic.averaging.cut_turn import CutTurn
+
+
+@cache
+def pair(form):
+    return contin.average(contin.load("metronomes/pair"), form=form, order=2)
 
 
 def test_van_der_pol_frequency_is_one_minus_eps_squared_over_16():
@@ -47,7 +53,7 @@ def test_the_metronomes_branch_point_moves_with_eps_as_the_exact_one():
     exact = {0.0: 10.572900507, 0.001: 10.50272674, 0.005: 10.24036985, 0.01: 9.94802926, 0.02: 9.45499633}
     eps = np.array(list(exact))
     slope = np.polynomial.Polynomial.fit(eps, list(exact.values()), 4).deriv()(0.0)  # -71.16
-    averaged = contin.average(contin.load("metronomes/pair"), order=2)
+    averaged = pair("polar")
     found = []
     for small in (0.0, 1e-5):
         start = contin.equilibrium(averaged, "in-phase", {"beta": 0.3, "mu": 12, "eps": small})
@@ -104,10 +110,9 @@ def test_piecewise_forces_predict_the_frequency_one_order_better():
 
 @pytest.mark.parametrize("form", ["cartesian", "stokes"])
 def test_second_order_forms_agree_with_the_polar_one(form):
-    pair = contin.load("metronomes/pair")
     curves = []
     for name in ("polar", form):
-        averaged = contin.average(pair, form=name, order=2)
+        averaged = pair(name)
         start = contin.equilibrium(averaged, "in-phase", {"beta": 0.3, "mu": 12, "eps": 0.002})
         (point,) = contin.continuation(start, "mu", (9, 13)).points
         curves.append((point.values["mu"], point.values["r1"]))

@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from contin.model.expression import Expression, mask_of, mul, number, symbol_bit
+from contin.model.expression import Expression, mask_of, mul, number
 from contin.model.model import Model
 from contin.model.parts import Limit, Oscillator
+from contin.model.symbol_masks import symbol_bit
 
 
 @dataclass(frozen=True)

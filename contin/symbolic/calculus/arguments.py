@@ -9,18 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 
-from contin.model.expression import (
-    ONE,
-    UNARY_FUNCTIONS,
-    Expression,
-    if_,
-    mul,
-    numeric_value,
-    postorder,
-    substitute,
-    symbol,
-    symbol_bit,
-)
+from contin.model.expression import ONE, Expression, if_, mul, numeric_value, postorder, substitute, symbol
+from contin.model.symbol_masks import symbol_bit
+from contin.model.vocabulary import UNARY_FUNCTIONS
 from contin.symbolic.calculus.centres import LARGEST, LOCAL
 from contin.symbolic.calculus.series import expand
 from contin.symbolic.calculus.series_arithmetic import NotAnalyticError, reciprocal

@@ -6,19 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from contin.model.expression import (
-    ONE,
-    UNARY_FUNCTIONS,
-    ZERO,
-    Expression,
-    add,
-    depends_on,
-    mul,
-    postorder,
-    sub,
-    substitute,
-    symbol,
-)
+from contin.model.expression import ONE, ZERO, Expression, add, depends_on, mul, postorder, sub, substitute, symbol
+from contin.model.vocabulary import UNARY_FUNCTIONS
 from contin.symbolic.calculus.derivatives import derivative
 from contin.symbolic.calculus.series_arithmetic import reciprocal
 

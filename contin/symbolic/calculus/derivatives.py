@@ -34,8 +34,8 @@ from contin.model.expression import (
     sub,
     substitute,
     symbol,
-    symbol_bit,
 )
+from contin.model.symbol_masks import symbol_bit
 from contin.symbolic.calculus.guards import near_zero
 
 Differentials = dict[Expression, Expression]

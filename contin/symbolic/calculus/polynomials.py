@@ -16,8 +16,8 @@ from contin.model.expression import (
     postorder,
     power,
     split_coefficient,
-    symbol_bit,
 )
+from contin.model.symbol_masks import symbol_bit
 from contin.symbolic.calculus.centres import LOCAL
 from contin.symbolic.calculus.series import expand
 from contin.symbolic.calculus.series_arithmetic import Coefficient, reciprocal

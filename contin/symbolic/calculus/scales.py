@@ -7,19 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final
 
-from contin.model.expression import (
-    ONE,
-    Expression,
-    add,
-    as_expression,
-    call,
-    div,
-    mul,
-    numeric_value,
-    power,
-    sub,
-    symbol_bit,
-)
+from contin.model.expression import ONE, Expression, add, as_expression, call, div, mul, numeric_value, power, sub
+from contin.model.symbol_masks import symbol_bit
 from contin.symbolic.calculus.centres import LOCAL
 from contin.symbolic.calculus.polynomials import degree_of
 from contin.symbolic.calculus.series import expand, quotient_nodes

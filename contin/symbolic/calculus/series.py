@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from contin.model.expression import Expression, numeric_value, symbol_bit
+from contin.model.expression import Expression, numeric_value
+from contin.model.symbol_masks import symbol_bit
 from contin.symbolic.calculus.guards import is_guard
 from contin.symbolic.calculus.series_arithmetic import (
     Coefficient,
