@@ -15,9 +15,9 @@ from contin.errors import InputError, NoSolutionError
 from contin.kernels.clock import computing_time
 from contin.model.model import Model
 from contin.records import Record
+from contin.tori.ends import Row, Stop
 from contin.tori.equations import Metric, solve
 from contin.tori.looks import error_of, residual_between
-from contin.tori.ends import Row, Stop
 from contin.tori.march import Plan, follow, most_nodes
 from contin.tori.settled import settled
 from contin.tori.strobe import Strobe

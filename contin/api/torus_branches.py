@@ -13,9 +13,9 @@ from contin.continuation.settings import Settings
 from contin.machine import elementary
 from contin.problems.equilibrium import EquilibriumProblem
 from contin.records import Record
+from contin.tori.ends import Row, Stop
 from contin.tori.equations import Circle, Metric
 from contin.tori.looks import look
-from contin.tori.ends import Row, Stop
 from contin.tori.march import Plan
 from contin.tori.normal import exponents
 from contin.tori.strobe import Strobe
