@@ -21,7 +21,13 @@ from contin.normalforms.maps import neimark_sacker
 from contin.problems.codim2 import degenerate
 from contin.problems.codim2.flips import flip_coefficient
 from contin.problems.codim2.forms import jet_at
-from contin.problems.codim2.matrices import critical_value, own_critical, scaled_matrices, scaled_matrix
+from contin.problems.codim2.matrices import (
+    critical_value,
+    own_critical,
+    parameters_at,
+    scaled_matrices,
+    scaled_matrix,
+)
 from contin.problems.codim2.untold import untold
 from contin.special.table import special_type
 
@@ -43,11 +49,11 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | R
     if locus == "NS" and cosine is not None:
         return lambda z: problem.curve.scalar(z) - cosine
     if type_ in ("BT", "R1", "R2"):
-        return _border_function(problem, near.z, lambda z, right, left, _: float(left @ right))
+        return _border_function(problem, near.z, lambda z, right, left, _: (left * right).sum(axis=1))
     if type_ == "CP":
         return _border_function(problem, near.z, lambda *parts: _quadratic(problem, *parts))
     if type_ == "DP":
-        return _border_function(problem, near.z, lambda *parts: degenerate.coefficient(problem, *parts[:3]))
+        return _border_function(problem, near.z, lambda *parts: _degeneracy(problem, *parts))
     if type_ == "GPD":
         return lambda z: _flip_function(problem, z)
     if type_ in ("GH", "CH"):
@@ -57,7 +63,7 @@ def function_of(problem: LocusProblem, type_: str, near: Sample) -> Function | R
 
 @dataclass(frozen=True, eq=False)
 class BorderFunction:
-    """value(z, v, psi, size) of null vectors v, psi of A - shift from [A - shift, b; c^T, 0], and of A's size.
+    """values(z, v, psi, sizes) in rows: of null vectors v, psi of A - shift from [A - shift, b; c^T, 0], of A's size.
 
     `frame` (n + 1, n + 1) holds b and c, the singular vectors at a point nearby, and minus the shift: v is along the
     curve's. A = f_u in units of the states' sizes.
@@ -65,7 +71,7 @@ class BorderFunction:
 
     problem: LocusProblem
     frame: Array
-    value: Callable[[Array, Array, Array, float], float]
+    values: Callable[[Array, Array, Array, Array], Array]
 
     def __call__(self, z: Array) -> float:
         return float(self.at(z[None])[0])
@@ -77,23 +83,22 @@ class BorderFunction:
         bordered = np.repeat(self.frame[None], len(z), axis=0)
         bordered[:, :n, :n] += matrices
         try:
-            inverses = np.linalg.inv(bordered)
+            inverses: Array = np.linalg.inv(bordered)
         except np.linalg.LinAlgError:  # one of them is singular
             return np.array([self(row) for row in z]) if len(z) > 1 else np.full(1, np.nan)
-        sizes = np.sqrt(np.einsum("kij,kij->k", matrices, matrices)).tolist()
-        parts = zip(z, inverses[:, :-1, -1], inverses[:, -1, :-1], sizes, strict=True)
-        return np.array([self.value(*part) for part in parts])
+        sizes = np.sqrt(np.einsum("kij,kij->k", matrices, matrices))
+        return self.values(z, inverses[:, :-1, -1], inverses[:, -1, :-1], sizes)
 
 
 def _border_function(
-    problem: LocusProblem, z0: Array, value: Callable[[Array, Array, Array, float], float]
+    problem: LocusProblem, z0: Array, values: Callable[[Array, Array, Array, Array], Array]
 ) -> Function:
     n = problem.n
     frame = np.zeros((n + 1, n + 1))
     frame[:n, :n] = -critical_value(problem) * np.eye(n)
     left, _, right = np.linalg.svd(scaled_matrix(problem, z0) + frame[:n, :n])
     frame[:n, n], frame[n, :n] = left[:, -1], right[-1]
-    return BorderFunction(problem, frame, value)
+    return BorderFunction(problem, frame, values)
 
 
 def at_rows(function: Function, z: Array) -> Array:
@@ -101,15 +106,19 @@ def at_rows(function: Function, z: Array) -> Array:
     return function.at(z) if isinstance(function, BorderFunction) else np.array([function(row) for row in z])
 
 
-def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array, size: float) -> float:
-    """<psi, B(v, v)> in scaled states, relative to the size of f_u."""
-    curve = problem.curve
-    wide = np.zeros(problem.n + len(problem.base))
-    wide[: problem.n] = v * curve.sizes
-    image = curve.system.derivative(z[: problem.n], curve.full_parameters(z), wide, wide) / curve.sizes
-    if problem.n == 1:  # f_u is rounding at a fold, no measure of rates
-        return float(psi @ image)
-    return float(psi @ image) / max(size, 1e-300)
+def _quadratic(problem: LocusProblem, z: Array, v: Array, psi: Array, sizes: Array) -> Array:
+    """<psi, B(v, v)> in scaled states, relative to the size of f_u; of rows."""
+    curve, n = problem.curve, problem.n
+    p = parameters_at(problem, z)
+    wide = np.zeros((len(z), n + p.shape[1]))
+    wide[:, :n] = v * curve.sizes
+    image = curve.system.derivatives(z[:, :n], p, wide, wide) / curve.sizes
+    products = np.asarray((psi * image).sum(axis=1))
+    return products if n == 1 else products / np.maximum(sizes, 1e-300)  # n = 1: f_u is rounding, no measure of rates
+
+
+def _degeneracy(problem: LocusProblem, z: Array, v: Array, psi: Array, _: Array) -> Array:
+    return np.array([degenerate.coefficient(problem, *parts) for parts in zip(z, v, psi, strict=True)])
 
 
 def _flip_function(problem: LocusProblem, z: Array) -> float:

@@ -24,11 +24,17 @@ def scaled_matrix(problem: LocusProblem, z: Array) -> Array:
 def scaled_matrices(problem: LocusProblem, z: Array) -> Array:
     """`scaled_matrix` at rows z, (rows, n, n)."""
     curve, n = problem.curve, problem.n
+    jacobians = curve.system.jacobians(z[:, :n], parameters_at(problem, z))[1]
+    return np.asarray(jacobians[:, :, :n] * curve.sizes / curve.sizes[:, None])
+
+
+def parameters_at(problem: LocusProblem, z: Array) -> Array:
+    """All parameters at rows z."""
+    places = problem.curve.places
     parameters = np.empty((len(z), len(problem.base)))
     parameters[:] = problem.base
-    parameters[:, list(curve.places)] = z[:, -len(curve.places) :]
-    jacobians = curve.system.jacobians(z[:, :n], parameters)[1]
-    return np.asarray(jacobians[:, :, :n] * curve.sizes / curve.sizes[:, None])
+    parameters[:, list(places)] = z[:, -len(places) :]
+    return parameters
 
 
 def null_pair(matrix: Array, reference: Array) -> tuple[Array, Array]:
