@@ -19,6 +19,7 @@ Kind: TypeAlias = Literal["flow", "map"]
 
 FEW: Final = 5  # states and parameters up to which all derivatives of one order are computed at once, ...
 TENSORS: Final = (2, 3)  # ... and the orders
+SINGLE: Final = 4  # forms of real directions that are evaluated one by one
 
 
 class Jet(Protocol):
@@ -58,8 +59,8 @@ class DerivativeJet:
     `derivative((d1, ..., dk))` returns D^k F[d1, ..., dk] for real d of length n + parameters. Complex directions are
     expanded by multilinearity; equal and conjugate directions share their evaluations (F5[q, q, q, q*, q*] takes 6
     real ones, not 32), and every multiset of directions is evaluated once in the jet's life. Of few states and
-    parameters all derivatives of second and third order are evaluated, at unit vectors, where complex directions come
-    up: forms are sums of them (35 for each equation at most).
+    parameters all derivatives of second and third order are evaluated, at unit vectors, where complex directions or
+    many come up: forms are sums of them (35 for each equation at most).
     """
 
     A: Real
@@ -70,14 +71,15 @@ class DerivativeJet:
     several: Callable[[Sequence[tuple[Real, ...]]], Sequence[Real]] | None = None  # the same for several tuples
     _known: dict[tuple[bytes, ...], Real] = field(default_factory=dict, repr=False)
     _tensors: dict[int, Real | None] = field(default_factory=dict, repr=False)
+    _asked: dict[int, int] = field(default_factory=dict, repr=False)
 
     @cached_property
     def n(self) -> int:
         return len(self.A)
 
     def form(self, *directions: Vector) -> Vector:
-        order, is_complex = len(directions), any(d.dtype.kind == "c" for d in directions)
-        if order in self._tensors or (is_complex and order in TENSORS and self._has_tensors):
+        order, is_complex = len(directions), "c" in [d.dtype.kind for d in directions]
+        if order in self._tensors or (order in TENSORS and self._has_tensors and self._are_many(order, is_complex)):
             tensor = self._tensor(order)
             if tensor is not None:
                 return _contracted(tensor, directions)
@@ -92,6 +94,11 @@ class DerivativeJet:
     @property
     def _has_tensors(self) -> bool:
         return self.several is not None and self.n + self.parameters <= FEW
+
+    def _are_many(self, order: int, is_complex: bool) -> bool:
+        """Whether the forms of an order that are asked for are worth all its derivatives."""
+        self._asked[order] = self._asked.get(order, 0) + 1
+        return is_complex or self._asked[order] > SINGLE
 
     def _tensor(self, order: int) -> Real | None:
         """All derivatives of an order, ((n + parameters)^order, n); None where some are not finite.

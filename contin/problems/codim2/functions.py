@@ -83,7 +83,7 @@ class BorderFunction:
         bordered = np.repeat(self.frame[None], len(z), axis=0)
         bordered[:, :n, :n] += matrices
         try:
-            inverses: Array = np.linalg.inv(bordered)
+            inverses = np.asarray(np.linalg.inv(bordered), dtype=float)
         except np.linalg.LinAlgError:  # one of them is singular
             return np.array([self(row) for row in z]) if len(z) > 1 else np.full(1, np.nan)
         sizes = np.sqrt(np.einsum("kij,kij->k", matrices, matrices))
