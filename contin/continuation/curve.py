@@ -31,6 +31,9 @@ class Stretch:
         return self._between(a, b, (self.length_of(a), self.length_of(b)), fraction)
 
     def _between(self, a: Sample, b: Sample, lengths: tuple[float, float], fraction: float) -> Sample | None:
+        compiled = self.problem.points_between(self.base, (a, b), lengths, (fraction,), self.frame, self.settings)
+        if compiled is not None:
+            return compiled[0]
         s_a, s_b = lengths
         s = s_a + fraction * (s_b - s_a)
         found = self.problem.probe(self.base, s, self._hermite(a, b, s_b - s_a, fraction), self.frame, self.settings)
@@ -38,7 +41,10 @@ class Stretch:
 
     def several(self, a: Sample, b: Sample, fractions: Sequence[float]) -> Sequence[Sample | None]:
         """`between` at several fractions."""
-        s_a, s_b = self.length_of(a), self.length_of(b)
+        lengths = s_a, s_b = self.length_of(a), self.length_of(b)
+        compiled = self.problem.points_between(self.base, (a, b), lengths, fractions, self.frame, self.settings)
+        if compiled is not None:
+            return compiled
         x = np.asarray(fractions)
         guesses = self._hermite(a, b, s_b - s_a, x[:, None])
         samples = self.problem.probes(self.base, s_a + x * (s_b - s_a), guesses, self.frame, self.settings)

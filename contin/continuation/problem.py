@@ -298,6 +298,16 @@ class Problem(ABC):
         pairs = zip(lengths.tolist(), guesses, strict=True)
         return [self.probe(base, length, guess, frame, settings) for length, guess in pairs]
 
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        """Points at fractions of the way between two samples of these lengths from base, in one call of a kernel.
+
+        None: there is none; `probe` serves, from guesses that `contin.continuation.curve` makes.
+        """
+        return None
+
     @abstractmethod
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         """Solve with the varying parameter fixed at `value`, to full precision."""

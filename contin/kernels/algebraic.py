@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contin.abi import Array
+from contin.kernels.between import guess_between, is_between
 from contin.kernels.compile import call4, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
@@ -245,6 +246,30 @@ def probes(
             is_map, matrix, sign, reference, pivots, block, tangents[k], tests[k], re[k], im[k], re[k], im[k], rates,
             work,
         )  # fmt: skip
+
+
+@kernel(
+    "i, b, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f, f2, f2, f2, f2, f2, i1, f2, f2, f2, f2, f2, i1"
+)
+def points_between(
+    address, is_map, z0, tangent, a, tangent_a, b, tangent_b, fractions, lengths, p, active, scale, tolerance, trust,
+    reference, z, tangents, tests, re, im, unstable, vectors, jacobian, matrix, block, work, pivots,
+):  # fmt: skip
+    """`probes` at fractions of the way from a to b, lengths[0] and lengths[1] from z0; of the others, -1 is set.
+
+    lengths : [of a, of b, memory for one of each fraction]
+    """
+    s_a, s_b = lengths[0], lengths[1]
+    for k in range(fractions.size):
+        guess_between(tangent, a, tangent_a, b, tangent_b, scale, s_b - s_a, fractions[k], z, k)
+        lengths[2 + k] = s_a + fractions[k] * (s_b - s_a)
+    probes(
+        address, is_map, z0, tangent, lengths[2:], p, active, scale, tolerance, trust, reference, z, tangents, tests,
+        re, im, unstable, vectors, jacobian, matrix, block, work, pivots,
+    )  # fmt: skip
+    for k in range(fractions.size):
+        if unstable[k] >= 0 and not is_between(z, k, a, b, scale):
+            unstable[k] = -1
 
 
 @kernel("i, b, f1, i, f1, f1, f1, i, f1, f1, f1, f1, f1, f2, f2, f2, i1, f2, f2, f1, f1, f2, f2, f2, f2, f2, i1 -> i")

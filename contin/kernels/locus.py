@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from contin.kernels.algebraic import correct, linearise
+from contin.kernels.between import guess_between, is_between
 from contin.kernels.compile import allocating, call5, kernel
 from contin.kernels.dense import lu_factor, lu_solve
 from contin.kernels.eigen import eigenvalues
@@ -298,6 +299,25 @@ def probe(
     states = np.empty((n, n))
     leading_block(block, states)
     return observe(kind, form2, form3, z, n, scale, states, original, slots, tests, re, im, re, im)
+
+
+@allocating(
+    "i, i, i, i, i, f1, i1, f1, f1, f1, f1, f1, f1, f1, f1, f1, i, f1, f, f, f2, f2, f2, f2, f2, i1"
+)
+def points_between(
+    address, kind, form2, form3, n, original, slots, z0, tangent, a, tangent_a, b, tangent_b, fractions, lengths, p,
+    active, scale, tolerance, trust, z, tangents, tests, re, im, unstable,
+):  # fmt: skip
+    """`probe` at fractions of the way from a to b, lengths[0] and lengths[1] from z0, into rows; counts, or -1."""
+    s_a, s_b = lengths[0], lengths[1]
+    for k in range(fractions.size):
+        guess_between(tangent, a, tangent_a, b, tangent_b, scale, s_b - s_a, fractions[k], z, k)
+        unstable[k] = probe(
+            address, kind, form2, form3, n, original, slots, z0, tangent, s_a + fractions[k] * (s_b - s_a), z[k], p,
+            active, scale, tolerance, trust, z[k], tangents[k], tests[k], re[k], im[k],
+        )  # fmt: skip
+        if unstable[k] >= 0 and not is_between(z, k, a, b, scale):
+            unstable[k] = -1
 
 
 @allocating(

@@ -45,13 +45,19 @@ class AlgebraicProblem(EquilibriumProblem):
         return replace(chunk, tests=tests, unstable=still, eigenvalues=np.zeros((count, 0), complex), stop=stop)
 
     def probe(self, base: Sample, length: float, guess: Array, frame: Frame, settings: Settings) -> Sample | None:
-        found = super().probe(base, length, guess, frame, settings)
-        if found is None:
-            return None
-        return replace(
-            found, tests=np.append(found.tests[:CONSIDERED], np.ones(len(found.tests) - CONSIDERED)), unstable=0,
-            eigenvalues=NONE,
-        )  # fmt: skip
+        return _without_stability(super().probe(base, length, guess, frame, settings))
+
+    def probes(
+        self, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
+    ) -> Sequence[Sample | None]:
+        return [_without_stability(found) for found in super().probes(base, lengths, guesses, frame, settings)]
+
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        found = super().points_between(base, ends, lengths, fractions, frame, settings)
+        return None if found is None else [_without_stability(sample) for sample in found]
 
     def explain(self, a: Sample, b: Sample) -> tuple[str, ...] | None:
         fold, determinant = (bool(x) for x in a.tests[:CONSIDERED] * b.tests[:CONSIDERED] < 0.0)
@@ -65,6 +71,13 @@ class AlgebraicProblem(EquilibriumProblem):
     def verify_compound(self, a: Sample, b: Sample, frame: Frame) -> Sequence[Outcome]:
         found = [_still(item) for item in super().verify_compound(a, b, frame)]
         return [item for item in found if not isinstance(item, Verified) or item.type in ("LP", "BP")]
+
+
+def _without_stability(found: Sample | None) -> Sample | None:
+    if found is None:
+        return None
+    tests = np.append(found.tests[:CONSIDERED], np.ones(len(found.tests) - CONSIDERED))
+    return replace(found, tests=tests, unstable=0, eigenvalues=NONE)
 
 
 def _still(found: Outcome) -> Outcome:

@@ -198,6 +198,15 @@ class EquilibriumProblem(AlgebraicEquations):
             return in_kernel.probes(self, base, lengths, guesses, frame, settings)
         return [self.probe(base, *place, frame, settings) for place in zip(lengths.tolist(), guesses, strict=True)]
 
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        compiled = self.system.jacobian_address != NO_FUNCTION
+        if not compiled or is_neutral(self, base.z, base.eigenvalues, frame.scale):
+            return None
+        return in_kernel.points_between(self, base, ends, lengths, fractions, frame, settings)
+
     def at_parameter(self, guess: Array, value: float, scale: Array) -> Array | None:
         return at_parameter(self, guess, value, scale)
 

@@ -65,6 +65,24 @@ def march(
     )  # fmt: skip
 
 
+def points_between(
+    problem: EquilibriumProblem, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float],
+    fractions: Sequence[float], frame: Frame, settings: Settings,
+) -> Sequence[Sample | None]:  # fmt: skip
+    """See `contin.continuation.problem.Problem.points_between`."""
+    (a, b), count, n = ends, len(fractions), problem.n
+    z, t, tests = np.empty((count, n + 1)), np.empty((count, n + 1)), np.empty((count, kernel.TESTS))
+    re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
+    kernel.points_between(
+        problem.system.jacobian_address, problem.is_map, base.z, base.tangent, a.z, a.tangent, b.z, b.tangent,
+        np.array(fractions), np.array([*lengths, *fractions]), problem.base.copy(), problem.active, frame.scale,
+        min(settings.tolerance, 1e-9), trust(problem), frame.reference, z, t, tests, re, im, counts,
+        *memory_of(n, len(problem.base)),
+    )  # fmt: skip
+    rows = zip(z, t, tests, counts.tolist(), re + 1j * im, strict=True)
+    return [None if row[3] < 0 else Sample(*row) for row in rows]
+
+
 def probes(
     problem: EquilibriumProblem, base: Sample, lengths: Array, guesses: Array, frame: Frame, settings: Settings
 ) -> Sequence[Sample | None]:

@@ -172,6 +172,24 @@ class LocusProblem(TwoParameterProblem):
             tests[events.DEGENERACY] = degenerate.test(self, z)
         return None if count < 0 else Sample(z, t, tests, int(count), re + 1j * im)
 
+    def points_between(
+        self, base: Sample, ends: tuple[Sample, Sample], lengths: tuple[float, float], fractions: Sequence[float],
+        frame: Frame, settings: Settings,
+    ) -> Sequence[Sample | None] | None:  # fmt: skip
+        curve, n, (a, b), count = self.curve, self.n, ends, len(fractions)
+        if not curve.compiled or self.locus == "BP":
+            return None
+        z, t, tests = np.empty((count, curve.size)), np.empty((count, curve.size)), np.empty((count, kernel.TESTS))
+        re, im, counts = np.empty((count, n)), np.empty((count, n)), np.empty(count, np.int64)
+        kernel.points_between(
+            *self._functions, n, self.base.copy(), np.array([curve.first, curve.second]), base.z, base.tangent, a.z,
+            a.tangent, b.z, b.tangent, np.array(fractions), np.array(lengths), curve.parameters(base.z), curve.active,
+            frame.scale, min(settings.tolerance, 1e-9), self._trust, z, t, tests, re, im, counts,
+        )  # fmt: skip
+        rows = zip(z, t, tests, counts.tolist(), re + 1j * im, strict=True)
+        found = [None if row[3] < 0 else Sample(*row) for row in rows]
+        return found if self.has_stability else [s and timeless.sample_without(s) for s in found]
+
     def at_unknown(self, index: int, guess: Array, value: float, scale: Array) -> Array | None:
         parameters = self.curve.parameters(guess)
         return newton.with_one_fixed(lambda z: self.curve.linearise(z, parameters), index, guess, value, scale)
