@@ -12,7 +12,8 @@ from contin.machine import elementary
 from contin.model.evaluate import evaluate
 from contin.model.expression import Expression
 from contin.problems.orbits.columns import of_one_size
-from contin.problems.orbits.layout import extrema, node_weights
+from contin.problems.orbits.layout import node_weights
+from contin.problems.orbits.peaks import extrema
 
 if TYPE_CHECKING:
     from contin.bvp.problem import BoundaryProblem

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from contin.abi import Array
 from contin.kernels.collocation_basis import basis
-from contin.problems.orbits.layout import Profile, extrema
+from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.peaks import extrema
 
 if TYPE_CHECKING:
     from contin.lowering.system import CompiledSystem

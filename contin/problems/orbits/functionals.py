@@ -19,6 +19,7 @@ from contin.model.model import Model
 from contin.model.parts import Functional
 from contin.model.relations import PERIOD, Relation
 from contin.problems.orbits.layout import Profile
+from contin.problems.orbits.peaks import may_hold_largest
 from contin.problems.quantities import Quantities, evaluated
 from contin.symbolic.calculus.derivatives import sparse_jacobian
 
@@ -134,11 +135,10 @@ class OrbitConditions:
     def _extreme(
         self, sign: float, k: int, profile: Profile, rows: Array, values: Array
     ) -> tuple[float, Slopes]:
-        """The largest value of sign times a formula, by intervals next to the node where it is largest."""
+        """The largest value of sign times a formula, by the intervals that can hold it."""
         m, n, count = profile.m, profile.n, profile.intervals
-        top = int(np.argmax(sign * values))
-        inside = min(top // m, count - 1)
-        around = {inside, (inside - 1) % count if top % m == 0 else inside, 0 if top == m * count else inside}
+        pieces = sign * values[(np.arange(count) * m)[:, None] + np.arange(m + 1)]
+        around = np.flatnonzero(may_hold_largest(pieces[None])[0]).tolist()
         starts = np.concatenate([[0.0], np.cumsum(profile.h)])
 
         def at(interval: int, x: Array) -> tuple[Array, Array, Array]:

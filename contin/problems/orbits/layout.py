@@ -8,7 +8,6 @@ length.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,6 @@ from contin.abi import Array
 from contin.kernels.collocation_basis import basis, interpolation
 
 HOPF_INTERVALS = 20  # a small cycle is a sine
-SAMPLES = 17  # points of an interval at which an extremum is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,47 +137,3 @@ def make_scale(h: Array, m: int, sizes: Array, period: float, parameter: float) 
 def sizes_of(scale: Array, h: Array, n: int, m: int) -> Array:
     """The states' sizes that `make_scale` was given."""
     return np.asarray(scale[:n] * np.sqrt(h[0] * basis(m).node_weights[0] / n))
-
-
-def extrema(values: Array, m: int) -> tuple[Array, Array]:
-    """Smallest and largest value over the orbit of each of k functions.
-
-    values : (R, N m + 1, k) at the nodes. The polynomial pieces next to the extreme node are searched, (R, k) each.
-    """
-    across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
-    return -_extreme(across, across.argmin(axis=2), m, -1.0), _extreme(across, across.argmax(axis=2), m, 1.0)
-
-
-def _extreme(values: Array, top: NDArray[np.intp], m: int, sign: float) -> Array:
-    """Largest value of sign * values (R, k, N m + 1), (R, k), beside the nodes `top` (R, k) where they are largest."""
-    nodes = values.shape[2]
-    flat, tops = values.reshape(-1, nodes), top.ravel()
-    right = np.minimum(tops // m, (nodes - 1) // m - 1)
-    functions = np.arange(len(flat))
-    best: Array = np.maximum(sign * flat[functions, tops], _within(flat, functions, right, m, sign))
-    ends = np.flatnonzero((tops % m == 0) & (tops > 0) & (tops < nodes - 1))  # of intervals: the one on the left, too
-    best[ends] = np.maximum(best[ends], _within(flat, ends, right[ends] - 1, m, sign))
-    return best.reshape(top.shape)
-
-
-def _within(flat: Array, functions: NDArray[np.intp], intervals: NDArray[np.intp], m: int, sign: float) -> Array:
-    """Largest value of sign * some functions, each within one interval."""
-    pieces = flat[functions[:, None], intervals[:, None] * m + np.arange(m + 1)]
-    return _parabola_top(sign * (pieces @ _fine(m).T))
-
-
-@cache
-def _fine(m: int) -> Array:
-    """Values at `SAMPLES` places of an interval from those at its nodes, (SAMPLES, m + 1)."""
-    return interpolation(m, np.linspace(0.0, 1.0, SAMPLES))
-
-
-def _parabola_top(y: Array) -> Array:
-    """Largest value of y along its last axis, between samples by the parabola through the three largest neighbours."""
-    i = np.clip(np.argmax(y, axis=-1), 1, y.shape[-1] - 2)[..., None]
-    a, b, c = (np.take_along_axis(y, i + d, axis=-1)[..., 0] for d in (-1, 0, 1))
-    bend = a - 2.0 * b + c
-    safe = np.where(bend < 0.0, bend, -1.0)
-    shift = np.clip(0.5 * (a - c) / safe, -1.0, 1.0)
-    inside = b - 0.25 * (a - c) * shift
-    return np.where((bend < 0.0) & (np.abs(shift) < 1.0), inside, np.maximum(np.maximum(a, b), c))
