@@ -51,6 +51,7 @@ class Arm:
     march: Callable[..., Chunk] | None = None
     end: End | None = None
     accepted: int = 0
+    retraced: int = 0  # last pieces, which are rows of the arm once more
     retries: int = 0  # steps in succession that were repeated, shorter; or `PASSING`
 
     @property

@@ -52,10 +52,14 @@ class Course:
     known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
     symmetries: tuple[str, ...] = ()  # broken at the branch's birth: where it meets its own image, it is complete
     foundling: bool = False  # no other branch has the branch point at which it meets its own image as a label
+    met: list[Verified] = field(default_factory=list)  # of the known points: those located again, since this was emptied
 
     def is_known(self, point: Verified, scale: Array) -> bool:
         """True for a point that is labelled already."""
-        return any(same_point(self.problem, point, k, scale) for k in self.known)
+        label = next((k for k in self.known if same_point(self.problem, point, k, scale)), None)
+        if label is not None:
+            self.met.append(label)
+        return label is not None
 
     def position(self, z: Array) -> str:
         """In words."""

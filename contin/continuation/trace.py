@@ -29,6 +29,7 @@ from contin.continuation.problem import (
 )
 from contin.continuation.reach import within_reach
 from contin.continuation.repeating import until_repeating
+from contin.continuation.retracing import until_retracing
 from contin.continuation.rows import Rows
 from contin.continuation.settings import Settings
 from contin.continuation.targets import Target, Wanted
@@ -82,12 +83,11 @@ def trace(
             records[sense] = _ArmRecord([], ready, 0)
             continue
         arm, pieces = ready
-        rows = sum(len(piece.z) for piece in pieces)
+        rows, first = sum(len(piece.z) for piece in pieces), len(pieces)
         try:
             for piece in until_defect(followed(arm, seed.z), arm):
                 pieces.append(piece)
                 rows += len(piece.z)
-                notes.extend(piece.notes)
                 if watch is not None:
                     watch(_progress(seed.problem, piece, rows, bounds, departure.known))
                 if deadline is not None and computing_time() > deadline and not arm.is_over():
@@ -96,6 +96,8 @@ def trace(
         except KeyboardInterrupt:
             arm.end = End("stopped", f"stopped by the user at {_position(seed, pieces)}")
         assert arm.end is not None
+        del pieces[len(pieces) - arm.retraced :]
+        notes.extend(note for piece in pieces[first:] for note in piece.notes)
         records[sense] = _ArmRecord(pieces, arm.end, arm.accepted)
         if DEFECT in arm.end.text:
             notes.append(arm.end.text)
@@ -119,7 +121,7 @@ def _position(seed: Seed, pieces: list[Piece]) -> str:
 def followed(arm: Arm, start: Array) -> Iterator[Piece]:
     """The pieces of an arm from `start` to its end: a bound, a floor, infinity, the start again."""
     inside = within_reach(arm.problem, above_floors(arm.problem, arm.pieces(), arm, start), arm)
-    return until_repeating(until_closed(until_lost(inside, arm, start), arm, start), arm)
+    return until_retracing(until_repeating(until_closed(until_lost(inside, arm, start), arm, start), arm), arm)
 
 
 def until_defect(pieces: Iterator[Piece], arm: Arm) -> Iterator[Piece]:
