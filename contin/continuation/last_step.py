@@ -52,7 +52,7 @@ class Course:
     known: list[Verified] = field(default_factory=list)  # points already labelled, so that none is labelled twice
     symmetries: tuple[str, ...] = ()  # broken at the branch's birth: where it meets its own image, it is complete
     foundling: bool = False  # no other branch has the branch point at which it meets its own image as a label
-    met: list[Verified] = field(default_factory=list)  # of the known points: those located again, since this was emptied
+    met: list[Verified] = field(default_factory=list)  # known points that were located again
 
     def is_known(self, point: Verified, scale: Array) -> bool:
         """True for a point that is labelled already."""
