@@ -14,7 +14,7 @@ from contin.machine import elementary
 from contin.normalforms.branching import branch_point
 from contin.normalforms.invariant_plane import zero_hopf_on_plane
 from contin.normalforms.point import normal_form
-from contin.normalforms.result import NO_FORM, TRUST, NormalForm
+from contin.normalforms.result import NO_FORM, TRUST
 from contin.normalforms.sources import compiled_jet
 from contin.problems.massless import in_own_units, unit_mass, with_units
 from contin.records import Fields
@@ -63,12 +63,8 @@ def described(
         return replace(point, vectors=vectors, remark=f"{point.type}: its normal form could not be computed ({reason})")
     known = dict(form.errors)
     if drift is not None and point.type != "DP":
-        exact = np.zeros(problem.n)  # of the second point no errors are wanted
-
-        def form_at(z: Array) -> NormalForm:
-            return normal_form(point.type, jet_at(problem, z), frequency=frequency, state_error=exact)
-
-        for key, change in _changes(form_at, form, point.z, drift, problem.curve.sizes).items():
+        for key, change in _changes(lambda z: normal_form(point.type, jet_at(problem, z), frequency=frequency),
+                                    form, point.z, drift, problem.curve.sizes).items():  # fmt: skip
             known[key] = known.get(key, TRUST * abs(float(form.coefficients[key]))) + change
     errors = {"errors": known} if known else {}
     own = dict(in_own_units(form.vectors, unit_mass(problem.system)))

@@ -87,7 +87,7 @@ def solve(
     scatter = _scatter(residuals, matrix, inverse, y)
     g[:-1] /= float(np.max(np.abs(jacobian))) or 1.0  # in units of time, of which residuals must not depend
     along = inverse[:, -1] / np.linalg.norm(inverse[:, -1])  # the one direction that the curve's equations leave free
-    after, before = (function((y + step * along) * scale) for step in (DIFFERENCE, -DIFFERENCE))
+    after, before = at_rows(function, np.array([y + DIFFERENCE * along, y - DIFFERENCE * along]) * scale).tolist()
     beside = max(abs(after), abs(before))
     if with_poles and abs(float(g[-1])) * size > POLE * beside:
         return None
