@@ -123,7 +123,7 @@ def test_jumps_carry_disturbances_by_their_saltation_matrix(tilt):
         "bell", states={"x": 0.1, "w": -0.1 * tilt}, equations={"x": "0", "w": "1"},
         events=[{"when": f"w + {tilt}*x - 1", "direction": "up", "set": {"x": after, "w": f"-{tilt}*{after}"}}],
     )  # fmt: skip
-    found = contin.lyapunov(model, time=600.0, transient=10.0)
+    found = contin.lyapunov(model, time=300.0, transient=10.0)
     assert abs(found.exponents[0] - np.log(2.0)) < 1.5 * found.errors[0] < 0.1
     assert abs(found.exponents[1]) < 1e-2
 

@@ -77,7 +77,7 @@ def measured_contraction(jet):
     """Re d from the decay of orbits: r_n^-2 grows by -2 Re d a step on average (a second, independent method)."""
     q = neimark_sacker(jet).vectors["q"]
     p = neimark_sacker(jet).vectors["p"]
-    steps = 60000
+    steps = 30000
     u = 2 * (0.02 * q).real
     sizes = []
     for i in range(steps):

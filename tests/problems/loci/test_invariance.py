@@ -98,7 +98,7 @@ def test_a_user_function_gives_the_curves_of_the_same_model():
     problem = contin.FunctionProblem(residual, [-1.0, 0.0], {"p": -0.5, "q": -0.5})
     line = contin.continuation(problem, "p", BOX["p"])
     for label in ("LP1", "HB1"):
-        curve = follow(line[label])
+        curve = follow(line[label], box={"p": (-0.6, 0.6), "q": (-0.6, 0.4)})
         assert_points(curve, [("BT", 0.0, 0.0)], atol=1e-6)  # derivatives by differences
         wanted = curve.columns["q"] ** 2 / 4 if label == "LP1" else 0.0
         np.testing.assert_allclose(curve.columns["p"], wanted, atol=1e-7)
