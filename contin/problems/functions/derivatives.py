@@ -85,8 +85,10 @@ class Lines:
         if self.analytic:
             r = CIRCLE * reach
             total = np.zeros(n)
+            along, across = v[:n], v[n:]
             for w, weight, turned_back in circle(order):
-                value = np.asarray(self.function(u + r * w * v[:n], p + r * w * v[n:]), dtype=complex)
+                step = r * w
+                value = np.asarray(self.function(u + step * along, p + step * across), dtype=complex)
                 total += weight * (value * turned_back).real
             return total * (math.factorial(order) / (CIRCLE_POINTS * elementary.pow(r, order)))
         if order == 1:

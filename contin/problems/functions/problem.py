@@ -240,6 +240,7 @@ class FunctionProblem:
     @property
     def expect(self) -> tuple[Expectation, ...]:
         """The points that runs must find, as a model's."""
+
         def read(label: str, at: Any, run: Any = (), tolerance: float = 1e-8) -> Expectation:
             points = [at] if isinstance(at, Mapping) else at
             numbers = tuple({key: number(float(value)) for key, value in point.items()} for point in points)

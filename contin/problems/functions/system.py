@@ -80,12 +80,16 @@ class FunctionSystem:
         try:
             value = evaluate()
         except UserFunctionError as error:
-            if what not in self._worked:
-                raise
-            self._trouble = str(error), np.real(u).astype(float), np.real(p).astype(float)
+            self._keep(what, error, u, p)
             return failed
         self._worked.add(what)
         return value
+
+    def _keep(self, what: str, error: UserFunctionError, u: Vector, p: Vector) -> None:
+        """Keep the reason of a failure where `what` worked before; raise `error` where it did not."""
+        if what not in self._worked:
+            raise error
+        self._trouble = str(error), np.real(u).astype(float), np.real(p).astype(float)
 
     # values ---------------------------------------------------------------------------------------------------------
 
@@ -98,14 +102,28 @@ class FunctionSystem:
         value: Vector = self.attempt("residual", evaluate, np.full(self.n, np.nan), u, p)
         return value
 
+    def quickly(self, u: Vector, p: Vector) -> Vector:
+        """`raw` without looking for what is wrong, until something is: for the many points of a difference or circle.
+
+        Floating point warnings are the caller's to switch off.
+        """
+        try:
+            value = np.asarray(self.model.residual(u, self._named(p)))
+        except Exception:  # noqa: BLE001 - said in words there
+            return self.raw(u, p)
+        return value if value.shape == (self.n,) and value.dtype.kind in "biufc" else self.raw(u, p)
+
     def value(self, u: ArrayLike, p: ArrayLike) -> Array:
         """F(u, p), (n,)."""
         states, others = np.array(u, dtype=float), np.asarray(p, dtype=float)
         before = self._trouble
-        with np.errstate(all="ignore"):
-            value: Array = self.attempt(
-                "value", lambda: real("residual", self.raw(states, others)), self._lost, states, others
-            )
+        try:
+            with np.errstate(all="ignore"):
+                value = real("residual", self.quickly(states, others))
+        except UserFunctionError as error:
+            self._keep("value", error, states, others)
+            return self._lost
+        self._worked |= {"residual", "value"}
         if self._trouble is before and not np.all(np.isfinite(value)):
             bad = int(np.flatnonzero(~np.isfinite(value))[0])
             self._trouble = f"component {bad} of the residual is {value[bad]:.3g}", states, others
@@ -199,7 +217,7 @@ class FunctionSystem:
         states, others = np.where(u0 != 0.0, np.abs(u0), self.model.typical), np.where(p0 != 0.0, np.abs(p0), 1.0)
         sizes = np.concatenate([states, others])
         analytic = self.model.written is None and is_analytic(self.raw, u0, p0, sizes)
-        return Lines(self.raw, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
+        return Lines(self.quickly, sizes, analytic, None if analytic or self.model.jacobian is None else self._slope)
 
     def _slope(self, u: Array, p: Array, v: Array) -> Array:
         """D F[v] by the user's Jacobian."""
@@ -234,9 +252,10 @@ class FunctionSystem:
         direction = np.zeros(self.n + self.m)
         direction[self.n + k] = 1.0
         lines = self.lines
-        if lines.analytic:
-            return lines.first(u, p, direction)
-        return Lines(self.raw, lines.sizes, False).pure(u, p, direction, 1)
+        with np.errstate(all="ignore"):
+            if lines.analytic:
+                return lines.first(u, p, direction)
+            return Lines(self.quickly, lines.sizes, False).pure(u, p, direction, 1)
 
     def state_jacobian(self, u: Array, p: Array) -> Array:
         """dF/du, (n, n), dense."""
@@ -258,10 +277,11 @@ class FunctionSystem:
         if self.lines.analytic and self._made % LOOK_AGAIN == 0:
             self._look_again(u, p)
         direction = np.zeros(self.n + self.m)
-        for j in range(self.n):
-            direction[j] = 1.0
-            matrix[:, j] = self.lines.first(u, p, direction)
-            direction[j] = 0.0
+        with np.errstate(all="ignore"):
+            for j in range(self.n):
+                direction[j] = 1.0
+                matrix[:, j] = self.lines.first(u, p, direction)
+                direction[j] = 0.0
         return matrix
 
     def slopes(self, u: Array, p: Array) -> Any:
