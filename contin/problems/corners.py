@@ -20,6 +20,7 @@ PASSED = -1e-4  # ... and how far behind it: Newton's last step may have crossed
 BESIDE = 1e-8  # a corner this close to two samples lies between them: Newton moves them that far
 BEHIND = 1e-5  # how far behind it the branch is taken up again
 APART = 1e-6  # two surfaces crossed in one step are told apart where they are this far (arclength) from each other
+VERTICAL = 1e-12  # a smaller part of the parameter in a (scaled) tangent is rounding, and so is its sign
 STEP = 1e-7  # of central differences of a switching function (scaled unknowns)
 
 
@@ -115,7 +116,7 @@ def cross_corner(
             continue
         if np.linalg.norm((beyond.z - z) / scale) > 10.0 * behind:  # the equations jump here: that is another branch
             continue
-        turns = tangent[-1] * last.tangent[-1] < 0.0
+        turns = tangent[-1] * last.tangent[-1] < 0.0 and abs(float(last.tangent[-1])) > VERTICAL
         stable = min(last.unstable, beyond.unstable)
         form, vectors = {"kind": "nonsmooth"}, {"switch": int(k)}
         point = Verified("LP", z, residual, error, last.eigenvalues, stable, form, vectors) if turns else None

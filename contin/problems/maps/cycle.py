@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
+from typing import cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from contin.abi import Array, Vector
 from contin.continuation import march as python_march
 from contin.continuation.branch import SpecialPoint
 from contin.continuation.departure import Seed
-from contin.continuation.problem import Chunk, Frame, Jump, Outcome, Rejected, Sample, Verified
+from contin.continuation.problem import Chunk, Corner, Frame, Jump, Outcome, Rejected, Sample, Verified
 from contin.continuation.settings import Settings
 from contin.errors import NotFiniteError
 from contin.kernels.floquet import multipliers as multipliers_of
@@ -94,6 +94,10 @@ class CycleProblem(OfFixedPoints):
     def _inner_sample(self, sample: Sample) -> Sample:
         return replace(sample, z=self.first(sample.z), tangent=self.first(sample.tangent))
 
+    @overload
+    def _lifted(self, found: Verified) -> Verified: ...
+    @overload
+    def _lifted(self, found: Outcome) -> Outcome: ...
     def _lifted(self, found: Outcome) -> Outcome:
         return replace(found, z=self.lift(found.z)) if isinstance(found, Verified) else found
 
@@ -194,6 +198,19 @@ class CycleProblem(OfFixedPoints):
         sides = self._inner_sample(a), self._inner_sample(b)
         found = self.inner.verify_corner(*sides, self._inner_frame(frame))
         return found if found is None or isinstance(found, Jump) else self._lifted(found)
+
+    def cross_corner(
+        self, last: Sample, frame: Frame, settings: Settings
+    ) -> tuple[Sample, Verified | Corner | None] | None:
+        inner = self._inner_frame(frame)
+        crossed = self.inner.cross_corner(self._inner_sample(last), inner, settings)
+        if crossed is None:
+            return None
+        beyond, point = crossed
+        z, tangent = self.lift(beyond.z), carried(self, beyond.z, beyond.tangent * inner.scale)[0] / frame.scale
+        base = replace(last, z=z, tangent=tangent / np.linalg.norm(tangent))
+        sample = self.probe(base, 0.0, z, frame, settings)
+        return None if sample is None else (sample, self._lifted(point) if isinstance(point, Verified) else point)
 
     def reverses(self, z: Array, tangent: Array, scale: Array, symmetries: Sequence[str]) -> bool:
         if HALF_PERIOD in symmetries and self._halves(z, tangent):
