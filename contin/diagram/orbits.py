@@ -10,6 +10,7 @@ import numpy as np
 from contin.abi import Array
 from contin.continuation.branch import Branch, Parent, SpecialPoint
 from contin.diagram.sizes import sizes_among
+from contin.diagram.wiggles import beside_homoclinic
 from contin.problems.images import image
 from contin.problems.symmetry import apply_symmetry, every_symmetry
 from contin.transitions.registry import Explored
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from contin.problems.orbits.layout import Profile
 
 CASCADE = 2  # period doublings after which a cascade is left to the user
-LONG = 0.4  # part of the period at the end of a family from which its orbits are long
 SAME_PARAMETER = 1e-6  # relative to the range
 SAME_PERIOD = 1e-4  # relative
 SAME_ORBIT = 1e-2  # distance between two orbits as sets, relative to their extent: period and parameter agree already
@@ -42,11 +42,8 @@ def left_to_the_user(branch: Branch, point: SpecialPoint, rule: Explored) -> str
         return ""
     if rule.cascade and branch.born_at.count(point.type) >= CASCADE:
         return f"orbits of {2**CASCADE} times the period are the last that are followed"
-    for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
-        if not end.data.get("spiral") or not rule.crowded:
-            continue
-        if point.values["period"] > LONG * float(branch.columns["period"][row]):
-            return "families of long orbits beside a homoclinic orbit to a saddle-focus are not followed"
+    if rule.crowded and beside_homoclinic(branch, point):
+        return "families of long orbits beside a homoclinic orbit to a saddle-focus are not followed"
     return ""
 
 
