@@ -11,7 +11,7 @@ FOLDS = 12
 
 
 def family(born_at=(), spiral=True, reverse=False):
-    """Folds at (-1/2)^k about the homoclinic value 3, a period of 2 more each; two doublings before, and after every one."""
+    """Folds at (-1/2)^k about the homoclinic value 3, a period of 2 more each; doublings before and after every one."""
     rows = [("PD", 0.0, 5.0), ("PD", 0.5, 6.0)]
     for k in range(FOLDS):
         rows.append(("LPC", 3.0 + (-0.5) ** k, 10.0 + 2.0 * k))
