@@ -21,7 +21,7 @@ def assert_same(run, choices, tmp_path):
         assert found == expected, f"{name}: {first_difference(expected, found)}"
 
 
-@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.stem)
+@pytest.mark.parametrize("run", RUNS[:2], ids=lambda run: run.stem)  # the long version takes all
 def test_digits_do_not_depend_on_the_environment(run, tmp_path):
     assert_same(run, ["everything"], tmp_path)
 

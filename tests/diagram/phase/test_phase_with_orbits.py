@@ -123,6 +123,7 @@ def test_stable_states_of_the_averaged_pair_are_those_that_random_starts_settle_
     assert min(np.hypot(*((rows - [1.887, 0.85907]) / [8.0, 0.4]).T).min() for rows in turning) < 0.05
 
 
+@pytest.mark.long
 def test_regions_beside_a_symmetric_bogdanov_takens_point():
     """x'' = m x + n x' - x^3 - x^2 x': beside the origin, homoclinic loops on n = 4 m/5, folds of large orbits on
     n = 0.752 m, Hopf points on n = m (Carr, Applications of Centre Manifold Theory, 1981, section 4.2). A line of the

@@ -106,7 +106,11 @@ def as_large(plane):
     return contin.continuation(problem, "p", (plane.box or BOX)["p"])
 
 
-@pytest.mark.parametrize("plane", [BOGDANOV_TAKENS, DOUBLE_HOPF, zero_hopf(-1, 0.8)], ids=["BT", "HH", "ZH"])
+@pytest.mark.parametrize(
+    "plane",
+    [BOGDANOV_TAKENS, DOUBLE_HOPF, pytest.param(zero_hopf(-1, 0.8), marks=pytest.mark.long)],
+    ids=["BT", "HH", "ZH"],
+)
 def test_points_of_codimension_two_are_those_of_the_extended_systems(plane):
     small, large = plane.line(6), as_large(plane)
     assert [p.type for p in large.points] == [p.type for p in small.points]

@@ -33,6 +33,7 @@ def twisted(along_by_s: str, across_by_z: str, along_by_z: str = "0", across_by_
 
 
 METHODS = pytest.mark.parametrize("method", ["collocation", "shooting"])
+ONE_BY_DEFAULT = pytest.mark.parametrize("method", ["collocation", pytest.param("shooting", marks=pytest.mark.long)])
 
 
 def orbit_on_circle(
@@ -121,7 +122,7 @@ def test_torus_bifurcation_is_degenerate_beside_and_at_a_strong_resonance():
         assert_only(tori, {"R4": (0.25,), "CH": (r,)}, "q")
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_tori_meet_period_doublings(method):
     """s' = (p/2 + q - s^2) s in the turning plane, v' = (p + 0.3 i - |v|^2) v: PD at q = -p/2, NS at p = 0."""
     x, y = amplitude("e", "f", "p - (e^2 + f^2)", "0.3")
@@ -135,7 +136,7 @@ def test_tori_meet_period_doublings(method):
     assert_only(flips, {"PDNS": (0.0,)}, "q")
 
 
-@METHODS
+@ONE_BY_DEFAULT
 def test_two_curves_of_tori_cross(method):
     """v' = (p + 0.3 i - |v|^2) v and w' = (p/2 + q + 0.2 i - |w|^2) w: NS at p = 0 and at q = -p/2."""
     v, w = amplitude("c", "d", "p - (c^2 + d^2)", "0.3"), amplitude("e", "f", "p/2 + q - (e^2 + f^2)", "0.2")
