@@ -66,6 +66,11 @@ class Arm:
         """True once the arm has an end."""
         return self.end is not None
 
+    def allow(self, steps: int) -> None:
+        """Take no more than so many steps."""
+        settings = self.course.settings
+        self.course = replace(self.course, settings=replace(settings, steps=min(settings.steps, max(steps, 0))))
+
     def pieces(self) -> Iterator[Piece]:
         """Chunks until the arm ends; `end` is set when the iterator is exhausted."""
         settings, problem = self.course.settings, self.problem

@@ -59,9 +59,11 @@ def trace(
     watch: Watcher | None = None,
     journal: Journal | None = None,
     deadline: float | None = None,
+    most: int | None = None,
 ) -> Branch:
     """Follow the curve through `seed` in the senses of `seed.arms` and label what is found.
 
+    most : accepted points of both arms together; `settings.steps` is of each.
     At the `deadline` (of `computing_time()`) an arm that is not over ends, with reason 'steps', after its chunk.
     `journal` keeps every chunk as it is computed, and answers with those of an earlier, killed run.
     Interrupting it (Ctrl-C) ends the branch with reason 'stopped'; everything computed is kept.
@@ -83,6 +85,8 @@ def trace(
             records[sense] = _ArmRecord([], ready, 0)
             continue
         arm, pieces = ready
+        if most is not None:
+            arm.allow(most - sum(record.accepted for record in records.values()))
         rows, first = sum(len(piece.z) for piece in pieces), len(pieces)
         try:
             for piece in until_defect(followed(arm, seed.z), arm):
@@ -103,6 +107,13 @@ def trace(
             notes.append(arm.end.text)
         if arm.end.reason == "stopped":
             break
+    return _assembled(departure, records, name, targets, notes, started, before)
+
+
+def _assembled(
+    departure: Departure, records: dict[int, _ArmRecord], name: str, targets: Sequence[Wanted], notes: list[str],
+    started: float, before: Mapping[str, int],
+) -> Branch:  # fmt: skip
     try:
         return _assemble(departure, records, name, targets, [*notes], started, before)
     except KeyboardInterrupt:  # what is computed is not lost in its last moment; whoever watches the next run stops it

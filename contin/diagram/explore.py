@@ -149,13 +149,12 @@ class Explorer:
             return f"budget of {self.budget.seconds:g} s used"
         return None
 
-    def _within_budget(self, diagram: Diagram, seed: Seed) -> Settings:
-        """The settings, with no more steps than the budget has left."""
+    def _steps_left(self, diagram: Diagram, seed: Seed) -> int:
+        """Of the budget, for all arms of the seed's branch together."""
         computed = [b for b in diagram.branches if b.image_of is None]
         steps = self.budget.steps - sum(b.steps for b in computed)
         work = self.budget.work - sum(b.steps * b.z.shape[1] for b in computed)
-        left = max(1.0, min(float(steps), work / seed.z.size))
-        return replace(self.settings, steps=min(self.settings.steps, math.ceil(left / (1 if seed.born else 2))))
+        return max(1, min(steps, int(min(work / float(seed.z.size), 1e9))))
 
     def _follow(self, diagram: Diagram, task: Task, deadline: float) -> Branch | None:
         name, seed = task.name, task.seed
@@ -166,20 +165,21 @@ class Explorer:
             elif known.parent is not None and known.kind != "orbit":
                 diagram.branches.extend(images_through(known, seed.z, diagram.branches))
             return None
-        settings = self._within_budget(diagram, seed)
+        left = self._steps_left(diagram, seed)
         branch = trace(
             with_columns(seed, self.columns),
             self.bounds,
             name=name,
-            settings=settings,
+            settings=self.settings,
             targets=self.targets,
             watch=self.watch,
             journal=self.journal,
             deadline=deadline,
+            most=left,
         )
         branch = replace(branch, born_at=task.born_at)
         diagram.branches.append(branch)
-        if settings.steps < self.settings.steps and any(end.reason == "steps" for end in branch.ends):
+        if branch.steps >= left and any(end.reason == "steps" for end in branch.ends):
             diagram.unfinished.append(
                 f"budget of {_steps(self.budget)} or {_work(self.budget)} used; {name} ends there"
             )

@@ -17,16 +17,18 @@ EVEN: Final = 1e-6  # of the parameter's range: folds so near the homoclinic val
 
 
 def beside_homoclinic(branch: Branch, point: SpecialPoint) -> bool:
-    """True for a point at which one of the infinitely many families is born that are not followed."""
+    """True for a point at which one of the infinitely many families is born that are not followed.
+
+    Of a family that was doubled before none is.
+    """
     for row, end in ((0, branch.ends[0]), (-1, branch.ends[1])):
         if not end.data.get("spiral"):
             continue
-        if point.values["period"] > LONG * float(branch.columns["period"][row]):
+        if "PD" in branch.born_at or point.values["period"] > LONG * float(branch.columns["period"][row]):
             return True
         among = _among_folds(branch, end, row)
         born = [p for p in among if p.type == point.type]
-        followed = FOLLOWED if "PD" not in branch.born_at else 0
-        if any(p.label == point.label for p in born[followed:]):
+        if any(p.label == point.label for p in born[FOLLOWED:]):
             return True
     return False
 
