@@ -28,6 +28,10 @@ def parameter_values(
 ) -> dict[str, float]:
     """Values in the order of `parameters`; each of `layers` overrides the defaults and the layers before it."""
     names = [p.name for p in parameters]
+    if layers and set(map(type, layers[-1].values())) == {float} and layers[-1].keys() == set(names):
+        given = {name: float(layers[-1][name]) for name in names}  # type: ignore[arg-type]
+        if all(map(math.isfinite, given.values())):
+            return given
     formulas = {p.name: p.value for p in parameters}
     for layer in layers:
         for name, value in layer.items():
