@@ -2,7 +2,8 @@
 
 A polynomial of degree m rises above its values at the nodes by at most (L - 1)/2 of their range, L the Lebesgue
 constant of the nodes (Trefethen, Approximation Theory and Approximation Practice, ch. 15): only intervals that can
-hold the largest value are searched, wherever its node stands.
+hold the largest value are sampled, wherever its node stands. Above its samples it rises by far less (Markov's bound of
+its second derivative): few of these intervals are searched further.
 """
 
 from __future__ import annotations
@@ -28,33 +29,45 @@ def extrema(values: Array, m: int) -> tuple[Array, Array]:
     extremum between neighbouring samples.
     """
     across = np.ascontiguousarray(values.transpose(0, 2, 1))  # of one function after the other
-    count = (across.shape[2] - 1) // m
     flat = across.reshape(-1, across.shape[2])
-    pieces = flat[:, (np.arange(count) * m)[:, None] + np.arange(m + 1)]  # (R k, N, m + 1)
-    low, high = -_largest(-pieces), _largest(pieces)
+    last = flat.shape[1] - m
+    lowest, highest = flat[:, 0:last:m].copy(), flat[:, 0:last:m].copy()  # of each interval's nodes
+    for j in range(1, m + 1):
+        nodes = flat[:, j : last + j : m]
+        np.minimum(lowest, nodes, out=lowest)
+        np.maximum(highest, nodes, out=highest)
+    above = _rise(m) * (highest - lowest)
+    low, high = -_largest(flat, -lowest, above, m, -1.0), _largest(flat, highest, above, m, 1.0)
     return low.reshape(across.shape[:2]), high.reshape(across.shape[:2])
 
 
 def may_hold_largest(pieces: Array) -> NDArray[np.bool_]:
     """(F, N): the pieces (F, N, m + 1) of F functions that can rise as high as the highest node."""
     highest = pieces.max(axis=2)
-    above = 0.5 * (_lebesgue(pieces.shape[2] - 1) - 1.0) * (highest - pieces.min(axis=2))
+    above = _rise(pieces.shape[2] - 1) * (highest - pieces.min(axis=2))
     return np.asarray(highest + above >= highest.max(axis=1)[:, None])
 
 
-def _largest(pieces: Array) -> Array:
-    """Largest value of each function (F,) of pieces (F, N, m + 1)."""
-    best: Array = pieces.max(axis=(1, 2))
-    rows, columns = np.nonzero(may_hold_largest(pieces))
-    np.maximum.at(best, rows, _tops(pieces[rows, columns]))
+def _largest(flat: Array, highest: Array, above: Array, m: int, sign: float) -> Array:
+    """Largest value of sign * each function (F,) of flat (F, N m + 1).
+
+    highest, above (F, N) : the highest node of each interval, and what the function may rise above it.
+    """
+    best: Array = highest.max(axis=1)
+    rows, columns = np.nonzero(highest + above >= best[:, None])
+    pieces = sign * flat[rows[:, None], columns[:, None] * m + np.arange(m + 1)]
+    samples = pieces @ _sampling(m)
+    place = samples.argmax(axis=1)
+    tops = samples[np.arange(len(rows)), place]
+    np.maximum.at(best, rows, tops)
+    searched = np.flatnonzero(tops + _between_samples(m) * (tops - samples.min(axis=1)) >= best[rows])
+    np.maximum.at(best, rows[searched], _tops(pieces[searched], place[searched]))
     return best
 
 
-def _tops(pieces: Array) -> Array:
-    """Largest values of polynomials (K, m + 1) on their intervals: by samples, then Newton's method on the slope."""
+def _tops(pieces: Array, place: NDArray[np.intp]) -> Array:
+    """Values of polynomials (K, m + 1) at their tops beside the largest samples: by Newton's method on the slope."""
     m = pieces.shape[1] - 1
-    samples = pieces @ interpolation(m, _places(m)).T
-    place = samples.argmax(axis=1)
     series = np.einsum("kij,kj->ki", _series(m)[place], pieces)  # Taylor's, about the largest sample
     middle, reach = _places(m)[place], 1.0 / (SAMPLES * m)
     low, high = np.maximum(-reach, -middle), np.minimum(reach, 1.0 - middle)
@@ -62,8 +75,7 @@ def _tops(pieces: Array) -> Array:
     for _ in range(STEPS):
         slope, bend = _derivative(series, s, 1), _derivative(series, s, 2)
         s = np.clip(s - slope / np.where(bend < 0.0, bend, -np.abs(slope) / (0.5 * reach) - TINY), low, high)
-    values = np.einsum("kj,kj->k", interpolation(m, middle + s), pieces)
-    return np.asarray(np.maximum(values, samples.max(axis=1)))
+    return np.asarray(np.einsum("kj,kj->k", interpolation(m, middle + s), pieces))
 
 
 def _derivative(series: Array, s: Array, order: int) -> Array:
@@ -84,6 +96,23 @@ def _places(m: int) -> NDArray[np.float64]:
 
 
 @cache
+def _sampling(m: int) -> NDArray[np.float64]:
+    """(m + 1, samples): values there from those at the nodes."""
+    return np.ascontiguousarray(interpolation(m, _places(m)).T)
+
+
+@cache
+def _between_samples(m: int) -> float:
+    """How far a polynomial of degree m can rise above its samples, as a part of their range.
+
+    At a top between samples 1/(8 m) apart it is at most max |p''| / (8 (8 m)^2) above the nearer one, and of a range R
+    max |p''| <= 2 m^2 (m^2 - 1) R / 3 on an interval of length 1 (V. A. Markov).
+    """
+    part = (m * m - 1.0) / (12.0 * SAMPLES * SAMPLES)
+    return part / (1.0 - 2.0 * part)  # R is that of the samples and what it rises above and falls below them
+
+
+@cache
 def _series(m: int) -> NDArray[np.float64]:
     """(K, m + 1, m + 1): Taylor's coefficients about each sample from the values at an interval's nodes."""
     nodes = basis(m).nodes
@@ -92,6 +121,7 @@ def _series(m: int) -> NDArray[np.float64]:
 
 
 @cache
-def _lebesgue(m: int) -> float:
-    """Lebesgue constant of the nodes of an interval, (sum of |cardinal functions|) at its largest."""
-    return float(np.abs(interpolation(m, np.linspace(0.0, 1.0, 40 * m + 1))).sum(axis=1).max())
+def _rise(m: int) -> float:
+    """(L - 1)/2, L the Lebesgue constant of an interval's nodes (sum of |cardinal functions|) at its largest."""
+    largest = float(np.abs(interpolation(m, np.linspace(0.0, 1.0, 40 * m + 1))).sum(axis=1).max())
+    return 0.5 * (largest - 1.0)
