@@ -99,7 +99,10 @@ class CycleProblem(OfFixedPoints):
     @overload
     def _lifted(self, found: Outcome) -> Outcome: ...
     def _lifted(self, found: Outcome) -> Outcome:
-        return replace(found, z=self.lift(found.z)) if isinstance(found, Verified) else found
+        if not isinstance(found, Verified):
+            return found
+        z = self.lift(found.z)
+        return replace(found, z=z, eigenvalues=self.multipliers(z))
 
     # evaluation -------------------------------------------------------------------------------------------------------
 

@@ -27,8 +27,7 @@ def test_small_multipliers_of_doubled_cycles_keep_their_digits_and_cost_no_searc
     assert len(calls) < 5000
     for branch in found.branches:
         k = 2 ** branch.name.count("PD")
-        labelled = {0, *(point.index for point in branch.points)}  # there the product of matrices is taken
-        for row in set(range(0, len(branch), 5)) - labelled:
+        for row in {*range(0, len(branch), 5), *(point.index for point in branch.points)}:
             values = branch.eigenvalues[row]
             logarithm = np.log(np.abs(values)).sum() - k * np.log(0.3)
             assert abs(logarithm) < 1e-6 * k, (branch.name, row)
